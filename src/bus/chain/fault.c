@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 #include "bus/chain/fault.h"
-#include "wire/assert.h"
 
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "bus/chain/words.h"
 #include "seams/device.h"
-
-enum { WORDS = 12 };
+#include "wire/assert.h"
 
 /* The parameter of each kind of fault. */
 typedef enum amount { NO_AMOUNT, MICROSECONDS, BYTES, SIGNED, BIT, NANOSECONDS, MILLISECONDS, STEP, REGISTER } amount_t;
@@ -85,70 +84,34 @@ static const char *word_of(amount_t amount)
     return amount == STEP ? "step" : amount == REGISTER ? "register" : NULL;
 }
 
-/* The words of a text, and the next one to read. */
-typedef struct reader {
-    char room[ECT_FAULT_TEXT];
-    const char *words[WORDS + 1]; /* NULL behind the last one */
-    size_t at;
-    char *message;
-} reader_t;
+_Static_assert((int)ECT_WORDS_MESSAGE <= (int)ECT_FAULT_MESSAGE, "a message about words has room");
 
-static bool wrong(reader_t *r, const char *what, const char *found)
-{
-    snprintf(r->message, ECT_FAULT_MESSAGE, "%.215s, not '%.30s'", what, found ? found : "");
-    return false;
-}
-
-static bool cut(reader_t *r, const char *text)
-{
-    size_t count = 0;
-    if (snprintf(r->room, sizeof r->room, "%s", text) >= (int)sizeof r->room)
-        return wrong(r, "a fault is at most 95 characters long", text);
-    for (char *rest = r->room; rest;) {
-        char *space = strchr(rest, ' ');
-        if (space)
-            *space = 0;
-        if (*rest != 0 && count == WORDS)
-            return wrong(r, "a fault has at most 12 words", text);
-        if (*rest != 0)
-            r->words[count++] = rest;
-        rest = space ? space + 1 : NULL;
-    }
-    return true;
-}
-
-static bool take(reader_t *r, const char *word)
-{
-    if (!r->words[r->at] || strcmp(r->words[r->at], word) != 0)
-        return false;
-    r->at++;
-    return true;
-}
+static const ect_words_limits_t limits = {"a fault", " ", ECT_FAULT_TEXT - 1, 12};
 
 /* A number with its unit behind it, in a word of its own. */
-static bool number(reader_t *r, const char *unit, long long minimum, long long maximum, long long *value)
+static bool number(ect_words_t *r, const char *unit, long long minimum, long long maximum, long long *value)
 {
-    const char *word = r->words[r->at];
+    const char *word = ect_words_next(r);
     char what[80], *end = NULL;
     long long got = word ? strtoll(word, &end, 10) : 0;
     snprintf(what, sizeof what, "expected a number from %lld to %lld%s%s", minimum, maximum, *unit ? " " : "", unit);
     if (!word || end == word || strcmp(end, unit) != 0 || got < minimum || got > maximum)
-        return wrong(r, what, word);
+        return ect_words_wrong(r, what, word);
     *value = got;
     r->at++;
     return true;
 }
 
-static void drop_words(reader_t *r, size_t at, size_t count)
+static void drop_words(ect_words_t *r, size_t at, size_t count)
 {
-    memmove(&r->words[at], &r->words[at + count], (WORDS + 1 - at - count) * sizeof r->words[0]);
+    memmove(&r->word[at], &r->word[at + count], (ECT_WORDS_MOST + 1 - at - count) * sizeof r->word[0]);
 }
 
-static bool is_kind(const reader_t *r, size_t at, const kind_t *kind)
+static bool is_kind(const ect_words_t *r, size_t at, const kind_t *kind)
 {
-    if (strcmp(r->words[at], kind->name) != 0)
+    if (strcmp(r->word[at], kind->name) != 0)
         return false;
-    return !kind->second || (r->words[at + 1] && strcmp(r->words[at + 1], kind->second) == 0);
+    return !kind->second || (r->word[at + 1] && strcmp(r->word[at + 1], kind->second) == 0);
 }
 
 /* The names, each once. @param second  of two words: those that may follow this one; NULL: the first words */
@@ -165,22 +128,22 @@ static void list_kinds(const char *first, char *list, size_t room)
     }
 }
 
-static bool no_kind(reader_t *r, size_t at)
+static bool no_kind(ect_words_t *r, size_t at)
 {
     char list[ECT_FAULT_MESSAGE], what[ECT_FAULT_MESSAGE];
-    list_kinds(r->words[at], list, sizeof list);
-    if (r->words[at] && *list != 0) {
-        snprintf(what, sizeof what, "expected one of %.120s after '%.20s'", list, r->words[at]);
-        return wrong(r, what, r->words[at + 1]);
+    list_kinds(r->word[at], list, sizeof list);
+    if (r->word[at] && *list != 0) {
+        snprintf(what, sizeof what, "expected one of %.120s after '%.20s'", list, r->word[at]);
+        return ect_words_wrong(r, what, r->word[at + 1]);
     }
     list_kinds(NULL, list, sizeof list);
     snprintf(what, sizeof what, "expected %.245s", list);
-    return wrong(r, what, r->words[0]);
+    return ect_words_wrong(r, what, r->word[0]);
 }
 
 /* The kind whose name begins with the word; names of two words are the last ones of their kind. @return
  * ECT_FAULT_KINDS: none */
-static unsigned int kind_at(const reader_t *r, size_t at)
+static unsigned int kind_at(const ect_words_t *r, size_t at)
 {
     unsigned int i = ECT_FAULT_KINDS;
     while (i > 0 && !is_kind(r, at, &kinds[i - 1]))
@@ -189,14 +152,14 @@ static unsigned int kind_at(const reader_t *r, size_t at)
 }
 
 /* Finds the name of a kind and takes it out of the words. The word "to" may also be a part of another kind. */
-static bool read_kind(reader_t *r, ect_fault_t *fault)
+static bool read_kind(ect_words_t *r, ect_fault_t *fault)
 {
     size_t almost = 0, found = 0;
     unsigned int kind = ECT_FAULT_KINDS;
-    for (size_t at = 0; r->words[at]; at++) {
+    for (size_t at = 0; r->word[at]; at++) {
         unsigned int here = kind_at(r, at);
         char list[ECT_FAULT_MESSAGE];
-        list_kinds(r->words[at], list, sizeof list);
+        list_kinds(r->word[at], list, sizeof list);
         almost = *list != 0 ? at : almost;
         if (here == ECT_FAULT_KINDS || (kind != ECT_FAULT_KINDS && kind != ECT_FAULT_TO))
             continue;
@@ -221,14 +184,14 @@ static bool is_counted(const ect_fault_t *fault)
 }
 
 /* "every N", "frame N", "3rd", "N%". @return whether the next word begins one; then in *good whether it is right */
-static bool read_when(reader_t *r, ect_fault_t *fault, bool *good)
+static bool read_when(ect_words_t *r, ect_fault_t *fault, bool *good)
 {
     long long value = 0;
-    const char *word = r->words[r->at];
-    if (take(r, "every")) {
+    const char *word = ect_words_next(r);
+    if (ect_words_take(r, "every")) {
         fault->when = ECT_FAULT_EVERY;
         *good = number(r, "", 1, 1000000000, &value);
-    } else if (!is_counted(fault) && take(r, "frame")) {
+    } else if (!is_counted(fault) && ect_words_take(r, "frame")) {
         fault->when = ECT_FAULT_ONCE;
         *good = number(r, "", 1, 1000000000, &value);
     } else if (is_counted(fault) && ect_fault_ordinal(word) != 0) {
@@ -246,18 +209,18 @@ static bool read_when(reader_t *r, ect_fault_t *fault, bool *good)
 }
 
 /* "slave N", or "wire N". @return as read_when() */
-static bool read_place(reader_t *r, ect_fault_t *fault, bool *good)
+static bool read_place(ect_words_t *r, ect_fault_t *fault, bool *good)
 {
     long long slave = 0;
     bool of_slave = !ect_fault_is_of_frames(fault) && fault->kind != ECT_FAULT_OFF;
-    if (!(of_slave ? take(r, "slave") : (kinds[fault->kind].parts & WIRE) != 0 && take(r, "wire")))
+    if (!(of_slave ? ect_words_take(r, "slave") : (kinds[fault->kind].parts & WIRE) != 0 && ect_words_take(r, "wire")))
         return false;
     *good = number(r, "", 1, UINT16_MAX, &slave);
     fault->slave = (uint16_t)slave;
     return true;
 }
 
-static bool read_amount(reader_t *r, ect_fault_t *fault)
+static bool read_amount(ect_words_t *r, ect_fault_t *fault)
 {
     const kind_t *kind = &kinds[fault->kind];
     long long amount = 0;
@@ -268,10 +231,10 @@ static bool read_amount(reader_t *r, ect_fault_t *fault)
 }
 
 /* A code of 16 bits, or a larger one. @return as read_when() */
-static bool read_code(reader_t *r, ect_fault_t *fault)
+static bool read_code(ect_words_t *r, ect_fault_t *fault)
 {
     char *end = NULL;
-    const char *word = r->words[r->at];
+    const char *word = ect_words_next(r);
     bool is_long = (kinds[fault->kind].parts & LONG_CODE) != 0;
     unsigned long long code = strncmp(word, "0x", 2) == 0 ? strtoull(word, &end, 16) : 0;
     if (!end || end == word + 2 || *end != 0 || code < (is_long ? 0x10000 : 1) ||
@@ -283,50 +246,49 @@ static bool read_code(reader_t *r, ect_fault_t *fault)
 }
 
 /* "SAFEOP", or "to SAFEOP". @return as read_when() */
-static bool read_state(reader_t *r, ect_fault_t *fault, bool *good)
+static bool read_state(ect_words_t *r, ect_fault_t *fault, bool *good)
 {
     unsigned int parts = kinds[fault->kind].parts;
-    bool to = (parts & TO_STATE) != 0 && take(r, "to");
-    const char *word = r->words[r->at];
+    bool to = (parts & TO_STATE) != 0 && ect_words_take(r, "to");
+    const char *word = ect_words_next(r);
     if (!to && ((parts & STATE) == 0 || ect_fault_state(word) == 0))
         return false;
     fault->state = word ? ect_fault_state(word) : 0;
-    *good = fault->state != 0 || wrong(r, "expected INIT, PREOP, BOOT, SAFEOP or OP after 'to'", word);
+    *good = fault->state != 0 || ect_words_wrong(r, "expected INIT, PREOP, BOOT, SAFEOP or OP after 'to'", word);
     r->at += *good ? 1 : 0;
     return true;
 }
 
 /* An object, or "of" and an object. @return as read_when() */
-static bool read_object(reader_t *r, ect_fault_t *fault, bool *good)
+static bool read_object(ect_words_t *r, ect_fault_t *fault, bool *good)
 {
     unsigned int parts = kinds[fault->kind].parts;
-    bool of = (parts & OF_OBJECT) != 0 && take(r, "of");
-    const char *word = r->words[r->at];
+    bool of = (parts & OF_OBJECT) != 0 && ect_words_take(r, "of");
+    const char *word = ect_words_next(r);
     if (!of && (parts & OBJECT) == 0)
         return false;
     bool is_one = word && ect_fault_read_object(word, &fault->object);
-    *good = is_one || !of || wrong(r, "expected an object as 0x1018 or 0x1018:1 after 'of'", word);
+    *good = is_one || !of || ect_words_wrong(r, "expected an object as 0x1018 or 0x1018:1 after 'of'", word);
     r->at += is_one ? 1 : 0;
     return of || is_one;
 }
 
-static bool read_transfer(reader_t *r, ect_fault_t *fault)
+static bool read_transfer(ect_words_t *r, ect_fault_t *fault)
 {
-    ect_fault_transfer_t transfer = take(r, "upload")     ? ECT_FAULT_UPLOAD
-                                    : take(r, "download") ? ECT_FAULT_DOWNLOAD
-                                                          : ECT_FAULT_ANY_TRANSFER;
-    fault->object.transfer = transfer;
-    return transfer != ECT_FAULT_ANY_TRANSFER;
+    const char *word = ect_words_next(r);
+    fault->object.transfer = word ? ect_fault_transfer(word) : ECT_FAULT_ANY_TRANSFER;
+    r->at += fault->object.transfer != ECT_FAULT_ANY_TRANSFER;
+    return fault->object.transfer != ECT_FAULT_ANY_TRANSFER;
 }
 
-static bool read_data(reader_t *r, ect_fault_t *fault, bool *good)
+static bool read_data(ect_words_t *r, ect_fault_t *fault, bool *good)
 {
-    if ((kinds[fault->kind].parts & DATA) == 0 || !take(r, "data"))
+    if ((kinds[fault->kind].parts & DATA) == 0 || !ect_words_take(r, "data"))
         return false;
-    const char *word = r->words[r->at];
+    const char *word = ect_words_next(r);
     *good = word && strlen(word) == 2 * sizeof fault->data && strspn(word, "0123456789abcdefABCDEF") == strlen(word);
     if (!*good)
-        (void)wrong(r, "expected 10 hexadecimal digits after 'data'", word);
+        (void)ect_words_wrong(r, "expected 10 hexadecimal digits after 'data'", word);
     for (size_t i = 0; *good && i < sizeof fault->data; i++) {
         const char digits[3] = {word[2 * i], word[2 * i + 1], 0};
         fault->data[i] = (uint8_t)strtoul(digits, NULL, 16);
@@ -336,7 +298,7 @@ static bool read_data(reader_t *r, ect_fault_t *fault, bool *good)
 }
 
 /* A part of faults above the wire. @return as read_when() */
-static bool read_part_above(reader_t *r, ect_fault_t *fault, parts_t *parts, bool *good)
+static bool read_part_above(ect_words_t *r, ect_fault_t *fault, parts_t *parts, bool *good)
 {
     unsigned int has = kinds[fault->kind].parts;
     if (!parts->code && (has & (CODE | LONG_CODE)) != 0 && read_code(r, fault))
@@ -351,17 +313,17 @@ static bool read_part_above(reader_t *r, ect_fault_t *fault, parts_t *parts, boo
 }
 
 /* The amount, behind its word where it has one. @return as read_when() */
-static bool read_amount_part(reader_t *r, ect_fault_t *fault, bool *good)
+static bool read_amount_part(ect_words_t *r, ect_fault_t *fault, bool *good)
 {
     amount_t amount = kinds[fault->kind].amount;
-    if (amount == NO_AMOUNT || (word_of(amount) && !take(r, word_of(amount))))
+    if (amount == NO_AMOUNT || (word_of(amount) && !ect_words_take(r, word_of(amount))))
         return false;
     *good = read_amount(r, fault);
     return true;
 }
 
 /* The next part, whichever it is. */
-static bool read_part(reader_t *r, ect_fault_t *fault, parts_t *parts)
+static bool read_part(ect_words_t *r, ect_fault_t *fault, parts_t *parts)
 {
     bool good = true;
     bool of_frames = ect_fault_is_of_frames(fault);
@@ -369,31 +331,31 @@ static bool read_part(reader_t *r, ect_fault_t *fault, parts_t *parts)
         parts->when = true;
     else if (!parts->place && read_place(r, fault, &good))
         parts->place = true;
-    else if (!fault->back && of_frames && take(r, "back"))
+    else if (!fault->back && of_frames && ect_words_take(r, "back"))
         fault->back = true;
     else if (!read_part_above(r, fault, parts, &good)) {
         if (!good || parts->amount || !read_amount_part(r, fault, &good))
-            return good && wrong(r, "expected nothing more", r->words[r->at]);
+            return good && ect_words_wrong(r, "expected nothing more", ect_words_next(r));
         parts->amount = true;
     }
     return good;
 }
 
-static bool is_complete_above(reader_t *r, const ect_fault_t *fault, const parts_t *parts)
+static bool is_complete_above(ect_words_t *r, const ect_fault_t *fault, const parts_t *parts)
 {
     unsigned int has = kinds[fault->kind].parts;
     if ((has & OBJECT) != 0 && !fault->object.named)
-        return wrong(r, "expected an object, as 0x1C12:1", NULL);
+        return ect_words_wrong(r, "expected an object, as 0x1C12:1", NULL);
     if ((has & NEEDS_CODE) != 0 && !parts->code)
-        return wrong(r, (has & LONG_CODE) != 0 ? "expected an abort code, as 0x06040043" : "expected a code, as 0x001B",
-                     NULL);
+        return ect_words_wrong(
+            r, (has & LONG_CODE) != 0 ? "expected an abort code, as 0x06040043" : "expected a code, as 0x001B", NULL);
     if ((has & NEEDS_STATE) != 0 && !parts->state)
-        return wrong(r, "expected INIT, PREOP, BOOT or SAFEOP", NULL);
+        return ect_words_wrong(r, "expected INIT, PREOP, BOOT or SAFEOP", NULL);
     return fault->object.named || fault->object.transfer == ECT_FAULT_ANY_TRANSFER ||
-           wrong(r, "expected 'of' and an object with 'upload' or 'download'", NULL);
+           ect_words_wrong(r, "expected 'of' and an object with 'upload' or 'download'", NULL);
 }
 
-static bool is_complete(reader_t *r, const ect_fault_t *fault, const parts_t *parts)
+static bool is_complete(ect_words_t *r, const ect_fault_t *fault, const parts_t *parts)
 {
     const kind_t *kind = &kinds[fault->kind];
     if (kind->amount != NO_AMOUNT && !word_of(kind->amount) && !parts->amount) {
@@ -403,20 +365,20 @@ static bool is_complete(reader_t *r, const ect_fault_t *fault, const parts_t *pa
     if (!is_complete_above(r, fault, parts))
         return false;
     if (fault->kind > ECT_FAULT_OFF && !parts->place)
-        return wrong(r, "expected 'slave N'", NULL);
+        return ect_words_wrong(r, "expected 'slave N'", NULL);
     if (fault->kind == ECT_FAULT_DAMAGE && !parts->place)
-        return wrong(r, "expected 'wire N': damage happens on a wire", NULL);
-    return !fault->back || parts->place || wrong(r, "expected 'wire N' with 'back'", "back");
+        return ect_words_wrong(r, "expected 'wire N': damage happens on a wire", NULL);
+    return !fault->back || parts->place || ect_words_wrong(r, "expected 'wire N' with 'back'", "back");
 }
 
 bool ect_fault_parse(const char *text, ect_fault_t *fault, char *message)
 {
-    reader_t reader = {.message = message};
+    ect_words_t reader = {.message = message};
     parts_t parts = {0};
     *fault = (ect_fault_t){0};
-    if (!cut(&reader, text) || !read_kind(&reader, fault))
+    if (!ect_words_cut(&reader, &limits, text) || !read_kind(&reader, fault))
         return false;
-    while (reader.words[reader.at]) {
+    while (ect_words_next(&reader)) {
         if (!read_part(&reader, fault, &parts))
             return false;
     }
@@ -441,6 +403,12 @@ uint8_t ect_fault_state(const char *name)
             return states[i].state;
     }
     return 0;
+}
+
+ect_fault_transfer_t ect_fault_transfer(const char *word)
+{
+    bool upload = strcmp(word, "upload") == 0;
+    return upload ? ECT_FAULT_UPLOAD : strcmp(word, "download") == 0 ? ECT_FAULT_DOWNLOAD : ECT_FAULT_ANY_TRANSFER;
 }
 
 static const char *name_of(uint8_t state)

@@ -142,6 +142,9 @@ uint32_t ect_fault_ordinal(const char *text);
 /** @return the AL state of a name (INIT, PREOP, BOOT, SAFEOP, OP); 0: there is none */
 uint8_t ect_fault_state(const char *name);
 
+/** @return the direction of a transfer, "upload" or "download"; ECT_FAULT_ANY_TRANSFER: the word is neither */
+ect_fault_transfer_t ect_fault_transfer(const char *word);
+
 /** First word of the faults of a kind, 0 and up, several times where kinds share it. @return NULL: there are no more */
 const char *ect_fault_word(size_t kind);
 

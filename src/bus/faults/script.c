@@ -1,59 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-#define _GNU_SOURCE
 #include "bus/faults/script.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "bus/chain/words.h"
 #include "text/number.h"
 
-enum { NS_PER_S = 1000000000, WORDS = 40, LINE = 256 };
+enum { NS_PER_S = 1000000000 };
 
-/* The words of a line, and the next one to read. */
-typedef struct words {
-    char room[LINE];
-    const char *word[WORDS + 1]; /* NULL behind the last one */
-    size_t at;
-    char *message;
-} words_t;
+static const ect_words_limits_t limits = {"a line", " \t", ECT_WORDS_ROOM - 1, ECT_WORDS_MOST};
 
-static bool wrong(words_t *w, const char *what, const char *found)
+static bool take_number(ect_words_t *w, uint64_t minimum, uint64_t maximum, uint64_t *value)
 {
-    snprintf(w->message, ECT_STEP_MESSAGE, "%.180s, not '%.60s'", what, found ? found : "");
-    return false;
-}
-
-static bool cut(words_t *w, const char *line)
-{
-    size_t count = 0;
-    if (snprintf(w->room, sizeof w->room, "%s", line) >= (int)sizeof w->room)
-        return wrong(w, "a line is at most 255 characters long", line);
-    char *rest = NULL;
-    for (char *word = strtok_r(w->room, " \t", &rest); word; word = strtok_r(NULL, " \t", &rest)) {
-        if (count == WORDS)
-            return wrong(w, "a line has at most 40 words", line);
-        w->word[count++] = word;
-    }
-    return true;
-}
-
-static const char *next(const words_t *w)
-{
-    return w->word[w->at];
-}
-
-static bool take(words_t *w, const char *word)
-{
-    if (!next(w) || strcmp(next(w), word) != 0)
-        return false;
-    w->at++;
-    return true;
-}
-
-static bool take_number(words_t *w, uint64_t minimum, uint64_t maximum, uint64_t *value)
-{
-    const char *end = next(w) ? ect_number_begins(next(w), minimum, maximum, value) : NULL;
+    const char *end = ect_words_next(w) ? ect_number_begins(ect_words_next(w), minimum, maximum, value) : NULL;
     if (!end || *end != 0)
         return false;
     w->at++;
@@ -61,15 +22,15 @@ static bool take_number(words_t *w, uint64_t minimum, uint64_t maximum, uint64_t
 }
 
 /* "2.5s", "200ms", "50us" */
-static bool take_duration(words_t *w, uint64_t *ns)
+static bool take_duration(ect_words_t *w, uint64_t *ns)
 {
     static const struct {
         const char *name;
         double ns;
     } units[] = {{"s", 1e9}, {"ms", 1e6}, {"us", 1e3}};
     char *end = NULL;
-    double number = next(w) ? strtod(next(w), &end) : 0;
-    for (size_t i = 0; end && end != next(w) && i < sizeof units / sizeof units[0]; i++) {
+    double number = ect_words_next(w) ? strtod(ect_words_next(w), &end) : 0;
+    for (size_t i = 0; end && end != ect_words_next(w) && i < sizeof units / sizeof units[0]; i++) {
         double value = number * units[i].ns;
         if (strcmp(end, units[i].name) != 0 || !(value >= 0 && value < 1e9 * (double)NS_PER_S))
             continue;
@@ -83,83 +44,83 @@ static bool take_duration(words_t *w, uint64_t *ns)
 /* --- milestones --------------------------------------------------------------------------------------------------- */
 
 /* "slave 1 in OP again", all but the state may be left out. */
-static bool take_state(words_t *w, ect_milestone_t *m)
+static bool take_state(ect_words_t *w, ect_milestone_t *m)
 {
     uint64_t slave = 0;
-    if (take(w, "slave") && !take_number(w, 1, UINT16_MAX, &slave))
+    if (ect_words_take(w, "slave") && !take_number(w, 1, UINT16_MAX, &slave))
         return false;
-    (void)take(w, "in");
-    uint8_t state = next(w) ? ect_fault_state(next(w)) : 0;
+    (void)ect_words_take(w, "in");
+    uint8_t state = ect_words_next(w) ? ect_fault_state(ect_words_next(w)) : 0;
     if (state == 0)
         return false;
     w->at++;
     *m = (ect_milestone_t){.kind = ECT_MILESTONE_STATE, .value = state, .slave = (uint16_t)slave};
-    if (take(w, "again"))
+    if (ect_words_take(w, "again"))
         m->kind = ECT_MILESTONE_AGAIN;
     return true;
 }
 
 /* "the 3rd upload of 0x1018" */
-static bool take_transfer(words_t *w, ect_milestone_t *m)
+static bool take_transfer(ect_words_t *w, ect_milestone_t *m)
 {
     *m = (ect_milestone_t){.kind = ECT_MILESTONE_SDO};
-    if (!take(w, "the") || !next(w))
+    if (!ect_words_take(w, "the") || !ect_words_next(w))
         return false;
-    m->value = ect_fault_ordinal(next(w));
+    m->value = ect_fault_ordinal(ect_words_next(w));
     w->at++;
-    ect_fault_transfer_t transfer = take(w, "upload")     ? ECT_FAULT_UPLOAD
-                                    : take(w, "download") ? ECT_FAULT_DOWNLOAD
-                                                          : ECT_FAULT_ANY_TRANSFER;
-    if (m->value == 0 || transfer == ECT_FAULT_ANY_TRANSFER || !take(w, "of") || !next(w) ||
-        !ect_fault_read_object(next(w), &m->object))
+    ect_fault_transfer_t transfer = ect_words_next(w) ? ect_fault_transfer(ect_words_next(w)) : ECT_FAULT_ANY_TRANSFER;
+    if (m->value == 0 || transfer == ECT_FAULT_ANY_TRANSFER)
+        return false;
+    w->at++;
+    if (!ect_words_take(w, "of") || !ect_words_next(w) || !ect_fault_read_object(ect_words_next(w), &m->object))
         return false;
     m->object.transfer = transfer;
     w->at++;
     return true;
 }
 
-static bool take_point(words_t *w, ect_milestone_t *m)
+static bool take_point(ect_words_t *w, ect_milestone_t *m)
 {
     *m = (ect_milestone_t){.kind = ECT_MILESTONE_FRAME};
-    if (take(w, "frame"))
+    if (ect_words_take(w, "frame"))
         return take_number(w, 0, UINT64_MAX, &m->value);
     if (take_duration(w, &m->value)) {
         m->kind = ECT_MILESTONE_TIME;
         return true;
     }
-    return next(w) && strcmp(next(w), "the") == 0 ? take_transfer(w, m) : take_state(w, m);
+    return ect_words_next(w) && strcmp(ect_words_next(w), "the") == 0 ? take_transfer(w, m) : take_state(w, m);
 }
 
 /* "10 cycles", "100ms" */
-static bool take_span(words_t *w, ect_milestone_t *m)
+static bool take_span(ect_words_t *w, ect_milestone_t *m)
 {
     *m = (ect_milestone_t){.kind = ECT_MILESTONE_CYCLES};
     if (take_number(w, 1, 1000000000, &m->value))
-        return take(w, "cycles") || take(w, "cycle");
+        return ect_words_take(w, "cycles") || ect_words_take(w, "cycle");
     m->kind = ECT_MILESTONE_DELAY;
     return take_duration(w, &m->value);
 }
 
-static bool add_when(words_t *w, ect_step_t *step, const ect_milestone_t *m, const char *word)
+static bool add_when(ect_words_t *w, ect_step_t *step, const ect_milestone_t *m, const char *word)
 {
     if (step->when_count == ECT_STEP_MILESTONES)
-        return wrong(w, "a line has at most 4 milestones", word);
+        return ect_words_wrong(w, "a line has at most 4 milestones", word);
     if (step->repeats)
-        return wrong(w, "'while' is the last milestone of a line: expected it at the end", word);
+        return ect_words_wrong(w, "'while' is the last milestone of a line: expected it at the end", word);
     step->when[step->when_count++] = *m;
     return true;
 }
 
-static bool set_until(words_t *w, ect_step_t *step, const ect_milestone_t *m, const char *word)
+static bool set_until(ect_words_t *w, ect_step_t *step, const ect_milestone_t *m, const char *word)
 {
     if (step->until.kind != ECT_MILESTONE_NONE)
-        return wrong(w, "a line has one end: expected one of while, until, for and within", word);
+        return ect_words_wrong(w, "a line has one end: expected one of while, until, for and within", word);
     step->until = *m;
     return true;
 }
 
 /* "while in PREOP": begins in the state, ends when it is left. */
-static bool add_while(words_t *w, ect_step_t *step, const ect_milestone_t *m, const char *word)
+static bool add_while(ect_words_t *w, ect_step_t *step, const ect_milestone_t *m, const char *word)
 {
     ect_milestone_t left = *m;
     left.kind = ECT_MILESTONE_LEFT;
@@ -170,28 +131,30 @@ static bool add_while(words_t *w, ect_step_t *step, const ect_milestone_t *m, co
 }
 
 /* A milestone, from its first word on. */
-static bool read_milestone(words_t *w, ect_step_t *step)
+static bool read_milestone(ect_words_t *w, ect_step_t *step)
 {
     ect_milestone_t m;
     const char *word = w->word[w->at++];
-    const char *from = next(w);
+    const char *from = ect_words_next(w);
     switch (word[0]) {
     case 'a':
         if (word[1] == 't' ? take_point(w, &m) : take_span(w, &m))
             return add_when(w, step, &m, word);
-        return wrong(w,
-                     word[1] == 't' ? "expected 'at 2.5s', 'at frame 100', 'at slave 1 OP' or 'at the 3rd upload of "
-                                      "0x1018', then an action"
-                                    : "expected 'after 100ms' or 'after 10 cycles'",
-                     from);
+        return ect_words_wrong(w,
+                               word[1] == 't'
+                                   ? "expected 'at 2.5s', 'at frame 100', 'at slave 1 OP' or 'at the 3rd upload of "
+                                     "0x1018', then an action"
+                                   : "expected 'after 100ms' or 'after 10 cycles'",
+                               from);
     case 'u':
         if (take_point(w, &m))
             return set_until(w, step, &m, word);
-        return wrong(w, "expected 'until 5s', 'until slave 1 OP' or 'until OP again'", from);
+        return ect_words_wrong(w, "expected 'until 5s', 'until slave 1 OP' or 'until OP again'", from);
     case 'w':
         if (word[1] == 'h')
-            return take_state(w, &m) && m.kind == ECT_MILESTONE_STATE ? add_while(w, step, &m, word)
-                                                                      : wrong(w, "expected 'while in PREOP'", from);
+            return take_state(w, &m) && m.kind == ECT_MILESTONE_STATE
+                       ? add_while(w, step, &m, word)
+                       : ect_words_wrong(w, "expected 'while in PREOP'", from);
         break;
     default:
         step->holds = true;
@@ -199,7 +162,8 @@ static bool read_milestone(words_t *w, ect_step_t *step)
     }
     if (take_span(w, &m))
         return set_until(w, step, &m, word);
-    return wrong(w, step->holds ? "expected 'for 100ms' or 'for 10 cycles'" : "expected 'within 200ms'", from);
+    return ect_words_wrong(w, step->holds ? "expected 'for 100ms' or 'for 10 cycles'" : "expected 'within 200ms'",
+                           from);
 }
 
 static bool begins_milestone(const char *word)
@@ -256,7 +220,7 @@ static bool is_signal(const ect_step_t *step, const char *text)
     return is_one && (step->action == ECT_ACTION_EXPECT || condition.relation == '=');
 }
 
-static bool read_signals(words_t *w, const char *const *word, ect_step_t *step)
+static bool read_signals(ect_words_t *w, const char *const *word, ect_step_t *step)
 {
     size_t used = 0, count = 0;
     step->slave = 1;
@@ -269,20 +233,21 @@ static bool read_signals(words_t *w, const char *const *word, ect_step_t *step)
         }
         const char *signal = read_slave(*word, step);
         if (!is_signal(step, signal))
-            return wrong(w,
-                         step->action == ECT_ACTION_SET ? "expected 'set NAME=VALUE'"
-                                                        : "expected 'expect NAME=VALUE', with =, !=, < or >",
-                         *word);
+            return ect_words_wrong(w,
+                                   step->action == ECT_ACTION_SET ? "expected 'set NAME=VALUE'"
+                                                                  : "expected 'expect NAME=VALUE', with =, !=, < or >",
+                                   *word);
         used += (size_t)snprintf(step->text + used, sizeof step->text - used, "%s%s", count > 0 ? " " : "", signal);
         count++;
         if (used >= sizeof step->text)
-            return wrong(w, "the signals of a line have at most 127 characters", signal);
+            return ect_words_wrong(w, "the signals of a line have at most 127 characters", signal);
     }
     if (count == 0)
-        return wrong(w, step->action == ECT_ACTION_SET ? "expected 'set NAME=VALUE'" : "expected 'expect NAME=VALUE'",
-                     NULL);
+        return ect_words_wrong(
+            w, step->action == ECT_ACTION_SET ? "expected 'set NAME=VALUE'" : "expected 'expect NAME=VALUE'", NULL);
     return count == 1 || (step->action == ECT_ACTION_SET && step->until.kind == ECT_MILESTONE_NONE) ||
-           wrong(w, "expected one signal, on a line with 'expect' or with an end", strchr(step->text, ' ') + 1);
+           ect_words_wrong(w, "expected one signal, on a line with 'expect' or with an end",
+                           strchr(step->text, ' ') + 1);
 }
 
 /* Whether there is something that its end takes back. */
@@ -292,9 +257,9 @@ static bool can_end(const ect_fault_t *fault)
            (fault->kind >= ECT_FAULT_EEPROM_BUSY && fault->kind <= ECT_FAULT_EEPROM_FLIP);
 }
 
-static bool read_fault(words_t *w, const char *const *word, ect_step_t *step)
+static bool read_fault(ect_words_t *w, const char *const *word, ect_step_t *step)
 {
-    char text[LINE];
+    char text[ECT_WORDS_ROOM];
     size_t used = 0;
     text[0] = 0;
     for (; *word; word++)
@@ -302,11 +267,11 @@ static bool read_fault(words_t *w, const char *const *word, ect_step_t *step)
     if (!ect_fault_parse(text, &step->fault, w->message))
         return false;
     return step->until.kind == ECT_MILESTONE_NONE || can_end(&step->fault) ||
-           wrong(w, "'while', 'until' and 'for' need a fault that lasts", text);
+           ect_words_wrong(w, "'while', 'until' and 'for' need a fault that lasts", text);
 }
 
 /* The words that belong to no milestone. */
-static bool read_action(words_t *w, const char *const *word, ect_step_t *step)
+static bool read_action(ect_words_t *w, const char *const *word, ect_step_t *step)
 {
     bool expects = *word && strcmp(*word, "expect") == 0;
     if (*word && (expects || strcmp(*word, "set") == 0)) {
@@ -333,14 +298,14 @@ static void default_slave(ect_milestone_t *m, uint16_t slave)
 
 bool ect_step_read(const char *line, ect_step_t *step, char *message)
 {
-    words_t w = {.message = message};
-    const char *action[WORDS + 1] = {NULL};
+    ect_words_t w = {.message = message};
+    const char *action[ECT_WORDS_MOST + 1] = {NULL};
     size_t count = 0;
     *step = (ect_step_t){0};
-    if (!cut(&w, line))
+    if (!ect_words_cut(&w, &limits, line))
         return false;
-    while (next(&w)) {
-        if (!begins_milestone(next(&w)))
+    while (ect_words_next(&w)) {
+        if (!begins_milestone(ect_words_next(&w)))
             action[count++] = w.word[w.at++];
         else if (!read_milestone(&w, step))
             return false;
