@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "seams/mailbox.h"
-#include "seams/random.h"
 #include "wire/assert.h"
 #include "wire/bytes.h"
 #include "wire/registers.h"
@@ -20,7 +19,6 @@ enum { MAIL_ROOM = 2048, SOON_NS = 100000, NO_STATE = 7 };
 typedef struct rule {
     ect_fault_t fault;
     uint64_t seen;
-    uint32_t seed;
 } rule_t;
 
 /* An SDO transfer: the last one that was requested. */
@@ -88,21 +86,10 @@ uint64_t ect_above_seen(const ect_above_t *a, uint32_t tag)
     return seen;
 }
 
-/* Whether a fault concerns this one of those that it sees; one that does so once is over. */
+/* Whether a fault concerns this one of those that it sees. */
 static bool applies(rule_t *rule)
 {
-    ect_fault_t *fault = &rule->fault;
-    rule->seen++;
-    switch (fault->when) {
-    case ECT_FAULT_SHARE:
-        return ect_random_next(&rule->seed) % 100u < fault->number;
-    case ECT_FAULT_EVERY:
-        return rule->seen % fault->number == 0;
-    case ECT_FAULT_ONCE:
-        return rule->seen == fault->number;
-    default:
-        return true;
-    }
+    return ect_fault_applies(&rule->fault, ++rule->seen, &rule->fault.seed);
 }
 
 static void end_those_over(ect_above_t *a)
@@ -315,10 +302,15 @@ static void answer_abort(ect_above_t *a)
     ect_store_le32(mail + SDO_CODE, a->abort_code);
 }
 
+static void forget_mails(ect_above_t *a)
+{
+    a->kept = a->again = a->fetched = false;
+}
+
 /* The mail is complete: changed, and sent unless it is late or lost. */
 static void send_mail(ect_above_t *a)
 {
-    a->kept = a->again = a->fetched = false;
+    forget_mails(a);
     answer_abort(a);
     for (size_t i = 0; i < a->count; i++) {
         const ect_fault_t *fault = &a->rules[i].fault;
@@ -329,11 +321,6 @@ static void send_mail(ect_above_t *a)
     a->kept = a->kept && !a->fetched;
     if (!a->kept && !a->fetched)
         emit(a);
-}
-
-static void forget_mails(ect_above_t *a)
-{
-    a->kept = a->again = a->fetched = false;
 }
 
 static int write_changed(void *ctx, uint16_t address, const void *buffer, uint16_t length)
@@ -388,7 +375,7 @@ bool ect_above_add(ect_above_t *a, const ect_fault_t *fault, ect_pdi_t *pdi)
     ECT_ASSERT(ect_fault_is_above_wire(fault));
     if (a->count == ECT_ABOVE_FAULTS)
         return false;
-    a->rules[a->count++] = (rule_t){.fault = *fault, .seed = fault->seed};
+    a->rules[a->count++] = (rule_t){.fault = *fault};
     if (pdi->ctx != a) {
         a->plain = *pdi;
         *pdi = (ect_pdi_t){.ctx = a, .read = read_changed, .write = write_changed, .al_event = event_changed};

@@ -8,6 +8,7 @@
 
 #include "bus/chain/words.h"
 #include "seams/device.h"
+#include "seams/random.h"
 #include "wire/assert.h"
 
 /* The parameter of each kind of fault. */
@@ -464,6 +465,20 @@ uint32_t ect_fault_ordinal(const char *text)
     unsigned long value = isdigit((unsigned char)*text) ? strtoul(text, &end, 10) : 0;
     bool good = value >= 1 && value <= 1000000000 && strcmp(end, ordinal_end((uint32_t)value)) == 0;
     return good ? (uint32_t)value : 0;
+}
+
+bool ect_fault_applies(const ect_fault_t *fault, uint64_t count, uint32_t *seed)
+{
+    switch (fault->when) {
+    case ECT_FAULT_SHARE:
+        return ect_random_next(seed) % 100u < fault->number;
+    case ECT_FAULT_EVERY:
+        return count % fault->number == 0;
+    case ECT_FAULT_ONCE:
+        return count == fault->number;
+    default:
+        return true;
+    }
 }
 
 /* --- writing ------------------------------------------------------------------------------------------------------ */

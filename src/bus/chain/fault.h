@@ -31,7 +31,7 @@
  *     pdo-size 2 slave 2                   it expects process data that are two bytes longer
  *     off                                  ends all faults that last
  *
- * No clock and no randomness in here (bus/faults/scenario.h has them).
+ * No clock in here; random numbers come from the seed of the caller. Context: any.
  */
 #ifndef ECT_BUS_CHAIN_FAULT_H
 #define ECT_BUS_CHAIN_FAULT_H
@@ -144,6 +144,13 @@ uint8_t ect_fault_state(const char *name);
 
 /** @return the direction of a transfer, "upload" or "download"; ECT_FAULT_ANY_TRANSFER: the word is neither */
 ect_fault_transfer_t ect_fault_transfer(const char *word);
+
+/**
+ * @param count  of the frame, mail or SDO transfer among those that the fault sees, from 1
+ * @param[in,out] seed  of the random generator; SHARE takes a number from it each time, whatever other faults do
+ * @return whether the fault concerns it
+ */
+bool ect_fault_applies(const ect_fault_t *fault, uint64_t count, uint32_t *seed);
 
 /** First word of the faults of a kind, 0 and up, several times where kinds share it. @return NULL: there are no more */
 const char *ect_fault_word(size_t kind);

@@ -474,8 +474,7 @@ uint64_t ect_scenario_tick(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_n
     for (size_t i = 0; s->steps_left > 0 && i < s->step_count; i++) {
         if (s->steps[i].progress == ECT_STEP_OVER)
             continue;
-        uint64_t step_ns = advance(s, chain, &s->steps[i], now_ns);
-        next_ns = step_ns < next_ns ? step_ns : next_ns;
+        next_ns = ect_earlier(next_ns, advance(s, chain, &s->steps[i], now_ns));
     }
     return next_ns;
 }
@@ -508,24 +507,6 @@ ect_verdict_t ect_scenario_end(ect_scenario_t *s)
 }
 
 /* --- frames ------------------------------------------------------------------------------------------------------- */
-
-/* Whether a fault concerns this frame. Each fault with a share takes a random number, so that none depends on others.
- */
-static bool applies_to_frame(ect_scenario_t *s, size_t i)
-{
-    const ect_fault_t *fault = &s->set[i].fault;
-    uint64_t frame = ++s->set[i].frames;
-    switch (fault->when) {
-    case ECT_FAULT_SHARE:
-        return ect_random_next(&s->seed) % 100u < fault->number;
-    case ECT_FAULT_EVERY:
-        return frame % fault->number == 0;
-    case ECT_FAULT_ONCE:
-        return frame == fault->number;
-    default:
-        return true;
-    }
-}
 
 static void drop(ect_scenario_t *s, ect_frame_effects_t *effects)
 {
@@ -586,7 +567,7 @@ ect_frame_effects_t ect_scenario_frame(ect_scenario_t *s, ect_chain_t *chain, ui
     size_t kept = 0;
     for (size_t i = 0; i < s->set_count; i++) {
         const ect_fault_t *fault = &s->set[i].fault;
-        bool now = applies_to_frame(s, i);
+        bool now = ect_fault_applies(fault, ++s->set[i].frames, &s->seed);
         if (now && fault->slave != 0)
             ect_wires_add(&s->wires, fault);
         else if (now)
