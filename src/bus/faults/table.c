@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
 #include "bus/faults/table.h"
 
 #include <stdio.h>
@@ -7,15 +8,6 @@
 
 #include "bus/chain/settings.h"
 #include "wire/assert.h"
-
-static char *copy(const char *text)
-{
-    size_t size = strlen(text) + 1;
-    char *copied = malloc(size);
-    if (copied)
-        memcpy(copied, text, size);
-    return copied;
-}
 
 ect_table_t *ect_table_new(uint16_t slave, const char *const *names, size_t columns)
 {
@@ -26,7 +18,7 @@ ect_table_t *ect_table_new(uint16_t slave, const char *const *names, size_t colu
     table->slave = slave;
     table->columns = columns;
     for (size_t i = 0; i < columns; i++) {
-        table->names[i] = copy(names[i]);
+        table->names[i] = strdup(names[i]);
         if (table->names[i])
             continue;
         ect_table_free(table);
@@ -46,11 +38,12 @@ static bool grow(ect_table_t *table)
 {
     enum { FIRST_ROOM = 64 };
     size_t room = table->room > 0 ? 2 * table->room : FIRST_ROOM;
-    ect_table_row_t **grown = table->count < table->room ? table->rows : realloc(table->rows, room * sizeof(void *));
+    if (table->count < table->room)
+        return true;
+    ect_table_row_t **grown = realloc(table->rows, room * sizeof *grown);
     if (!grown)
         return false;
-    if (table->count == table->room)
-        table->room = room;
+    table->room = room;
     table->rows = grown;
     return true;
 }
@@ -61,7 +54,7 @@ bool ect_table_add(ect_table_t *table, uint64_t due_ns, const char *const *value
     ect_table_row_t *row = calloc(1, sizeof *row + table->columns * sizeof row->values[0]);
     bool done = row && grow(table);
     for (size_t i = 0; done && i < table->columns; i++) {
-        row->values[i] = *values[i] != 0 ? copy(values[i]) : NULL;
+        row->values[i] = *values[i] != 0 ? strdup(values[i]) : NULL;
         done = *values[i] == 0 || row->values[i];
     }
     if (!done) {
