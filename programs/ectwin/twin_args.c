@@ -18,6 +18,7 @@
 #include "commands.h"
 #include "connect_args.h"
 #include "csv.h"
+#include "grow.h"
 #include "products.h"
 #include "sii_file.h"
 #include "text/argument.h"
@@ -182,19 +183,15 @@ static uint64_t parse_size(const struct argp_state *state, const char *text)
 
 static void add_setting(twin_args_t *args, const struct argp_state *state, const char *text)
 {
-    const char **grown = realloc(args->settings, (args->setting_count + 1) * sizeof *grown);
-    if (!grown || !strchr(text, '='))
+    if (!strchr(text, '='))
         argp_error(state, "--set takes NAME=VALUE, not '%s'", text);
-    args->settings = grown;
+    args->settings = grow(state, args->settings, args->setting_count, sizeof *args->settings);
     args->settings[args->setting_count++] = text;
 }
 
 static void add_connection(twin_args_t *args, const struct argp_state *state, const char *text)
 {
-    const char **grown = realloc(args->connections, (args->connection_count + 1) * sizeof *grown);
-    if (!grown)
-        argp_failure(state, EXIT_RUN, ENOMEM, "too many options");
-    args->connections = grown;
+    args->connections = grow(state, args->connections, args->connection_count, sizeof *args->connections);
     args->connections[args->connection_count++] = text;
 }
 
@@ -213,10 +210,9 @@ static void add_module(twin_args_t *args, const struct argp_state *state, const 
 {
     const char *rest = text;
     twin_module_t module = {.twin = twin_of(&rest)};
-    twin_module_t *grown = realloc(args->modules, (args->module_count + 1) * sizeof *grown);
-    if (!grown || module.twin == 0 || !product_parse_module(rest, &module.choice))
+    if (module.twin == 0 || !product_parse_module(rest, &module.choice))
         argp_error(state, "--module takes SLOT=IDENT, as in 1=0x00000120, not '%s'", text);
-    args->modules = grown;
+    args->modules = grow(state, args->modules, args->module_count, sizeof *args->modules);
     args->modules[args->module_count++] = module;
 }
 
@@ -225,12 +221,11 @@ static void add_behaviour(twin_args_t *args, const struct argp_state *state, con
     const char *colon = strchr(text, ':');
     const char *word = text;
     twin_behaviour_t one = {.twin = colon ? twin_of(&word) : 0};
-    twin_behaviour_t *grown = realloc(args->behaviours, (args->behaviour_count + 1) * sizeof *grown);
     bool drive = strcmp(word, "cia402") == 0;
-    if (!grown || (colon && one.twin == 0) || (!drive && strcmp(word, "none") != 0))
+    if ((colon && one.twin == 0) || (!drive && strcmp(word, "none") != 0))
         argp_error(state, "--behaviour takes cia402 or none, or one of them for a twin, as 2:none, not '%s'", text);
     one.behaviour = drive ? ECT_BEHAVIOUR_CIA402 : ECT_BEHAVIOUR_NONE;
-    args->behaviours = grown;
+    args->behaviours = grow(state, args->behaviours, args->behaviour_count, sizeof *args->behaviours);
     args->behaviours[args->behaviour_count++] = one;
 }
 
@@ -274,10 +269,7 @@ static void add_identity(twin_args_t *args, const struct argp_state *state, int 
 {
     const identity_option_t *option = identity_option(key);
     const char *colon = strchr(text, ':');
-    identity_setting_t *grown = realloc(args->identities, (args->identity_count + 1) * sizeof *grown);
-    if (!grown)
-        argp_failure(state, EXIT_RUN, ENOMEM, "too many options");
-    args->identities = grown;
+    args->identities = grow(state, args->identities, args->identity_count, sizeof *args->identities);
     identity_setting_t *setting = &args->identities[args->identity_count++];
     *setting = (identity_setting_t){.key = key};
     if (colon) {
@@ -592,10 +584,7 @@ static void add_twin(twin_args_t *args, const struct argp_state *state, const ch
     const ect_product_t *product = find_product(args, name, args->count + 1, message);
     if (!product)
         argp_failure(state, EXIT_USAGE, 0, "%s", message);
-    ect_twin_config_t *grown = realloc(args->twins, (args->count + 1) * sizeof *grown);
-    if (!grown)
-        argp_failure(state, EXIT_RUN, ENOMEM, "too many devices");
-    args->twins = grown;
+    args->twins = grow(state, args->twins, args->count, sizeof *args->twins);
     args->twins[args->count++] = ect_twin_default(product->device, product->plant);
 }
 

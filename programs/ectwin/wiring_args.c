@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "wiring_args.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,6 +8,7 @@
 #include "check/check.h"
 #include "commands.h"
 #include "esc/personality.h"
+#include "grow.h"
 #include "seams/random.h"
 #include "sii/fit.h"
 #include "text/argument.h"
@@ -105,10 +105,7 @@ static const char *twin_of(const struct argp_state *state, const char *text, siz
 
 static void add(wiring_args_t *args, const struct argp_state *state, int key, const char *text)
 {
-    wiring_setting_t *grown = realloc(args->settings, (args->count + 1) * sizeof *grown);
-    if (!grown)
-        argp_failure(state, EXIT_RUN, ENOMEM, "too many options");
-    args->settings = grown;
+    args->settings = grow(state, args->settings, args->count, sizeof *args->settings);
     wiring_setting_t *setting = &args->settings[args->count++];
     setting->key = key;
     setting->text = twin_of(state, text, &setting->twin);
@@ -205,12 +202,8 @@ static void set_wire(const struct argp_state *state, ect_twin_config_t *twin, co
 /* The description that stays as long as the twins. */
 static ect_device_t *new_device(wiring_args_t *args, const struct argp_state *state)
 {
-    ect_device_t **grown = realloc(args->fitted, (args->fitted_count + 1) * sizeof *grown);
-    ect_device_t *device = malloc(sizeof *device);
-    if (grown)
-        args->fitted = grown;
-    if (!grown || !device)
-        argp_failure(state, EXIT_RUN, ENOMEM, "too many twins");
+    args->fitted = grow(state, args->fitted, args->fitted_count, sizeof(ect_device_t *));
+    ect_device_t *device = grow(state, NULL, 0, sizeof *device);
     args->fitted[args->fitted_count++] = device;
     return device;
 }
