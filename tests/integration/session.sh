@@ -356,10 +356,11 @@ print(os.sched_getscheduler(pid) & ~os.SCHED_RESET_ON_FORK, os.sched_getparam(pi
   for option in "--realtime 7" "--realtime=7"; do
     rm -f "$work/out"
     # shellcheck disable=SC2086
-    "$ectwin" with $option fzm1 -- sh -c "python3 -c '$policy' 0; exec sleep 1" >"$work/out" 2>"$work/err" &
+    "$ectwin" with $option fzm1 -- sh -c "python3 -c '$policy' 0; exec sleep 60" >"$work/out" 2>"$work/err" &
     pid=$!
     wait_for "$work/out"
     check "$option: the twins, not the command" "1 7 0 0" "$(python3 -c "$policy" $pid) $(cat "$work/out")"
+    kill $pid
     wait $pid
   done
 }
