@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Commands between controller and remote unit on a bus that loses frames: each arrives exactly once and in order.
- * usage: ectwin with --in-process [--virtual-time] --fault "at slave 1 OP drop 10%" vr-bu-ect-map7 -- test_commands {}
- * COUNT COUNT: commands of each side. tools/dev/commands.sh runs a million.
+ * usage: ectwin with --in-process [--virtual-time] --fault "at slave 1 OP drop 10%" vr-bu-ect-map7 --
+ *        test_commands {} COUNT
+ * COUNT: commands of each side. tools/dev/commands.sh runs a million.
  */
 #include <inttypes.h>
 #include <stdio.h>
