@@ -98,7 +98,7 @@ static void print_result(const replay_t *r)
 {
     if (r->status == EXIT_CLEAN)
         printf("%s: %" PRIu64 " frames and %" PRIu64 " replies in %.3f s of the bus: all equal\n", r->path, r->requests,
-               r->replies, (double)(r->last_ns - r->first_ns) / 1e9);
+               r->replies, (double)r->bus_ns / 1e9);
 }
 
 int command_replay(int argc, char **argv)

@@ -204,9 +204,8 @@ static void pass_time(comparison_t *c, uint64_t now_ns)
 static void pass_request(comparison_t *c, const ect_item_t *item)
 {
     replay_t *r = c->replay;
-    r->first_ns = r->requests++ == 0 ? item->time_ns : r->first_ns;
-    r->last_ns = item->time_ns;
-    pass_time(c, c->base_ns + (item->time_ns - r->first_ns));
+    replay_count_request(r);
+    pass_time(c, c->base_ns + r->bus_ns);
     memcpy(c->request, item->bytes, item->captured);
     c->request_length = item->captured;
     c->reply_length = 0;
@@ -270,7 +269,7 @@ static void report(comparison_t *c)
         compare_steps(c, i, "mail", c->slaves[i].mails, true);
     }
     printf("%s: %" PRIu64 " frames and %" PRIu64 " replies in %.3f s of the bus: %" PRIu64 " differences\n", r->path,
-           r->requests, r->replies, (double)(r->last_ns - r->first_ns) / 1e9, c->differences);
+           r->requests, r->replies, (double)r->bus_ns / 1e9, c->differences);
     r->status = c->differences > 0 ? EXIT_DIFFERS : EXIT_CLEAN;
 }
 

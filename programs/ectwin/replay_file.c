@@ -108,6 +108,17 @@ void replay_wrong(replay_t *r, const char *format, ...)
     fprintf(stderr, "ectwin replay: '%s': %s\n", r->path, text);
 }
 
+void replay_count_request(replay_t *r)
+{
+    if (!r->begun)
+        r->first_ns = r->last_ns = r->item.time_ns;
+    const uint64_t now_ns = ect_later(r->last_ns, r->item.time_ns);
+    r->begun = true;
+    r->bus_ns += now_ns - r->last_ns;
+    r->last_ns = now_ns;
+    r->requests++;
+}
+
 void replay_next(replay_t *r)
 {
     r->item = r->ahead;

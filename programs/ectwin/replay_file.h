@@ -26,11 +26,16 @@ typedef struct replay {
     int status;       /**< so far */
     bool data;        /**< --data */
     uint64_t requests, replies;
-    uint64_t first_ns, last_ns; /**< of the requests */
+    bool begun;                 /**< the section has had a request */
+    uint64_t first_ns, last_ns; /**< of its requests */
+    uint64_t bus_ns;            /**< time of the bus from first to last request, of all sections */
 } replay_t;
 
 /** Moves on: `ahead` becomes `item`, with the bytes of a frame, and the next item is read. */
 void replay_next(replay_t *r);
+
+/** Counts the present item as a request. A file may hold any times; that of the bus never goes back. */
+void replay_count_request(replay_t *r);
 
 /** Ends with one line about the file; `status` becomes EXIT_OPEN. */
 void replay_wrong(replay_t *r, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -144,8 +144,7 @@ static void pass_request(section_t *s)
     advance(s, item->time_ns - s->offset_ns);
     memcpy(s->request, item->bytes, item->captured);
     s->request_length = item->captured;
-    r->first_ns = r->requests++ == 0 ? item->time_ns : r->first_ns;
-    r->last_ns = item->time_ns;
+    replay_count_request(r);
     const ect_packet_time_t time = {.now_ns = s->clock_ns};
     const ect_end_t in = (ect_end_t)item->interface;
     if (item->length > ECT_ESC_MAX_FRAME)
@@ -299,6 +298,7 @@ void replay_record(replay_t *r)
         return;
     }
     s->replay = r;
+    r->begun = false;
     if (!take_logged(&r->item, &logged) || !read_start(s, &logged))
         replay_wrong(r, "its start makes no sense");
     else if (power_on(s, logged.time_ns)) {

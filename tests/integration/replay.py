@@ -68,6 +68,9 @@ def in_process(file):
     record(file, *words)
     equal(file)
     expect("starts", 2, kinds(file).count(START))
+    late = f"import runpy, sys, time; time.sleep(5); sys.argv = ['', 'ecat0', '3', '0.5']; runpy.run_path('{FRAMES}', run_name='__main__')"
+    record(file, "--in-process", "--virtual-time", "fzm1", "--", "sh", "-c", f'python3 -c "{late}"; {PROBE} -i ecat0')
+    replay(file, 0, r".* in \d{1,3}\.\d+ s of the bus: all equal")
     record(file, "--in-process", "vr-bu-ect-map7", "--", PROBE, "-i", "{}")
     equal(file)
 
@@ -183,6 +186,11 @@ def buses(file):
             frames.append((high << 32 | low, len(frames) % 2 == 1, body[20:20 + length]))
     done = call(ECTWIN, "replay", file, "fzm1")
     expect("a capture of ours", (0, f"{file}: {len(frames) // 2} frames"), (done.returncode, done.stdout.split(" and ")[0]))
+    foreign(file, [(t - (n > len(frames) - 3) * 3 * 10**9, r, f) for n, (t, r, f) in enumerate(frames)])
+    done = call(ECTWIN, "replay", file, "fzm1")
+    expect("a clock that was set back", (0, True),
+           (done.returncode, re.search(r"in \d{1,3}\.\d+ s of the bus: 0 differences", done.stdout) is not None))
+    expect("a clock that was set back, and a device with timers", 1, call(ECTWIN, "replay", file, "vr-bu-ect-map7").returncode)
     foreign(file, frames)
     done = call(ECTWIN, "replay", file, "fzm1")
     expect("a foreign one", (0, True), (done.returncode, ": 0 differences" in done.stdout))
