@@ -16,6 +16,7 @@
 #include "bus/exchange.h"
 #include "commands.h"
 #include "products.h"
+#include "run_options.h"
 
 _Static_assert((int)TWIN_MESSAGE == (int)ECTWIN_MESSAGE, "a reason fits");
 
@@ -29,10 +30,9 @@ typedef struct reply {
 struct ectwin_bus {
     twin_args_t twins;
     char message[TWIN_MESSAGE];
-    char **words; /* options point into them */
-    char *devices;
+    char **words;     /* options point into them */
+    with_words_t run; /* what they ask for */
     ect_exchange_t exchange;
-    bool virtual_time;
     uint64_t now_ns;
     reply_t *first, **last;
 };
@@ -114,45 +114,18 @@ void __wrap_argp_failure(const struct argp_state *state, int status, int number,
     longjmp(parsing.back, 1);
 }
 
-/* The words may be those of a whole `ectwin with`, whose own options mean nothing here. */
-enum { KEY_OF_WITH = 0x300, KEY_IN_PROCESS, KEY_VIRTUAL_TIME };
-static const struct argp_option options_of_with[] = {
-    {"iface", KEY_OF_WITH, "NAME", OPTION_HIDDEN, NULL, 0},
-    {"require-private", KEY_OF_WITH, NULL, OPTION_HIDDEN, NULL, 0},
-    {"leave-children", KEY_OF_WITH, NULL, OPTION_HIDDEN, NULL, 0},
-    {"in-process", KEY_IN_PROCESS, NULL, OPTION_HIDDEN, NULL, 0},
-    {"virtual-time", KEY_VIRTUAL_TIME, NULL, OPTION_HIDDEN, NULL, 0},
-    {0},
-};
-
+/* The words may be those of a whole `ectwin with`. */
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     ectwin_bus_t *bus = state->input;
+    (void)text;
     switch (key) {
     case ARGP_KEY_INIT:
-        state->child_inputs[0] = &bus->twins;
-        return 0;
-    case KEY_OF_WITH:
-        return 0;
-    case KEY_IN_PROCESS:
-        bus->twins.in_process = true;
-        return 0;
-    case KEY_VIRTUAL_TIME:
-        bus->virtual_time = true;
-        return 0;
-    case ARGP_KEY_ARG:
-        if (bus->devices)
-            argp_error(state, "one list of devices is enough: separate them by commas");
-        bus->devices = text;
+        state->child_inputs[0] = &bus->run;
         return 0;
     case ARGP_KEY_ERROR:
         snprintf(bus->message, sizeof bus->message, "'%s' is no option of a bus, or lacks its value",
                  state->argv[state->next - 1]);
-        return 0;
-    case ARGP_KEY_END:
-        if (!bus->devices)
-            argp_error(state, "name a device");
-        twin_args_devices(&bus->twins, state, bus->devices);
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -177,8 +150,9 @@ static bool copy_words(ectwin_bus_t *bus, int count, const char *const words[])
 
 static bool read_words(ectwin_bus_t *bus, int count)
 {
-    static const struct argp_child children[] = {{&twin_argp, 0, NULL, 0}, {0}};
-    static const struct argp argp = {.options = options_of_with, .parser = parse, .children = children};
+    static const struct argp_child children[] = {{&with_words_argp, 0, NULL, 0}, {0}};
+    static const struct argp argp = {.parser = parse, .children = children};
+    bus->run.twins = &bus->twins;
     parsing.message = bus->message;
     if (setjmp(parsing.back) == 0) {
         const unsigned int flags = ARGP_IN_ORDER | ARGP_NO_EXIT | ARGP_NO_ERRS | ARGP_NO_HELP;
@@ -203,7 +177,8 @@ static void free_bus(ectwin_bus_t *bus)
 static int open_trace(ectwin_bus_t *bus)
 {
     twin_args_t *twins = &bus->twins;
-    twins->own_clock = bus->virtual_time || !twins->in_process;
+    twins->in_process = bus->run.in_process;
+    twins->own_clock = bus->run.virtual_time || !twins->in_process;
     twins->about.ifaces[ECT_END_IN] = twins->in_process ? getenv("ECTWIN_IFACE") : NULL;
     twins->about.ifaces[ECT_END_OUT] = twins->in_process ? getenv("ECTWIN_IFACE2") : NULL;
     twins->words = bus->words + 1;

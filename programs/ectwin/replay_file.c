@@ -7,8 +7,7 @@
 #include <unistd.h>
 
 #include "replay_file.h"
-
-enum { KEY_OF_RUN = 0x400 };
+#include "run_options.h"
 
 /* --- the words of a record ---------------------------------------------------------------------------------------- */
 
@@ -35,45 +34,24 @@ static void end_as_wrong_file(void)
     _exit(EXIT_OPEN);
 }
 
-typedef struct words {
-    twin_args_t *twins;
-    char *devices;
+typedef struct record_words {
+    with_words_t run;
     FILE *errors;
-} words_t;
+} record_words_t;
 
-/* The options of `run` and `with` themselves shape no twins. */
-static const struct argp_option options_of_run[] = {
-    {"interface", 'i', "IFACE", OPTION_HIDDEN, NULL, 0},
-    {"output", 'o', "IFACE", OPTION_HIDDEN, NULL, 0},
-    {"iface", KEY_OF_RUN, "NAME", OPTION_HIDDEN, NULL, 0},
-    {"require-private", KEY_OF_RUN, NULL, OPTION_HIDDEN, NULL, 0},
-    {"leave-children", KEY_OF_RUN, NULL, OPTION_HIDDEN, NULL, 0},
-    {"in-process", KEY_OF_RUN, NULL, OPTION_HIDDEN, NULL, 0},
-    {"virtual-time", KEY_OF_RUN, NULL, OPTION_HIDDEN, NULL, 0},
-    {0},
-};
-
-static error_t parse_word(int key, char *text, struct argp_state *state)
+static error_t parse_words(int key, char *text, struct argp_state *state)
 {
-    words_t *words = state->input;
+    record_words_t *words = state->input;
+    const twin_args_t *twins = words->run.twins;
+    (void)text;
     switch (key) {
     case ARGP_KEY_INIT:
-        state->child_inputs[0] = words->twins;
+        state->child_inputs[0] = &words->run;
         state->err_stream = words->errors;
         return 0;
-    case KEY_OF_RUN:
-    case 'i':
-    case 'o':
-        return 0;
-    case ARGP_KEY_ARG:
-        words->devices = text;
-        return 0;
     case ARGP_KEY_END:
-        if (!words->devices)
-            argp_error(state, "the record names no device");
-        if (words->twins->store || words->twins->files || words->twins->modbus)
+        if (twins->store || twins->files || twins->modbus)
             argp_error(state, "the record asks for files or a server, which no record of ectwin does");
-        twin_args_devices(words->twins, state, words->devices);
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -82,11 +60,11 @@ static error_t parse_word(int key, char *text, struct argp_state *state)
 
 void replay_words(twin_args_t *twins, int count, char **words)
 {
-    static const struct argp_child children[] = {{&twin_argp, 0, NULL, 0}, {0}};
-    static const struct argp argp = {.options = options_of_run, .parser = parse_word, .children = children};
+    static const struct argp_child children[] = {{&with_words_argp, 0, NULL, 0}, {&run_words_argp, 0, NULL, 0}, {0}};
+    static const struct argp argp = {.parser = parse_words, .children = children};
     static const cookie_io_functions_t io = {.write = write_first_line};
     bool first_line_written = false;
-    words_t run = {.twins = twins, .errors = fopencookie(&first_line_written, "w", io)};
+    record_words_t run = {.run.twins = twins, .errors = fopencookie(&first_line_written, "w", io)};
     static bool prepared;
     prepared = prepared || atexit(end_as_wrong_file) == 0;
     reading_words = true;

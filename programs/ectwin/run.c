@@ -8,19 +8,13 @@
 
 #include "bus_args.h"
 #include "commands.h"
+#include "run_options.h"
 
 typedef struct run_args {
     twin_args_t twins;
     char *ifaces[ECT_ENDS];
     const char *devices;
 } run_args_t;
-
-static const struct argp_option options[] = {
-    {"interface", 'i', "IFACE", 0, "Network interface of the twins: a spare NIC, or one end of a veth pair", 0},
-    {"output", 'o', "IFACE", 0,
-     "Second interface, at the output of the last device: for a master with cable redundancy", 0},
-    {0},
-};
 
 static void take_interface(run_args_t *args, ect_end_t end, char *name, const struct argp_state *state)
 {
@@ -109,7 +103,7 @@ int command_run(int argc, char **argv)
 {
     static const struct argp_child children[] = {{&twin_argp, 0, "The twins:", 1}, {0}};
     static const struct argp argp = {
-        .options = options,
+        .options = run_options,
         .parser = parse,
         .args_doc = "DEVICE[,DEVICE...]\nBUS.yaml",
         .doc = "Runs a chain of devices on a network interface until SIGINT, SIGTERM or SIGHUP. With --modbus and "

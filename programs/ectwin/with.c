@@ -17,34 +17,7 @@
 #include "contain.h"
 #include "inprocess.h"
 #include "launch.h"
-
-enum { KEY_IFACE = 0x200, KEY_LEAVE_CHILDREN, KEY_EXTERNAL, KEY_IN_PROCESS, KEY_VIRTUAL_TIME, KEY_REQUIRE_PRIVATE };
-
-static const struct argp_option options[] = {
-    {"iface", KEY_IFACE, "NAME[,NAME]", 0,
-     "Name of CMD's end of the wire (default ecat0). Two names: a second wire at the output of the last device, for "
-     "cable "
-     "redundancy; its name replaces {2} in ARG and is in $ECTWIN_IFACE2",
-     0},
-    {"external", KEY_EXTERNAL, "PROGRAM", 0,
-     "A slave of your own in place of DEVICE: a shell command to which -i and an interface are added (a firmware "
-     "with ectwin's soes_hal, docs/SOES.md)",
-     0},
-    {"in-process", KEY_IN_PROCESS, NULL, 0,
-     "Run the twins inside CMD: no network, no namespaces, no rights. Each process of CMD that opens the interface has "
-     "a "
-     "bus of its own. CMD must reach its sockets through the C library (docs/IN-PROCESS.md)",
-     0},
-    {"virtual-time", KEY_VIRTUAL_TIME, NULL, 0,
-     "With --in-process: a virtual clock, which passes while CMD waits; runs are fast and repeatable", 0},
-    {"require-private", KEY_REQUIRE_PRIVATE, NULL, 0,
-     "Refuse to run CMD where no user namespace or no /sys of its own can be made (default: run it, with a warning)",
-     0},
-    {"leave-children", KEY_LEAVE_CHILDREN, NULL, 0,
-     "Let processes that CMD starts outlive it (default: they end with CMD, which runs in a PID namespace of its own)",
-     0},
-    {0},
-};
+#include "run_options.h"
 
 typedef struct with_args {
     twin_args_t twins;
@@ -465,7 +438,7 @@ int command_with(int argc, char **argv)
 {
     static const struct argp_child children[] = {{&twin_argp, 0, "The twins:", 1}, {0}};
     static const struct argp argp = {
-        .options = options,
+        .options = with_options,
         .parser = parse,
         .args_doc = "DEVICE[,DEVICE...] -- CMD ARG...\nBUS.yaml -- CMD ARG...\n--external PROGRAM -- CMD ARG...",
         .doc = "Runs CMD on a private network whose other end is a chain of these devices. The interface's name "

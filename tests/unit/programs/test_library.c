@@ -123,6 +123,7 @@ static void wrong_words(void **state)
         {{"--nosuch", "fzm1"}, "'--nosuch' is no option"},
         {{"fzm1", "--drop"}, "'--drop' is no option of a bus, or lacks its value"},
         {{"--help", "fzm1"}, "'--help' is no option"},
+        {{"--external", "fzm1"}, "'--external' is no option of a bus, or lacks its value"},
         {{"--set", "data1", "fzm1"}, "--set takes NAME=VALUE"},
         {{"--set", "data1=1", "--set", "data1"}, "--set takes NAME=VALUE"},
         {{"--module", "1=0x120", "--module", "x"}, "--module takes SLOT=IDENT"},
