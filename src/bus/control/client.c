@@ -96,8 +96,7 @@ static const char too_many[] =
 static bool watch_one(ect_client_t *client, const ect_signal_ref_t *ref)
 {
     if (ect_watch_is_every(client->watch) && ect_watch_count(client->watch) >= client->every_room) {
-        end_visit(client,
-                  "too many signals are watched at every change, 4096 in all: name fewer, or leave 'every' out");
+        end_visit(client, too_many);
         return false;
     }
     if (ect_watch_add(client->watch, ref, client->visit.slave))
