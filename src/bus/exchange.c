@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "wire/assert.h"
+
 /* Runs of the devices that a late caller makes up for in a row, and that steps of the scenario cause at one time. */
 enum { CATCH_UP = 64, STEPS_IN_A_ROW = 8 };
 
@@ -143,9 +145,11 @@ static void release_kept(ect_exchange_t *x)
     ect_kept_t *kept;
     ect_scenario_t *faults = faults_of(x);
     uint64_t due_ns = faults ? ect_wires_due(&faults->wires) : ECT_NEVER;
-    if (due_ns == ECT_NEVER || due_ns > logged_now(x))
+    if (due_ns == ECT_NEVER)
         return;
-    uint64_t now_ns = logged_now(x);
+    const uint64_t now_ns = logged_now(x);
+    if (due_ns > now_ns)
+        return;
     touch(x, now_ns);
     while ((kept = ect_wires_release(&faults->wires, x->chain, now_ns))) {
         if (kept->end != ECT_END_NONE && x->late[kept->end].first) {
@@ -164,6 +168,7 @@ static ect_frame_effects_t traced_effects(ect_exchange_t *x, ect_scenario_t *fau
 {
     uint8_t request[ECT_ESC_MAX_FRAME];
     const size_t came = *length;
+    ECT_ASSERT(came <= sizeof request);
     memcpy(request, frame, came);
     ect_frame_effects_t effects = ect_scenario_frame(faults, x->chain, frame, length, now_ns);
     ect_trace_effects(x->trace, &effects, *length != came || memcmp(request, frame, came) != 0);
