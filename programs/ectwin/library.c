@@ -18,6 +18,7 @@
 #include "products.h"
 #include "run_options.h"
 
+_Static_assert((int)ECTWIN_FRAME_MAX <= (int)ECT_EXCHANGE_FRAME, "the exchange takes every frame");
 _Static_assert((int)TWIN_MESSAGE == (int)ECTWIN_MESSAGE, "a reason fits");
 
 typedef struct reply {
@@ -301,10 +302,7 @@ uint64_t ectwin_bus_frame(ectwin_bus_t *bus, unsigned int end, const void *frame
     memcpy(copy, frame, length);
     const ect_packet_time_t time = {.now_ns = bus->now_ns};
     bus->exchange.stats.frames++;
-    if (length <= ECT_ESC_MAX_FRAME)
-        ect_exchange_frame(&bus->exchange, (ect_end_t)end, copy, length, &time);
-    else
-        ect_exchange_long_frame(&bus->exchange, (ect_end_t)end, copy, length, bus->now_ns);
+    ect_exchange_frame(&bus->exchange, (ect_end_t)end, copy, length, &time);
     return ect_exchange_run(&bus->exchange);
 }
 

@@ -147,7 +147,7 @@ static void pass_request(section_t *s)
     replay_count_request(r);
     const ect_packet_time_t time = {.now_ns = s->clock_ns};
     const ect_end_t in = (ect_end_t)item->interface;
-    if (item->length > ECT_ESC_MAX_FRAME)
+    if (item->length > ECT_EXCHANGE_FRAME)
         ect_exchange_long_frame(&s->exchange, in, r->bytes, item->length, s->clock_ns);
     else if (item->length == item->captured)
         ect_exchange_frame(&s->exchange, in, r->bytes, item->captured, &time);

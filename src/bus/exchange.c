@@ -166,7 +166,7 @@ static void release_kept(ect_exchange_t *x)
 static ect_frame_effects_t traced_effects(ect_exchange_t *x, ect_scenario_t *faults, ect_end_t in, uint8_t *frame,
                                           size_t *length, uint64_t now_ns)
 {
-    uint8_t request[ECT_ESC_MAX_FRAME];
+    uint8_t request[ECT_EXCHANGE_FRAME];
     const size_t came = *length;
     ECT_ASSERT(came <= sizeof request);
     memcpy(request, frame, came);

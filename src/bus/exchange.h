@@ -32,6 +32,9 @@
 
 ECT_C_BEGIN
 
+/** Bytes of the longest frame that faults concern: longer than any that a controller processes, tags included. */
+enum { ECT_EXCHANGE_FRAME = ECT_ESC_MAX_FRAME + 48 };
+
 /** Sees each frame between the wire and the chain and may change its bytes, never its length. */
 typedef struct ect_filter {
     /** Before the chain sees a frame. Not NULL. */
@@ -76,13 +79,13 @@ void ect_exchange_start(ect_exchange_t *x);
  * ::ect_exchange_run finds it due. The devices run with the next ::ect_exchange_run. `stats.frames` is the caller's.
  * @param in      end where the frame enters; the link there is set (::ect_chain_set_link)
  * @param frame   changed in place
- * @param length  at most ECT_ESC_MAX_FRAME
+ * @param length  at most ECT_EXCHANGE_FRAME
  * @param time    arrival, not before the last time that the exchange has seen
  */
 void ect_exchange_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t length, const ect_packet_time_t *time);
 
-/** Shows the chain a frame that is too long for EtherCAT: controllers count it, no reply leaves. `frame` has `length`
- * bytes of it. */
+/** Shows the chain a frame that is too long for EtherCAT and for ::ect_exchange_frame: controllers count it, no reply
+ * leaves. `frame` has at least the first ECT_EXCHANGE_FRAME of its `length` bytes. */
 void ect_exchange_long_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns);
 
 /** Plugs a cable in at an end, or pulls it (::ect_chain_set_link). */

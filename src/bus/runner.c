@@ -10,7 +10,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { NS_PER_S = 1000000000, FRAME_ROOM = ECT_ESC_MAX_FRAME + 48 };
+enum { NS_PER_S = 1000000000 };
 
 /* The descriptors of the loop: frames at each end, without a VLAN tag and with one, signals, cables, control socket,
  * Modbus server. */
@@ -85,7 +85,7 @@ static void follow_cables(ect_runner_t *r)
 /* @return 1: a frame came; 0: none; -1: the interface is gone */
 static int receive_frame(ect_runner_t *r, ect_end_t in, bool wait)
 {
-    uint8_t frame[FRAME_ROOM];
+    uint8_t frame[ECT_EXCHANGE_FRAME];
     ect_packet_time_t time;
     ssize_t length = ect_packet_receive(r->ports[in], wait, frame, sizeof frame, &time);
     if (length == ECT_PACKET_NONE || length == ECT_PACKET_GONE)

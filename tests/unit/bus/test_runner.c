@@ -605,6 +605,7 @@ static void a_pause_ends_at_its_last_nanosecond(void **state)
 /* --- frames that are too long ------------------------------------------------------------------------------------- */
 
 enum { LONG = 9000 }; /* jumbo frames: an interface may be set to take them */
+static size_t long_length = LONG;
 
 static void send_long_frame(bench_t *b)
 {
@@ -612,7 +613,7 @@ static void send_long_frame(bench_t *b)
     memset(frame, 0xFF, sizeof frame);
     wire_build(&b->wire, BRD, 0, 0, "\0", 1);
     memcpy(frame, b->wire.frame, 16);
-    assert_int_equal(__real_send(b->master, frame, sizeof frame, 0), LONG);
+    assert_int_equal(__real_send(b->master, frame, long_length, 0), long_length);
 }
 
 static void from_end(bench_t *b, unsigned int n, const struct timespec *limit)
@@ -624,15 +625,19 @@ static void from_end(bench_t *b, unsigned int n, const struct timespec *limit)
         (void)raise(SIGUSR1);
 }
 
-/* With a fault that touches bytes of each frame; from the far end, from where no slave processes it on its way. */
+/* With a fault that touches bytes of each frame; from the far end, from where no slave processes it on its way; with a
+ * trace, which keeps a frame as it came. */
 static void too_long(void **state)
 {
+    static const size_t lengths[] = {ECT_ESC_MAX_FRAME + 1, ECT_ESC_MAX_FRAME + 48, LONG};
     static ect_scenario_t scenario;
     char message[ECT_FAULT_MESSAGE];
     uint8_t answer[64];
     (void)state;
-    for (unsigned int end = 0; end < ECT_ENDS; end++) {
+    for (unsigned int i = 0; i < ECT_ENDS * sizeof lengths / sizeof lengths[0]; i++) {
+        const unsigned int end = i % ECT_ENDS;
         bench_t b;
+        long_length = lengths[i / ECT_ENDS];
         scenario = (ect_scenario_t){.seed = 1};
         assert_true(ect_scenario_read(&scenario, "corrupt", message));
         open_bench(&b, "fzm1", 2);
@@ -640,6 +645,7 @@ static void too_long(void **state)
             b.runner.ports[ECT_END_IN] = NULL;
         b.runner.ports[end] = &b.port;
         b.runner.exchange.scenario = &scenario;
+        b.runner.exchange.trace = ect_trace_new(NULL, NULL, 2);
         run(&b, from_end);
         assert_int_equal(b.runner.exchange.stats.frames, 1);
         assert_int_equal(b.runner.exchange.stats.unanswered, 1);
@@ -647,6 +653,7 @@ static void too_long(void **state)
         assert_int_equal(recv(b.master, answer, sizeof answer, MSG_DONTWAIT), -1);
         if (end == ECT_END_IN)
             assert_int_equal(ect_chain_esc(b.wire.chain, 0)->memory[0x0300], 1);
+        (void)ect_trace_close(b.runner.exchange.trace, 0);
         close_bench(&b);
     }
 }
