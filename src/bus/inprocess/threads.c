@@ -688,16 +688,25 @@ static bool blocks(const thread_t *thread, int number)
     return !line || (strtoull(line + 8, NULL, 16) >> (number - 1) & 1u) != 0;
 }
 
-/* The main thread, or else the first of the others, if it does not block the signal; NULL: every thread blocks it. */
+static thread_t *thread_of(pid_t id)
+{
+    thread_t *thread = threads;
+    while (thread && thread->id != id)
+        thread = thread->next;
+    return thread;
+}
+
+/* The main thread, or else the first of the others, if it does not block the signal; NULL: every thread blocks it. The
+ * mask of another thread is a file to read, so that of the most likely one comes first. */
 static thread_t *taker_of(int number, pid_t to)
 {
+    thread_t *first = thread_of(to != 0 ? to : getpid());
+    if (first && !blocks(first, number))
+        return first;
     thread_t *taker = NULL;
-    for (thread_t *one = threads; one; one = one->next) {
-        if (one->id == 0 || (to != 0 && one->id != to) || blocks(one, number))
-            continue;
-        taker = one;
-        if (one->id == getpid())
-            break;
+    for (thread_t *one = to == 0 ? threads : NULL; one; one = one->next) {
+        if (one != first && one->id != 0 && !blocks(one, number))
+            taker = one;
     }
     return taker;
 }
