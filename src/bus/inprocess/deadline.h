@@ -18,6 +18,11 @@ static inline uint64_t ect_ns_of(const struct timespec *time)
     return (uint64_t)time->tv_sec * ECT_NS_PER_S + (uint64_t)time->tv_nsec;
 }
 
+static inline uint64_t ect_ns_of_timeval(const struct timeval *time)
+{
+    return (uint64_t)time->tv_sec * ECT_NS_PER_S + (uint64_t)time->tv_usec * 1000u;
+}
+
 static inline bool ect_is_time(const struct timespec *time)
 {
     return time->tv_sec >= 0 && time->tv_nsec >= 0 && (uint64_t)time->tv_nsec < ECT_NS_PER_S;

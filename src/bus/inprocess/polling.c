@@ -156,9 +156,7 @@ REPLACES int select(int count, fd_set *restrict to_read, fd_set *restrict to_wri
 {
     if (ect_inside > 0)
         return REAL(select)(count, to_read, to_write, except, timeout);
-    uint64_t until_ns =
-        timeout ? ect_virtual_now() + (uint64_t)timeout->tv_sec * ECT_NS_PER_S + (uint64_t)timeout->tv_usec * 1000u
-                : UINT64_MAX;
+    uint64_t until_ns = timeout ? ect_virtual_now() + ect_ns_of_timeval(timeout) : UINT64_MAX;
     return select_until(count, to_read, to_write, except, until_ns);
 }
 
@@ -238,7 +236,7 @@ static uint64_t receive_deadline(int fd)
     if (REAL(getsockopt)(fd, SOL_SOCKET, SO_RCVTIMEO, &timeout, &length) != 0 ||
         (timeout.tv_sec == 0 && timeout.tv_usec == 0))
         return UINT64_MAX;
-    return ect_virtual_now() + (uint64_t)timeout.tv_sec * ECT_NS_PER_S + (uint64_t)timeout.tv_usec * 1000u;
+    return ect_virtual_now() + ect_ns_of_timeval(&timeout);
 }
 
 /* A pipe, a socket or an event descriptor of another thread, or of another process. */
@@ -300,9 +298,9 @@ REPLACES int timerfd_create(int clock, int flags)
     timer_fd_t *its = fd >= 0 ? calloc(1, sizeof *its) : NULL;
     if (!its)
         return fd;
-    *its =
-        (timer_fd_t){.timer = {.next_ns = UINT64_MAX, .expired = expire}, .next = timer_fds, .fd = fd, .clock = clock};
-    ect_virtual_add_timer(&its->timer);
+    *its = (timer_fd_t){.timer = {.next_ns = UINT64_MAX, .expired = expire}, .fd = fd, .clock = clock};
+    ect_virtual_add_timer(&its->timer); /* takes the turn, which `timer_fds` needs */
+    its->next = timer_fds;
     timer_fds = its;
     return fd;
 }

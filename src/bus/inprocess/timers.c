@@ -191,11 +191,6 @@ static void send_alarm(ect_timer_t *timer)
     (void)ect_virtual_send(&alarm_signal, 0);
 }
 
-static uint64_t ns_of_timeval(const struct timeval *time)
-{
-    return (uint64_t)time->tv_sec * ECT_NS_PER_S + (uint64_t)time->tv_usec * 1000u;
-}
-
 /* A timer that runs never shows 0: that is a timer that is stopped. */
 static struct timeval as_timeval(uint64_t time_ns)
 {
@@ -225,8 +220,8 @@ REPLACES int setitimer(__itimer_which_t which, const struct itimerval *restrict 
         return REAL(setitimer)(which, value, before);
     if (before)
         *before = alarm_left();
-    const struct itimerspec spec = {.it_value = ect_timespec_of(value ? ns_of_timeval(&value->it_value) : 0),
-                                    .it_interval = ect_timespec_of(value ? ns_of_timeval(&value->it_interval) : 0)};
+    const struct itimerspec spec = {.it_value = ect_timespec_of(value ? ect_ns_of_timeval(&value->it_value) : 0),
+                                    .it_interval = ect_timespec_of(value ? ect_ns_of_timeval(&value->it_interval) : 0)};
     ect_virtual_remove_timer(&alarm_timer);
     ect_timer_set(&alarm_timer, CLOCK_MONOTONIC, false, &spec);
     ect_virtual_add_timer(&alarm_timer);
