@@ -27,8 +27,6 @@ typedef struct with_args {
     bool leave_children;
     bool in_process, virtual_time;
     bool require_private;
-    char *const *words; /* options and devices, as they were given */
-    int word_count;
     char **command;
 } with_args_t;
 
@@ -117,10 +115,8 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case ARGP_KEY_ARG:
         if (!args->devices && !args->external) {
             args->devices = text;
-            args->words = state->argv + 1;
-            args->word_count = state->next - 1;
-            args->twins.words = args->words;
-            args->twins.word_count = args->word_count;
+            args->twins.words = state->argv + 1;
+            args->twins.word_count = state->next - 1;
             return 0;
         }
         args->command = &state->argv[state->next - 1];
@@ -406,8 +402,8 @@ static int serve_in_process(with_args_t *args)
 {
     char message[INPROCESS_MESSAGE];
     in_process_t twins = {.virtual_time = args->virtual_time,
-                          .words = args->words,
-                          .word_count = args->word_count,
+                          .words = args->twins.words,
+                          .word_count = args->twins.word_count,
                           .command = args->command[0]};
     int signal_fd = open_signals();
     (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
