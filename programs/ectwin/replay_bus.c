@@ -91,11 +91,6 @@ static unsigned int counter_of(const uint8_t *d, size_t length)
     return ect_load_le16(d + ECT_DATAGRAM_DATA + length);
 }
 
-static bool is_logical(const uint8_t *d)
-{
-    return d[0] >= ECT_LRD && d[0] <= ECT_LRW;
-}
-
 static bool reads_one(const uint8_t *d)
 {
     return d[0] == ECT_APRD || d[0] == ECT_FPRD;
@@ -146,7 +141,7 @@ static void compare_datagram(comparison_t *c, const uint8_t *request, const uint
     if (of_bus == of_twin && of_bus > 0 && position < ect_chain_count(c->exchange.chain) &&
         ect_load_le16(request + ECT_DATAGRAM_ADO) == ECT_REG_SII_DATA)
         compare_data(c, request, bus, twin, "EEPROM data");
-    if (of_bus == of_twin && c->replay->data && is_logical(request))
+    if (of_bus == of_twin && c->replay->data && replay_is_logical(request))
         compare_data(c, request, bus, twin, "process data");
 }
 
@@ -154,22 +149,17 @@ static void compare_datagram(comparison_t *c, const uint8_t *request, const uint
 
 static void compare_frames(comparison_t *c, const uint8_t *bus, size_t length)
 {
-    enum { HEADS = 16 };
-    size_t at = HEADS;
-    const size_t least = length < c->reply_length ? length : c->reply_length;
+    const size_t replied = length < c->reply_length ? length : c->reply_length;
+    const size_t least = replied < c->request_length ? replied : c->request_length;
+    size_t size;
     if (c->reply_length == 0) {
-        differ(c, c->request + HEADS, "replies", 1, 0);
+        differ(c, c->request + REPLAY_HEADS, "replies", 1, 0);
         return;
     }
-    for (;;) {
-        const size_t end = at + ECT_DATAGRAM_DATA;
-        if (end > c->request_length || at + ect_datagram_size(c->request + at) > c->request_length ||
-            at + ect_datagram_size(c->request + at) > least)
-            return;
+    for (size_t at = REPLAY_HEADS; (size = replay_datagram(c->request, least, at)) > 0; at += size) {
         compare_datagram(c, c->request + at, bus + at, c->reply + at);
         if (!ect_datagram_follows(c->request + at))
             return;
-        at += ect_datagram_size(c->request + at);
     }
 }
 

@@ -50,6 +50,15 @@ void replay_record(replay_t *r);
 /** Compares all packets that are left with twins, and prints where these differ (docs/REPLAY.md). */
 void replay_bus(replay_t *r, twin_args_t *twins);
 
+/** Offset of the first datagram in a frame. */
+enum { REPLAY_HEADS = 16 };
+
+/** @return bytes of the datagram at an offset, with its header and counter; 0: the frame does not hold all of it */
+size_t replay_datagram(const uint8_t *frame, size_t length, size_t at);
+
+/** Whether a datagram has a logical address. */
+bool replay_is_logical(const uint8_t *datagram);
+
 /** A datagram of two frames, of equal layout up to it, that differs. */
 typedef struct replay_difference {
     size_t number, count; /**< from 1; of the datagrams in the expected frame */

@@ -8,10 +8,7 @@
 #include "replay_file.h"
 #include "wire/bytes.h"
 
-enum { HEADS = 16 };
-
-/* Bytes of a datagram that is whole; 0: it is not. */
-static size_t whole(const uint8_t *frame, size_t length, size_t at)
+size_t replay_datagram(const uint8_t *frame, size_t length, size_t at)
 {
     enum { HEADER = ECT_DATAGRAM_DATA };
     if (at > length || length - at < HEADER)
@@ -23,7 +20,7 @@ static size_t whole(const uint8_t *frame, size_t length, size_t at)
 static size_t count_datagrams(const uint8_t *frame, size_t length)
 {
     size_t count = 0, size;
-    for (size_t at = HEADS; (size = whole(frame, length, at)) > 0; at += size) {
+    for (size_t at = REPLAY_HEADS; (size = replay_datagram(frame, length, at)) > 0; at += size) {
         count++;
         if (!ect_datagram_follows(frame + at))
             break;
@@ -37,9 +34,9 @@ replay_difference_t replay_compare(const uint8_t *expected, size_t expected_leng
     const size_t least = expected_length < got_length ? expected_length : got_length;
     const replay_difference_t outside = {0};
     size_t number = 0, size;
-    if (least < HEADS || memcmp(expected, got, HEADS) != 0)
+    if (least < REPLAY_HEADS || memcmp(expected, got, REPLAY_HEADS) != 0)
         return outside;
-    for (size_t at = HEADS; (size = whole(expected, least, at)) > 0; at += size) {
+    for (size_t at = REPLAY_HEADS; (size = replay_datagram(expected, least, at)) > 0; at += size) {
         number++;
         if (memcmp(expected + at, got + at, size) != 0)
             return (replay_difference_t){.number = number,
@@ -52,7 +49,7 @@ replay_difference_t replay_compare(const uint8_t *expected, size_t expected_leng
     return outside;
 }
 
-static bool is_logical(const uint8_t *d)
+bool replay_is_logical(const uint8_t *d)
 {
     return d[0] >= ECT_LRD && d[0] <= ECT_LRW;
 }
@@ -85,7 +82,7 @@ static bool reaches(ect_chain_t *chain, size_t position, const uint8_t *d)
     case ECT_FRMW:
         return route.station == address || route.alias == address;
     default:
-        return is_logical(d) && maps(&route, d);
+        return replay_is_logical(d) && maps(&route, d);
     }
 }
 
@@ -122,6 +119,6 @@ void replay_slaves(ect_chain_t *chain, const uint8_t *datagram, char *text, size
     }
     if (*text == 0)
         snprintf(text, room, "no slave");
-    else if (is_logical(datagram))
+    else if (replay_is_logical(datagram))
         add(text, room, " by FMMU");
 }
