@@ -197,10 +197,14 @@ bool ect_capture_start(ect_capture_t *c)
 
 void ect_capture_flush(ect_capture_t *c)
 {
-    if (!c->threaded)
+    if (!c->threaded) {
         write_all(c);
-    else if (atomic_load_explicit(&c->head, memory_order_relaxed) != atomic_load(&c->tail) &&
-             atomic_load_explicit(&c->waits, memory_order_relaxed) && atomic_exchange(&c->waits, false))
+        return;
+    }
+    if (atomic_load_explicit(&c->head, memory_order_relaxed) == atomic_load(&c->tail))
+        return;
+    atomic_thread_fence(memory_order_seq_cst); /* the thread sets `waits`, then reads `head`: one of the two sees it */
+    if (atomic_load_explicit(&c->waits, memory_order_relaxed) && atomic_exchange(&c->waits, false))
         (void)sem_post(&c->wake);
 }
 
