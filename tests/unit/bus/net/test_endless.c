@@ -106,6 +106,86 @@ static void no_loop(void **state)
     }
 }
 
+/* Each field of the first datagram counts, but its data; the position may wrap, and the others may not differ at all.
+ */
+static void one_field_differs(void **state)
+{
+    static const struct {
+        const char *field;
+        size_t at;
+        uint8_t value;
+        bool circles;
+    } rows[] = {
+        {"none", 26, 0, true},
+        {"the source", 6, 0x07, false},
+        {"the command", 16, LRW, false},
+        {"the index", 17, 6, false},
+        {"the position, more", 18, 0xFF, true},
+        {"the position, less", 18, 0xFD, false},
+        {"the position, half of the range more", 19, 0x90, false},
+        {"the position, less than that", 19, 0x8F, true},
+        {"the offset", 20, 0x31, false},
+        {"the high byte of the offset", 21, 0x02, false},
+        {"the length", 22, 3, false},
+        {"a bit beside the length", 23, 0x80, true},
+        {"the interrupt field", 24, 1, true},
+        {"the data", 26, 0x55, true},
+        {"the working counter, more", 29, 4, true},
+        {"the working counter, less", 28, 1, false},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_endless_t endless = {0};
+        uint8_t frame[FRAME];
+        bool noticed = false;
+        for (unsigned int n = 0; n <= ECT_ENDLESS_MOST; n++) {
+            build(frame, FPRD, 5, 0x10FE, 0x0302);
+            ect_endless_sent(&endless, frame, FRAME);
+            frame[rows[i].at] = rows[i].value;
+            noticed = ect_endless_received(&endless, frame, FRAME, 5 * MS);
+        }
+        if (noticed != rows[i].circles)
+            fail_msg("%s differs: expected %d, got %d", rows[i].field, rows[i].circles, noticed);
+    }
+}
+
+/* The last eight replies count; a window is 100 ms, and the 201st frame in it is one too many. */
+static void bounds(void **state)
+{
+    static const struct {
+        unsigned int others; /* replies after the one that circulates */
+        unsigned int frames;
+        uint64_t last_ns; /* when the last of them comes */
+        bool circles;
+    } rows[] = {
+        {0, ECT_ENDLESS_MOST, 0, false},
+        {0, ECT_ENDLESS_MOST + 1, 0, true},
+        {ECT_ENDLESS_REMEMBERED - 1, ECT_ENDLESS_MOST + 1, 0, true},
+        {ECT_ENDLESS_REMEMBERED, ECT_ENDLESS_MOST + 1, 0, false},
+        {0, ECT_ENDLESS_MOST + 1, ECT_ENDLESS_WINDOW_NS - 1, true},
+        {0, ECT_ENDLESS_MOST + 1, ECT_ENDLESS_WINDOW_NS, false},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const uint64_t begin_ns = 7 * ECT_ENDLESS_WINDOW_NS;
+        ect_endless_t endless = {0};
+        uint8_t frame[FRAME];
+        bool noticed = false;
+        build(frame, FPRD, 5, 0x1001, 1);
+        ect_endless_sent(&endless, frame, FRAME);
+        for (unsigned int n = 0; n < rows[i].others; n++) {
+            build(frame, BRD, (uint8_t)(6 + n), 0, 0);
+            ect_endless_sent(&endless, frame, FRAME);
+        }
+        build(frame, FPRD, 5, 0x1001, 1);
+        for (unsigned int n = 1; n <= rows[i].frames; n++)
+            noticed =
+                ect_endless_received(&endless, frame, FRAME, begin_ns + (n == rows[i].frames ? rows[i].last_ns : 0));
+        if (noticed != rows[i].circles)
+            fail_msg("row %zu: expected %d, got %d", i, rows[i].circles, noticed);
+    }
+}
+
 /* Too short, cut in its datagram, of another type: neither remembered nor taken for one. */
 static void not_to_be_read(void **state)
 {
@@ -130,6 +210,8 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"a frame that circulates is noticed, a slow one is a master's", circulating_frames, NULL, NULL, NULL},
         {"a master that repeats itself is no loop", no_loop, NULL, NULL, NULL},
+        {"a frame circulates when its first datagram continues a reply", one_field_differs, NULL, NULL, NULL},
+        {"eight replies are remembered, and 200 frames in 100 ms are no loop", bounds, NULL, NULL, NULL},
         {"what is no datagram is no loop", not_to_be_read, NULL, NULL, NULL},
     };
     if (argc > 1)
