@@ -4,98 +4,24 @@
  * usage: ectwin with --in-process [--virtual-time] fzm1,fzm1 -- inprocess_calls {} real|virtual [CASE]
  */
 #define _GNU_SOURCE
-#include <arpa/inet.h>
-#include <errno.h>
+#include "inprocess.h"
+
 #include <fcntl.h>
-#include <net/if.h>
-#include <netpacket/packet.h>
 #include <poll.h>
 #include <pthread.h>
 #include <semaphore.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <sys/ioctl.h>
 #include <sys/select.h>
-#include <sys/socket.h>
 #include <sys/time.h>
 #include <sys/timerfd.h>
 #include <sys/uio.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
-
-/* CMocka needs the headers above. */
-#include <cmocka.h>
-
-enum { ETHERCAT = 0x88A4, MS = 1000000, FRAME = 60 };
-
-static const char *interface;
-static bool is_virtual;
-
-/* A frame with one datagram BRD 0000h, two bytes. */
-static void frame_of(uint8_t frame[FRAME], uint8_t index)
-{
-    static const uint8_t head[] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 2, 0, 0, 0, 0, 1, 0x88, 0xA4, 0x0E, 0x10, 0x07};
-    memset(frame, 0, FRAME);
-    memcpy(frame, head, sizeof head);
-    frame[17] = index;
-    frame[22] = 2;
-}
-
-/* The working counter of its reply: one for each twin. */
-static unsigned int counter_of(const uint8_t *frame)
-{
-    return frame[28];
-}
-
-static int open_socket(int type)
-{
-    struct sockaddr_ll to = {.sll_family = AF_PACKET, .sll_protocol = htons(ETHERCAT)};
-    int fd = socket(AF_PACKET, SOCK_RAW | type, htons(ETHERCAT));
-    assert_true(fd >= 0);
-    to.sll_ifindex = (int)if_nametoindex(interface);
-    assert_int_equal(bind(fd, (struct sockaddr *)&to, sizeof to), 0);
-    return fd;
-}
-
-static void send_one(int fd, uint8_t index)
-{
-    uint8_t frame[FRAME];
-    frame_of(frame, index);
-    assert_int_equal(send(fd, frame, sizeof frame, 0), FRAME);
-}
-
-static void assert_reply(const uint8_t *frame, ssize_t length, uint8_t index)
-{
-    assert_int_equal(length, FRAME);
-    assert_int_equal(frame[17], index);
-    assert_int_equal(counter_of(frame), 2);
-}
-
-static uint64_t now_ns(void)
-{
-    struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    return (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
-}
-
-/* On the virtual clock a wait takes the requested time and the stated cost of the calls; a real one may take longer. */
-static void assert_took(uint64_t since_ns, uint64_t asked_ns)
-{
-    uint64_t took_ns = now_ns() - since_ns;
-    assert_true(took_ns >= asked_ns);
-    if (is_virtual && took_ns >= asked_ns + MS / 10)
-        fail_msg("took %llu ns, asked for %llu", (unsigned long long)took_ns, (unsigned long long)asked_ns);
-}
 
 /* --- sockets -------------------------------------------------------------------------------------------------------
  */
@@ -1056,13 +982,7 @@ int main(int argc, char **argv)
          NULL, NULL},
         {"A child made by fork has a bus of its own", a_child_has_a_bus_of_its_own, NULL, NULL, NULL},
     };
-    if (argc < 3) {
-        print_error("usage: inprocess_calls INTERFACE real|virtual [CASE]\n");
+    if (!is_started(argc, argv))
         return 1;
-    }
-    interface = argv[1];
-    is_virtual = strcmp(argv[2], "virtual") == 0;
-    if (argc > 3)
-        cmocka_set_test_filter(argv[3]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

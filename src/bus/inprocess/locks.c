@@ -119,10 +119,14 @@ REPLACES int pthread_timedjoin_np(pthread_t thread, void **result, const struct 
 
 static int lock_until(pthread_mutex_t *mutex, uint64_t until_ns)
 {
-    int error;
-    while ((error = REAL(pthread_mutex_trylock)(mutex)) == EBUSY) {
+    static const struct timespec over = {.tv_sec = -1};
+    int error = REAL(pthread_mutex_trylock)(mutex);
+    if (error == EBUSY)
+        error = REAL(pthread_mutex_timedlock)(mutex, &over); /* EDEADLK: this thread holds it, which no try shows */
+    while (error == EBUSY || error == ETIMEDOUT) {
         if (ect_virtual_wait(mutex, until_ns) == ECT_WAIT_TIMED_OUT)
             return ETIMEDOUT;
+        error = REAL(pthread_mutex_trylock)(mutex);
     }
     return error;
 }
