@@ -267,23 +267,24 @@ class Conform(Program):
 
 
 class InProcess(Program):
-    """The libraries between a master and its sockets, judged by the master of the integration tests on both clocks."""
+    """The libraries between a master and its sockets, judged by the masters of the integration tests on both clocks."""
 
     LEAKS = ""  # that library replaces functions of threads, too
-    CLOCKS = {"in_process_real": "real", "in_process_virtual": "virtual"}
+    MASTERS = ["inprocess_calls", "inprocess_sockets", "inprocess_waits"]
+    RUNS = {f"{master}_{clock}": (master, clock) for master in MASTERS for clock in ("real", "virtual")}
 
     def __init__(self):
-        modules = {name: f"ectwin_inprocess_{clock}" for name, clock in self.CLOCKS.items()}
-        targets = self.build("inprocess_calls", "ectwin_chain", *modules.values())
+        modules = {name: f"ectwin_inprocess_{clock}" for name, (_, clock) in self.RUNS.items()}
+        targets = self.build(*self.MASTERS, "ectwin_chain", *sorted(set(modules.values())))
         self.own = {name: targets[module] for name, module in modules.items()}
         self.core = {source: compiled for sources in self.own.values() for source, compiled in sources.items()}
-        self.tests = {name: BUILD / f"libectwin-{clock}.so" for name, clock in self.CLOCKS.items()}
+        self.tests = {name: BUILD / f"libectwin-{clock}.so" for name, (_, clock) in self.RUNS.items()}
 
     def link(self, library, instead):
         """Each library is linked with the mutant when it is its turn."""
 
     def tests_beside(self, source):
-        return [name for name in self.CLOCKS if name in self.seconds and source in self.own[name]]
+        return [name for name in self.RUNS if name in self.seconds and source in self.own[name]]
 
     def with_mutant(self, name, source, changed, work):
         library = self.tests[name].name
@@ -293,7 +294,8 @@ class InProcess(Program):
         return link_as_built(library, work / library, work / "mutant.o", self.own[name][source])
 
     def command(self, name, program, folder):
-        words = [BUILD / "tests/integration/inprocess_calls", "ectwin0", self.CLOCKS[name]]
+        master, clock = self.RUNS[name]
+        words = [BUILD / "tests/integration" / master, "ectwin0", clock]
         return words, environment(folder, LD_PRELOAD=str(program), ECTWIN_IFACE="ectwin0", ECTWIN_INPROCESS="fzm1,fzm1",
                                   ECTWIN_INPROCESS_MARK="/dev/null", ECTWIN_INPROCESS_CWD="/")
 
@@ -372,7 +374,7 @@ def verdict(program, reached, mutant):
         if not program.core[source].compile(changed, work / "mutant.o"):
             return ""
         program.link(work / "libcore.so", {source: work / "mutant.o"})
-        for name in reached.get((source, mutant["line"])) or program.tests_beside(source):
+        for name in dict.fromkeys([*reached.get((source, mutant["line"]), []), *program.tests_beside(source)]):
             words, variables = program.command(name, program.with_mutant(name, source, changed, work), work)
             if not passes(words, {**variables, "GCOV_PREFIX": folder}, 2 + 10 * program.seconds[name]):
                 return name
