@@ -51,6 +51,8 @@ typedef struct ect_signal {
     uint32_t offset; /**< of the value inside the group's structure */
     int64_t minimum; /**< inclusive; 0 for TEXT, BYTES and DESCRIBED */
     int64_t maximum; /**< inclusive; for TEXT, BYTES and DESCRIBED the greatest length */
+    uint8_t turn; /**< 0: any order. 1, 2: a write replaces values of other signals (the number of a scene): of several
+                     signals that are set or have changed together, those with 1 come first, then those with 2 */
 } ect_signal_t;
 
 /**
@@ -63,7 +65,11 @@ typedef struct ect_signal {
  * @param unit, meaning      as in ::ect_signal_t
  */
 #define ECT_SIGNAL(structure, member, name, kind, rights, minimum, maximum, unit, meaning)                             \
-    {name, meaning, unit, ECT_SIGNAL_##kind, ECT_SIGNAL_##rights, offsetof(structure, member), minimum, maximum}
+    {name, meaning, unit, ECT_SIGNAL_##kind, ECT_SIGNAL_##rights, offsetof(structure, member), minimum, maximum, 0}
+
+/** A row for a signal of 8 bits that chooses what other signals show: written before them, as its turn is, 1 or 2. */
+#define ECT_SIGNAL_CHOICE(structure, member, name, minimum, maximum, its_turn, meaning)                                \
+    {name, meaning, NULL, ECT_SIGNAL_U8, ECT_SIGNAL_WRITE, offsetof(structure, member), minimum, maximum, its_turn}
 
 /** Signals over one structure of the instance, or over an array of equal structures. */
 typedef struct ect_signal_group {

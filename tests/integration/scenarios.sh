@@ -118,6 +118,22 @@ recorded_and_played() {
   check "the same values in the same order" "$(cut -d, -f2- "$work/record1.csv" | md5sum)" "$(cut -d, -f2- "$work/record2.csv" | md5sum)"
 }
 
+# A recording of values of two scenes gives each its own again, whatever the order of its columns.
+recorded_scenes() {
+  printf 'time,scene,data1\n3,,1.5\n3.3,4,\n3.31,,2.5\n3.6,0,\n3.9,4,\n4.2,0,\n4.21,,3.5\n' >"$work/first.csv"
+  local run table=$work/first.csv
+  for run in 1 2; do
+    "$ectwin" with --play "$table" --name "scenes$run" fzm1 -- sh -c "
+      '$ectwin' watch --csv '$work/record$run.csv' --every --until data1=3.5 data1 scene
+      '$ectwin' get scene data1
+      '$ectwin' set edit.scene=4
+      '$ectwin' get edit.data1" >"$work/out" 2>"$work/err"
+    check "run $run: each scene has its value" "scene=0 data1=3.5 edit.data1=2.5" "$(xargs <"$work/out")"
+    table=$work/record$run.csv
+  done
+  check "the same changes" "$(cut -d, -f2- "$work/record1.csv" | md5sum)" "$(cut -d, -f2- "$work/record2.csv" | md5sum)"
+}
+
 set_in_time() {
   printf 'data1,time\n1.5,0\n2.5,0.05\n,0.06\n3.5,0.1\n' >"$work/rows.csv"
   "$ectwin" with fzm1 -- sh -c "'$ectwin' set --csv '$work/rows.csv' && '$ectwin' get data1" >"$work/out" 2>"$work/err"
@@ -138,7 +154,7 @@ set_in_time() {
 
 number=0
 for case_name in every_story_is_played same_seed_same_frames the_verdict_is_in_the_exit_status run_has_it_too \
-  mistakes_are_found_before_the_run recorded_and_played set_in_time; do
+  mistakes_are_found_before_the_run recorded_and_played recorded_scenes set_in_time; do
   if [ -n "$only" ] && [ "$only" != "$case_name" ]; then continue; fi
   ran=$((ran + 1))
   $case_name

@@ -96,6 +96,25 @@ static size_t try_again(step_t *steps, size_t end, uint64_t now_ns)
     return waiting;
 }
 
+/* 0 for those that come first. */
+static unsigned int turn_of(const step_t *step)
+{
+    unsigned int turn = step->ref.signal->turn;
+    return turn > 0 ? turn - 1 : UINT8_MAX;
+}
+
+/* Settings with a turn come first; the others stay in the order given. */
+static void sort(step_t *steps, size_t count)
+{
+    for (size_t end = 1; end < count; end++) {
+        step_t step = steps[end];
+        size_t at = end;
+        for (; at > 0 && turn_of(&steps[at - 1]) > turn_of(&step); at--)
+            steps[at] = steps[at - 1];
+        steps[at] = step;
+    }
+}
+
 static bool write_all(step_t *steps, size_t count, uint64_t now_ns, char *message)
 {
     char other[ECT_SIGNAL_MESSAGE];
@@ -118,6 +137,7 @@ bool ect_settings_apply(ect_chain_t *chain, size_t position, const ect_setting_t
     bool done = false;
     snprintf(message, ECT_SIGNAL_MESSAGE, "not enough memory");
     if (kept && prepare(chain, position, settings, count, steps, message)) {
+        sort(steps, count);
         done = write_all(steps, count, now_ns, message);
         if (done)
             ect_chain_wake(chain, position);

@@ -21,8 +21,9 @@ typedef struct ect_setting {
 } ect_setting_t;
 
 /**
- * Sets signals of the twin at a position, in the order given, and wakes the twin. A refused setting is tried again
- * after each that follows, so limits that depend on each other come in any order.
+ * Sets signals of the twin at a position and wakes the twin: those with a turn (ect_signal_t) first, the others in the
+ * order given. A refused setting is tried again after each that follows, so limits that depend on each other come in
+ * any order.
  * Cost: one write a setting and try; with more than one, the twin's instance is copied first.
  * @param position      0..::ect_chain_count - 1
  * @param settings      `count` of them; 0: none

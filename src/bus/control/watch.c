@@ -40,6 +40,8 @@ struct ect_watch {
     watched_t watched[ECT_WATCH_MOST];
     size_t lamps[ECT_WATCH_MOST]; /* slaves of which a lamp is watched */
     size_t lamp_count;
+    uint16_t choices[ECT_WATCH_MOST]; /* watched signals with a turn, in the order of these */
+    size_t choice_count;
     uint8_t reported[ECT_WATCH_MOST * VALUE_ROOM];
     uint8_t notes[NOTES];
 };
@@ -93,6 +95,19 @@ static uint16_t *place_of(ect_watch_t *watch, const ect_signal_ref_t *ref)
     return &watch->table[at];
 }
 
+static uint8_t turn_of(const ect_watch_t *watch, size_t i)
+{
+    return watch->watched[i].ref.signal->turn;
+}
+
+static void add_choice(ect_watch_t *watch, size_t signal)
+{
+    size_t at = watch->choice_count++;
+    for (; at > 0 && turn_of(watch, watch->choices[at - 1]) > turn_of(watch, signal); at--)
+        watch->choices[at] = watch->choices[at - 1];
+    watch->choices[at] = (uint16_t)signal;
+}
+
 bool ect_watch_add(ect_watch_t *watch, const ect_signal_ref_t *ref, size_t slave)
 {
     uint16_t *place = place_of(watch, ref);
@@ -109,6 +124,8 @@ bool ect_watch_add(ect_watch_t *watch, const ect_signal_ref_t *ref, size_t slave
     memcpy(watch->reported + peek->reported, ref->value, peek->size);
     watch->reported_used += peek->size;
     watch->watched[watch->count] = (watched_t){.ref = *ref, .slave = slave};
+    if (ref->signal->turn > 0)
+        add_choice(watch, watch->count);
     if (watch->round == watch->count)
         watch->round++; /* no round is under way, and this does not begin one */
     watch->count++;
@@ -137,6 +154,18 @@ static bool changed(const ect_watch_t *watch, const peek_t *peek)
     }
 }
 
+/* The signal to report before a changed one: the first changed choice of its slave, or itself. A list of changes can be
+ * played: the scene is switched before its values are set. */
+static size_t first_change(const ect_watch_t *watch, size_t signal)
+{
+    for (size_t n = 0; n < watch->choice_count; n++) {
+        size_t i = watch->choices[n];
+        if (watch->watched[i].slave == watch->watched[signal].slave && changed(watch, &watch->peeks[i]))
+            return i;
+    }
+    return signal;
+}
+
 static void push(ect_watch_t *watch, const void *data, size_t size)
 {
     for (size_t i = 0; i < size; i++)
@@ -155,10 +184,13 @@ static void pop(ect_watch_t *watch, void *data, size_t size)
 
 void ect_watch_record(ect_watch_t *watch, uint64_t now_ns)
 {
-    for (size_t i = 0; i < watch->count; i++) {
-        const peek_t *peek = &watch->peeks[i];
-        if (!changed(watch, peek))
+    for (size_t at = 0; at < watch->count;) {
+        if (!changed(watch, &watch->peeks[at])) {
+            at++;
             continue;
+        }
+        size_t i = first_change(watch, at);
+        const peek_t *peek = &watch->peeks[i];
         const note_t note = {.time_ns = now_ns, .signal = i};
         memcpy(watch->reported + peek->reported, peek->value, peek->size);
         if (watch->end - watch->first + sizeof note + peek->size > NOTES) {
@@ -219,13 +251,15 @@ bool ect_watch_next(ect_watch_t *watch, unsigned int *budget, uint64_t now_ns, e
     if (watch->every)
         return next_note(watch, line);
     for (; watch->round < watch->count && *budget > 0; --*budget) {
-        size_t i = watch->round++;
-        const peek_t *peek = &watch->peeks[i];
-        if (changed(watch, peek)) {
+        if (changed(watch, &watch->peeks[watch->round])) {
+            size_t i = first_change(watch, watch->round);
+            const peek_t *peek = &watch->peeks[i];
+            watch->round += i == watch->round;
             memcpy(watch->reported + peek->reported, peek->value, peek->size);
             write_change(&watch->watched[i], peek->value, now_ns, line);
             return true;
         }
+        watch->round++;
     }
     return false;
 }

@@ -5,7 +5,8 @@
  *
  * There are two modes. In rounds: at intervals all watched values are compared with the reported ones, a few at a time,
  * and differing ones are reported; a value that returned in between is no change. Every change: after each poll of the
- * devices changes are recorded with their time, at a comparison each, and written when no frame waits.
+ * devices changes are recorded with their time, at a comparison each, and written when no frame waits. In both, a
+ * signal with a turn (ect_signal_t) precedes the changed values that its own change may have replaced.
  *
  * Context: the thread of the chain. The memory of the twins must outlive the watch.
  */

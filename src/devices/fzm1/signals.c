@@ -9,6 +9,7 @@
     ECT_SIGNAL(fzm1_t, member, name, kind, READ, minimum, maximum, unit, meaning)
 #define W(member, name, kind, minimum, maximum, unit, meaning)                                                         \
     ECT_SIGNAL(fzm1_t, member, name, kind, WRITE, minimum, maximum, unit, meaning)
+#define CHOICE(member, name, maximum, turn, meaning) ECT_SIGNAL_CHOICE(fzm1_t, member, name, 0, maximum, turn, meaning)
 
 #define LARGEST 999999999
 
@@ -47,8 +48,8 @@ enum { CAUSE = 96 }; /* the longest */
 
 static const ect_signal_t signals[] = {
     W(trigger, "trigger", BOOL, 0, 1, NULL, "writing 1 measures, as the rising edge of STEP does"),
-    W(scene_number, "scene", U8, 0, FZM1_SCENES - 1, NULL, "current scene"),
-    W(scene_group, "scene_group", U8, 0, FZM1_GROUPS - 1, NULL, "current scene group; begins with its scene 0"),
+    CHOICE(scene_number, "scene", FZM1_SCENES - 1, 2, "current scene"),
+    CHOICE(scene_group, "scene_group", FZM1_GROUPS - 1, 1, "current scene group; begins with its scene 0"),
     W(plant.judgement, "judgement", I16, -1, 1, NULL,
       "of all units, in the next measurements: 0 each its own, 1 OK, -1 NG"),
     W(run, "run", BOOL, 0, 1, NULL, "RUN window shown; without it nothing is measured"),
@@ -125,9 +126,8 @@ static const ect_signal_t signals[] = {
 
 /* Any scene of any group, present or not: `group` and `scene` open it, the others change it at once. */
 static const ect_signal_t edit[] = {
-    W(plant.edit.group, "group", U8, 0, FZM1_GROUPS - 1, NULL, "group of the scene to read and to change"),
-    W(plant.edit.scene, "scene", U8, 0, FZM1_SCENES - 1, NULL,
-      "number of the scene; a write of group or scene opens it"),
+    CHOICE(plant.edit.group, "group", FZM1_GROUPS - 1, 1, "group of the scene to read and to change"),
+    CHOICE(plant.edit.scene, "scene", FZM1_SCENES - 1, 2, "number of the scene; a write of group or scene opens it"),
     SCENE(plant.edit.content),
     R(plant.prepared_count, "prepared", U16, 0, FZM1_PREPARED, NULL, "scenes changed here and not saved"),
     W(prepared_clear, "clear", BOOL, 0, 1, NULL, "writing 1 discards them when their group is loaded again"),

@@ -25,8 +25,8 @@ typedef struct unit {
 } unit_t;
 
 static const ect_signal_t signals[] = {
-    {"number", "a number", NULL, ECT_SIGNAL_U16, ECT_SIGNAL_WRITE, offsetof(unit_t, number), 0, 40000},
-    {"text", "a text", NULL, ECT_SIGNAL_TEXT, ECT_SIGNAL_WRITE, offsetof(unit_t, text), 0, 8},
+    {"number", "a number", NULL, ECT_SIGNAL_U16, ECT_SIGNAL_WRITE, offsetof(unit_t, number), 0, 40000, 0},
+    {"text", "a text", NULL, ECT_SIGNAL_TEXT, ECT_SIGNAL_WRITE, offsetof(unit_t, text), 0, 8, 0},
 };
 static const ect_signal_group_t groups[] = {
     {.signal_count = 2, .signals = signals},
@@ -353,8 +353,8 @@ typedef struct tree {
 } tree_t;
 
 static const ect_signal_t top_signals[] = {ECT_SIGNAL(tree_t, top, "top", U8, WRITE, 0, 255, NULL, "")};
-static const ect_signal_t part_signals[] = {{"a", "", NULL, ECT_SIGNAL_U8, ECT_SIGNAL_WRITE, 0, 0, 255},
-                                            {"b", "", NULL, ECT_SIGNAL_U8, ECT_SIGNAL_WRITE, 1, 0, 255}};
+static const ect_signal_t part_signals[] = {{"a", "", NULL, ECT_SIGNAL_U8, ECT_SIGNAL_WRITE, 0, 0, 255, 0},
+                                            {"b", "", NULL, ECT_SIGNAL_U8, ECT_SIGNAL_WRITE, 1, 0, 255, 0}};
 static const ect_signal_group_t tree_groups[] = {
     {.signal_count = 1, .signals = top_signals},
     {.prefix = "bu", .offset = offsetof(tree_t, bu.a), .signal_count = 2, .signals = part_signals},

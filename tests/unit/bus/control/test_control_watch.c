@@ -7,6 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "bus/chain/settings.h"
 #include "bus/control/watch.h"
 
 /* --- watching ----------------------------------------------------------------------------------------------------- */
@@ -104,6 +105,65 @@ static void every_change(void **state)
     close(fd);
     serve(&b);
     close_bench(&b);
+}
+
+static void set_of_fzm1(bench_t *b, const char *name, const char *value)
+{
+    char message[ECT_SIGNAL_MESSAGE] = "";
+    const ect_setting_t setting = {name, value};
+    if (!ect_settings_apply(b->wire.chain, 0, &setting, 1, b->wire.now_ns, message))
+        fail_msg("%s", message);
+}
+
+/* The order of a list of changes in which they can be played, whatever the order of the watches. */
+static void choices_come_first(void **state)
+{
+    static const struct {
+        const char *watch, *set[2]; /* name and value; data1 of the first scene is 5 */
+        const char *names[4];       /* of the reply */
+    } rows[] = {
+        {"{\"op\":\"watch\",\"pattern\":\"[ds][ac][te][an]*\"%s}\n", {"scene", "3"}, {"scene", "data1"}},
+        {"{\"op\":\"watch\",\"pattern\":\"data1\"%s}\n{\"op\":\"watch\",\"pattern\":\"scene\"%s}\n",
+         {"scene", "3"},
+         {"scene", "data1"}},
+        {"{\"op\":\"watch\",\"pattern\":\"data1\"%s}\n{\"op\":\"watch\",\"pattern\":\"scene*\"%s}\n",
+         {"scene_group", "2"},
+         {"scene_group", "data1"}},
+        {"{\"op\":\"watch\",\"pattern\":\"data1\"%s}\n{\"op\":\"watch\",\"pattern\":\"scene*\"%s}\n",
+         {"data1", "6"},
+         {"data1"}},
+    };
+    (void)state;
+    for (size_t i = 0; i < 2 * sizeof rows / sizeof rows[0]; i++) {
+        const char *every = i % 2 != 0 ? ",\"every\":true" : "";
+        char got[4096], request[256];
+        bench_t b;
+        open_bench(&b, "fzm1", 2);
+        set_of_fzm1(&b, "data1", "5");
+        int fd = connect_client(&b);
+        set_nonblocking(fd);
+        snprintf(request, sizeof request, rows[i / 2].watch, every, every);
+        send_text(fd, request);
+        serve(&b);
+        receive_text(fd, got, sizeof got);
+        set_of_fzm1(&b, rows[i / 2].set[0], rows[i / 2].set[1]);
+        ect_control_record(b.control, b.wire.chain, b.wire.now_ns);
+        b.wire.now_ns += 10 * MS;
+        serve(&b);
+        receive_text(fd, got, sizeof got);
+        const char *at = got;
+        for (size_t n = 0; rows[i / 2].names[n]; n++) {
+            char want[64];
+            snprintf(want, sizeof want, "{\"slave\":1,\"name\":\"%s\",", rows[i / 2].names[n]);
+            if (strncmp(at, want, strlen(want)) != 0)
+                fail_msg("row %zu%s: expected %s as change %zu of %s", i / 2, every, want, n + 1, got);
+            at = strchr(at, '\n') + 1;
+        }
+        assert_string_equal(at, "");
+        close(fd);
+        serve(&b);
+        close_bench(&b);
+    }
 }
 
 /* Lamps are made when they are looked for: those of the twins of which one is watched, and of no others. */
@@ -303,6 +363,8 @@ int main(int argc, char **argv)
         {"Watch: a change is reported once, whatever else is watched", a_change_is_reported_once, NULL, NULL, NULL},
         {"Watch: a signal that is added begins no round", no_round_begins, NULL, NULL, NULL},
         {"Watch: every change, with its time", every_change, NULL, NULL, NULL},
+        {"Watch: the number of a scene is reported before the values that it has changed", choices_come_first, NULL,
+         NULL, NULL},
         {"Watch: lamps are brought up to date where one is watched", watched_lamps, NULL, NULL, NULL},
         {"Attack: 1000 x the same watch is watched once", a_repeated_watch_is_one, NULL, NULL, NULL},
         {"Attack: at most 4096 signals are watched", most_signals_that_are_watched, NULL, NULL, NULL},

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "bus/chain/settings.h"
 #include "support/sensor.h"
 
 static sensor_t s;
@@ -230,6 +231,35 @@ static void memory_is_silent(void **state)
     signal_set(&s.w, "edit.group", "5");
 }
 
+/* Values that are set together belong to the scene that is named among them, wherever. */
+static void set_together(void **state)
+{
+    static const struct {
+        ect_setting_t settings[4];
+        size_t count;
+        const char *group, *scene, *data;
+    } rows[] = {
+        {{{"data1", "1.5"}, {"scene", "3"}}, 2, "0", "3", "1.5"},
+        {{{"data1", "2.5"}, {"scene", "0"}}, 2, "0", "0", "2.5"},
+        {{{"data1", "3.5"}, {"scene", "3"}}, 2, "0", "3", "3.5"},
+        {{{"scene", "0"}}, 1, "0", "0", "2.5"},
+        {{{"scene", "3"}}, 1, "0", "3", "3.5"},
+        {{{"data1", "4.5"}, {"scene", "5"}, {"scene_group", "2"}}, 3, "2", "5", "4.5"},
+        {{{"edit.data1", "6.5"}, {"edit.scene", "7"}, {"edit.group", "2"}, {"data1", "4.75"}}, 4, "2", "5", "4.75"},
+        {{{"scene", "7"}}, 1, "2", "7", "6.5"},
+        {{{"scene", "5"}}, 1, "2", "5", "4.75"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char message[ECT_SIGNAL_MESSAGE] = "";
+        if (!ect_settings_apply(s.w.chain, 0, rows[i].settings, rows[i].count, s.w.now_ns, message))
+            fail_msg("row %zu: %s", i, message);
+        expect_text("scene_group", rows[i].group);
+        expect_text("scene", rows[i].scene);
+        expect_text("data1", rows[i].data);
+    }
+}
+
 #define TEST(title, function) {title, function, setup, teardown, NULL}
 
 int main(int argc, char **argv)
@@ -237,6 +267,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         TEST("FZM-030 FZM-031 FZM-035: comments, expressions and format belong to the scene's Fieldbus Data Output",
              of_a_scene),
+        TEST("FZM-030 FZM-035: values set together with a scene, in any order, are of that scene", set_together),
         TEST("FZM-030: 2500h has the comments of the current scene", comments_by_sdo),
         TEST("FZM-030 FZM-058: any scene of any group is prepared before it is switched to, and stays so", prepared),
         TEST("FZM-030: the current scene is changed at once", current_scene),
