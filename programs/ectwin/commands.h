@@ -17,6 +17,7 @@
 #include "bus/storage/eeprom.h"
 #include "bus/storage/files.h"
 #include "bus/storage/memory.h"
+#include "content.h"
 #include "defects.h"
 #include "esi/twin.h"
 #include "wiring_args.h"
@@ -105,6 +106,8 @@ typedef struct twin_args {
     char *const *words; /* the command line, as a record needs it */
     int word_count;
     uint64_t power_on_ns;
+    content_t content;     /* of --store and --files at the start, for a record or of one */
+    bool replayed;         /* by a replay: --store is not opened, its content is that of the record */
     bool in_process;       /* one of the buses of a command: each adds a section to the capture */
     bool own_clock;        /* times are not those of CLOCK_MONOTONIC: a capture has them as they are */
     const char **settings; /* "[N:]NAME=VALUE" */
@@ -123,6 +126,10 @@ typedef struct twin_args {
 
 /** Argp parser for the options of twins; its input is a twin_args_t. */
 extern const struct argp twin_argp;
+
+/** Reports why there is no chain: a line on standard error, or the caller's message. */
+void twin_args_report(const twin_args_t *args, const char *who, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 /** Takes "DEVICE[,DEVICE...]"; an unknown name ends the program with a line that lists the known ones. */
 void twin_args_devices(twin_args_t *args, const struct argp_state *state, const char *list);

@@ -42,16 +42,11 @@ typedef struct record_words {
 static error_t parse_words(int key, char *text, struct argp_state *state)
 {
     record_words_t *words = state->input;
-    const twin_args_t *twins = words->run.twins;
     (void)text;
     switch (key) {
     case ARGP_KEY_INIT:
         state->child_inputs[0] = &words->run;
         state->err_stream = words->errors;
-        return 0;
-    case ARGP_KEY_END:
-        if (twins->store || twins->files || twins->modbus)
-            argp_error(state, "the record asks for files or a server, which no record of ectwin does");
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;

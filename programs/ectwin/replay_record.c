@@ -26,6 +26,7 @@ typedef struct section {
     bool frozen; /* a difference was found: nothing is compared any more */
     char **words;
     int word_count;
+    ect_modbus_server_t *modbus;            /* NULL: the run had none */
     uint8_t request[ECT_PCAPNG_FRAME_MOST]; /* the frame before the reply, as it came */
     size_t request_length;
 } section_t;
@@ -176,10 +177,63 @@ static void carry_out(section_t *s, const ect_logged_t *logged)
     cJSON_Delete(request);
 }
 
+/* Hexadecimal digits up to a character that is none. @return bytes; `most` + 1: there are more */
+static size_t read_hexadecimal(const char **text, const char *end, uint8_t *bytes, size_t most)
+{
+    static const char digits[] = "0123456789ABCDEF";
+    size_t count = 0;
+    for (; end - *text >= 2 && count <= most; *text += 2) {
+        const char *high = memchr(digits, (*text)[0], 16);
+        const char *low = memchr(digits, (*text)[1], 16);
+        if (!high || !low)
+            break;
+        if (count < most)
+            bytes[count] = (uint8_t)((high - digits) << 4 | (low - digits));
+        count++;
+    }
+    return count;
+}
+
+static void print_bytes(const char *name, const uint8_t *bytes, size_t length)
+{
+    printf("  %s", name);
+    for (size_t i = 0; i < length; i++)
+        printf(" %02X", bytes[i]);
+    printf(length > 0 ? "\n" : " none\n");
+}
+
+/* A Modbus request has its place between the frames, and the reply of then. */
+static void pass_modbus(section_t *s, const ect_logged_t *logged)
+{
+    uint8_t request[ECT_MODBUS_ADU], expected[ECT_MODBUS_ADU], got[ECT_MODBUS_ADU];
+    const char *text = logged->text;
+    const char *end = text + logged->length;
+    size_t length = read_hexadecimal(&text, end, request, sizeof request);
+    bool separated = text < end && *text++ == ' ';
+    size_t want = read_hexadecimal(&text, end, expected, sizeof expected);
+    if (!s->modbus || !separated || text != end || length > sizeof request || want > sizeof expected) {
+        replay_wrong(s->replay, "a Modbus request makes no sense");
+        return;
+    }
+    size_t replied =
+        ect_modbus_server_request(s->modbus, s->exchange.chain, s->exchange.touched_ns, request, length, got);
+    if (replied == want && memcmp(got, expected, want) == 0)
+        return;
+    begin_report(s, s->replay->requests, s->clock_ns + s->offset_ns, "the reply to a Modbus request behind it differs");
+    print_bytes("request ", request, length);
+    print_bytes("expected", expected, want);
+    print_bytes("got     ", got, replied);
+}
+
 static void pass_logged(section_t *s, const ect_logged_t *logged)
 {
     const unsigned int end = logged->value & 0xFF;
     switch (logged->kind) {
+    case ECT_LOGGED_MODBUS:
+        pass_modbus(s, logged);
+        return;
+    case ECT_LOGGED_FLUSH:
+        return; /* behind the last frame: a run finishes its saves */
     case ECT_LOGGED_RUN:
         advance(s, logged->time_ns);
         if (logged->value == 0)
@@ -257,16 +311,58 @@ static bool read_start(section_t *s, const ect_logged_t *logged)
     return done;
 }
 
+/* The result of a flush in the run. */
+static int take_flush(void *ctx, int result)
+{
+    const section_t *s = ctx;
+    ect_logged_t logged;
+    if (!take_logged(&s->replay->ahead, &logged) || logged.kind != ECT_LOGGED_FLUSH)
+        return result;
+    replay_next(s->replay);
+    return (int32_t)logged.value;
+}
+
+/* The content of the run's folders, which the twins of the replay get in their place. */
+static bool take_content(section_t *s)
+{
+    ect_logged_t logged;
+    const char *why = s->twins.files ? content_make_folder(&s->twins.content) : NULL;
+    s->twins.replayed = true;
+    if (s->twins.files)
+        s->twins.files = s->twins.content.folder;
+    while (!why && take_logged(&s->replay->ahead, &logged) && logged.kind == ECT_LOGGED_CONTENT) {
+        replay_next(s->replay);
+        (void)take_logged(&s->replay->item, &logged);
+        why = content_take(&s->twins.content, &logged, s->replay->item.captured - ECT_LOGGED_HEAD);
+    }
+    if (why)
+        replay_wrong(s->replay, "%s", why);
+    return !why;
+}
+
+static bool open_modbus(section_t *s)
+{
+    char message[ECT_MODBUS_MESSAGE];
+    s->modbus = s->twins.modbus ? ect_modbus_server_new(message) : NULL;
+    if (s->twins.modbus && !s->modbus)
+        replay_wrong(s->replay, "%s", message);
+    return !s->twins.modbus || s->modbus;
+}
+
 static bool power_on(section_t *s, uint64_t now_ns)
 {
     char message[TWIN_MESSAGE] = "";
     s->clock_ns = now_ns;
     replay_words(&s->twins, s->word_count, s->words);
+    if (!take_content(s) || !open_modbus(s))
+        return false;
     s->twins.message = message;
     if (twin_args_power_on(&s->twins, "ectwin replay", now_ns, &s->exchange.chain) != EXIT_CLEAN) {
         replay_wrong(s->replay, "its twins cannot be powered on: %s", message);
         return false;
     }
+    for (size_t i = 0; s->twins.store && i < s->twins.count; i++)
+        ect_memory_replace_flush(s->twins.memories[i], take_flush, s);
     s->exchange.scenario = &s->twins.scenario;
     s->exchange.filter = s->twins.filter.ctx ? &s->twins.filter : NULL;
     s->exchange.send = compare;
@@ -282,6 +378,7 @@ static void free_section(section_t *s)
         ect_exchange_end(&s->exchange);
         ect_chain_free(s->exchange.chain);
     }
+    ect_modbus_server_close(s->modbus);
     twin_args_free(&s->twins);
     for (int i = 1; i <= s->word_count; i++)
         free(s->words[i]);

@@ -115,6 +115,26 @@ static void list_modbus_devices(const char *who)
     fprintf(stderr, "\n");
 }
 
+static char *write_hexadecimal(char *to, const uint8_t *bytes, size_t length)
+{
+    static const char digits[] = "0123456789ABCDEF";
+    for (size_t i = 0; i < length; i++) {
+        *to++ = digits[bytes[i] >> 4];
+        *to++ = digits[bytes[i] & 15];
+    }
+    return to;
+}
+
+static void log_modbus(void *ctx, const uint8_t *request, size_t length, const uint8_t *reply, size_t reply_length)
+{
+    const session_t *s = ctx;
+    char text[4 * ECT_MODBUS_ADU + 1];
+    char *end = write_hexadecimal(text, request, length);
+    *end++ = ' ';
+    end = write_hexadecimal(end, reply, reply_length);
+    ect_trace_log(s->runner.exchange.trace, ECT_LOGGED_MODBUS, 0, 0, text, (size_t)(end - text));
+}
+
 int session_open_modbus(session_t *s)
 {
     char message[ECT_MODBUS_MESSAGE];
@@ -131,8 +151,10 @@ int session_open_modbus(session_t *s)
         return EXIT_USAGE;
     }
     s->runner.modbus = ect_modbus_server_open(twins->modbus, message);
-    if (s->runner.modbus)
+    if (s->runner.modbus && (!twins->record || ect_modbus_server_observe(s->runner.modbus, log_modbus, s)))
         return EXIT_CLEAN;
+    if (s->runner.modbus)
+        snprintf(message, sizeof message, "requests cannot be recorded: %s", strerror(errno));
     int status = errno == EINVAL ? EXIT_USAGE : EXIT_OPEN;
     fprintf(stderr, "%s: --modbus: %s\n", s->who, message);
     return status;

@@ -2,17 +2,12 @@
 #define _GNU_SOURCE
 #include <cjson/cJSON.h>
 #include <errno.h>
-#include <inttypes.h>
-#include <limits.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
-#include <unistd.h>
 
-#include "bus/capture/capture.h"
 #include "bus/chain/settings.h"
 #include "bus/net/rights.h"
 #include "commands.h"
@@ -60,9 +55,6 @@ enum {
 
 /* Default of --pcap-size. */
 #define PCAP_SIZE 1000000000ull
-
-/* Room for a tenth of a second of the fastest masters while the disk does not write. */
-enum { CAPTURE_BUFFER = 4 * 1024 * 1024, RECORD_BUFFER = 16 * 1024 * 1024, NS_PER_S = 1000000000 };
 
 static const struct argp_option options[] = {
     {"vendor-id", KEY_VENDOR_ID, "[N:]ID", 0,
@@ -624,9 +616,7 @@ void twin_args_devices(twin_args_t *args, const struct argp_state *state, const 
 
 /* --- power-on ----------------------------------------------------------------------------------------------------- */
 
-/* The reason why there is no chain: a line on standard error, or the caller's message. */
-__attribute__((format(printf, 3, 4))) static void report(const twin_args_t *args, const char *who, const char *format,
-                                                         ...)
+void twin_args_report(const twin_args_t *args, const char *who, const char *format, ...)
 {
     char text[TWIN_MESSAGE];
     va_list values;
@@ -639,22 +629,45 @@ __attribute__((format(printf, 3, 4))) static void report(const twin_args_t *args
         fprintf(stderr, "%s: %s\n", who, text);
 }
 
+/* Keeps the content of the banks for a record, or takes that of one. */
+static bool exchange_memory(twin_args_t *args, size_t i)
+{
+    const ect_storage_t *storage = ect_memory_storage(args->memories[i]);
+    if (!args->store || !(args->record || args->replayed))
+        return true;
+    uint8_t *data = malloc(storage->bank_size);
+    bool done = data != NULL;
+    for (unsigned int bank = 0; done && bank < 2; bank++) {
+        char name[CONTENT_NAME];
+        content_name_memory(name, i + 1, bank);
+        const content_piece_t *piece = content_find(&args->content, name);
+        if (args->replayed && piece && piece->size <= storage->bank_size)
+            done = storage->write(storage->ctx, bank, 0, piece->data, (uint32_t)piece->size) == 0;
+        else if (!args->replayed)
+            done = storage->read(storage->ctx, bank, 0, data, storage->bank_size) == 0 &&
+                   content_keep(&args->content, name, data, storage->bank_size);
+    }
+    free(data);
+    return done;
+}
+
 static bool open_memories(twin_args_t *args, const char *who)
 {
     char message[ECT_MEMORY_MESSAGE] = "out of memory";
+    const char *store = args->replayed ? NULL : args->store;
     args->memories = calloc(args->count, sizeof(ect_memory_t *));
-    if (args->store)
-        (void)mkdir(args->store, 0700); /* an existing one is fine; any failure is reported when its files are opened */
+    if (store)
+        (void)mkdir(store, 0700); /* an existing one is fine; any failure is reported when its files are opened */
     for (size_t i = 0; args->memories && i < args->count; i++) {
         char path[ECT_MEMORY_PATH];
-        int length = snprintf(path, sizeof path, "%s/%s-%zu", args->store ? args->store : "",
-                              args->twins[i].device->name, i + 1);
+        int length = snprintf(path, sizeof path, "%s/%s-%zu", store ? store : "", args->twins[i].device->name, i + 1);
         if (length < (int)sizeof path)
-            args->memories[i] = ect_memory_open(args->store ? path : NULL, message);
+            args->memories[i] = ect_memory_open(store ? path : NULL, message);
         else
             snprintf(message, sizeof message, "the folder's name is too long");
-        if (!args->memories[i]) {
-            report(args, who, "%s", message);
+        const char *why = !args->memories[i] ? message : exchange_memory(args, i) ? NULL : "out of memory";
+        if (why) {
+            twin_args_report(args, who, "%s", why);
             return false;
         }
         if (*message)
@@ -677,14 +690,14 @@ static bool open_files(twin_args_t *args, const char *who)
             args->twins[i].device = ect_files_device(args->opened[i]);
     }
     if (!done)
-        report(args, who, "--files: %s", message);
+        twin_args_report(args, who, "--files: %s", message);
     return done;
 }
 
 static bool open_eeprom(twin_args_t *args, size_t i, char *message)
 {
     ect_twin_config_t *twin = &args->twins[i];
-    char path[ECT_EEPROM_PATH];
+    char path[ECT_EEPROM_PATH], name[CONTENT_NAME];
     uint8_t *factory = sii_file_make(twin->device, &twin->identity, twin->alias, message, ECT_EEPROM_MESSAGE);
     int length = snprintf(path, sizeof path, "%s/%s-%zu.sii", args->store, twin->device->name, i + 1);
     if (length >= (int)sizeof path)
@@ -697,7 +710,18 @@ static bool open_eeprom(twin_args_t *args, size_t i, char *message)
     twin->sii = ect_eeprom_image(args->eeproms[i]);
     twin->sii_written = ect_eeprom_write;
     twin->sii_ctx = args->eeproms[i];
-    return true;
+    content_name_eeprom(name, i + 1);
+    snprintf(message, ECT_EEPROM_MESSAGE, "out of memory");
+    return !args->record || content_keep(&args->content, name, twin->sii, twin->device->sii_size);
+}
+
+/* The EEPROM of a record. Without its end, which is zero there, it would be shorter than the chip reads. */
+static bool take_eeprom(twin_args_t *args, size_t i)
+{
+    ect_twin_config_t *twin = &args->twins[i];
+    char name[CONTENT_NAME];
+    content_name_eeprom(name, i + 1);
+    return content_pad(&args->content, name, twin->device->sii_size, &twin->sii);
 }
 
 static bool open_eeproms(twin_args_t *args, const char *who)
@@ -706,9 +730,9 @@ static bool open_eeproms(twin_args_t *args, const char *who)
     args->eeproms = calloc(args->count, sizeof(ect_eeprom_t *));
     bool done = args->eeproms != NULL;
     for (size_t i = 0; done && args->store && i < args->count; i++)
-        done = open_eeprom(args, i, message);
+        done = args->replayed ? take_eeprom(args, i) : open_eeprom(args, i, message);
     if (!done)
-        report(args, who, "%s", message);
+        twin_args_report(args, who, "%s", message);
     return done;
 }
 
@@ -757,7 +781,7 @@ static bool apply(const twin_args_t *args, ect_chain_t *chain, size_t slave, boo
     }
     bool done = named && settings && ect_settings_apply(chain, slave - 1, settings, count, now_ns, message);
     if (!done)
-        report(args, who, "--set: %s", message);
+        twin_args_report(args, who, "--set: %s", message);
     free(named);
     free(settings);
     return done;
@@ -769,7 +793,8 @@ static bool all_for_a_twin(const twin_args_t *args, const char *who)
         const char *setting = args->settings[i];
         size_t slave = twin_of(&setting);
         if (slave < 1 || slave > args->count) {
-            report(args, who, "--set %.80s: twins are counted from 1 to the number of devices", args->settings[i]);
+            twin_args_report(args, who, "--set %.80s: twins are counted from 1 to the number of devices",
+                             args->settings[i]);
             return false;
         }
     }
@@ -797,7 +822,7 @@ static bool connect_all(const twin_args_t *args, ect_chain_t *chain, const char 
     char message[CONNECT_MESSAGE];
     if (connect_args_apply(chain, args->connections, args->connection_count, message))
         return true;
-    report(args, who, "%s", message);
+    twin_args_report(args, who, "%s", message);
     return false;
 }
 
@@ -807,11 +832,11 @@ static bool check_scenario(const twin_args_t *args, const ect_chain_t *chain, co
     char message[ECT_STEP_MESSAGE];
     const ect_scenario_step_t *step = ect_scenario_check(&args->scenario, chain, message);
     if (step)
-        report(args, who, "'%s': %s", step->text, message);
+        twin_args_report(args, who, "'%s': %s", step->text, message);
     for (const ect_table_t *table = args->scenario.tables; table && !step; table = table->next) {
         if (ect_table_check(table, chain, message))
             continue;
-        report(args, who, "--play: %s", message);
+        twin_args_report(args, who, "--play: %s", message);
         return false;
     }
     return !step;
@@ -825,7 +850,7 @@ int twin_args_power_on(twin_args_t *args, const char *who, uint64_t now_ns, ect_
         return EXIT_OPEN;
     *chain = ect_chain_new(args->twins, args->count, now_ns);
     if (!*chain) {
-        report(args, who, "not enough memory for %zu twins", args->count);
+        twin_args_report(args, who, "not enough memory for %zu twins", args->count);
         return EXIT_RUN;
     }
     if (apply_all(args, *chain, who, now_ns) && connect_all(args, *chain, who) && check_scenario(args, *chain, who))
@@ -833,116 +858,6 @@ int twin_args_power_on(twin_args_t *args, const char *who, uint64_t now_ns, ect_
     ect_chain_free(*chain);
     *chain = NULL;
     return EXIT_USAGE;
-}
-
-/* --- what a run writes down --------------------------------------------------------------------------------------- */
-
-static void note_save(void *ctx, size_t number)
-{
-    ect_trace_note(ctx, "slave %zu: parameters are saved", number);
-}
-
-static uint64_t offset_of_wall_clock(void)
-{
-    struct timespec wall, clock;
-    (void)clock_gettime(CLOCK_REALTIME, &wall);
-    (void)clock_gettime(CLOCK_MONOTONIC, &clock);
-    return (uint64_t)(wall.tv_sec - clock.tv_sec) * NS_PER_S + (uint64_t)wall.tv_nsec - (uint64_t)clock.tv_nsec;
-}
-
-/* Two processes of CMD may have their buses at the same time: the second one's file has its process in the name. */
-static ect_capture_t *open_capture(const twin_args_t *args, const char *path, bool record, uint64_t offset_ns,
-                                   char *message)
-{
-    char other[PATH_MAX];
-    ect_capture_config_t config = {.path = path,
-                                   .most = record ? 0 : args->pcap_size,
-                                   .buffer = record ? RECORD_BUFFER : CAPTURE_BUFFER,
-                                   .append = args->in_process,
-                                   .offset_ns = offset_ns,
-                                   .application = "ectwin " ECTWIN_VERSION,
-                                   .names = {args->about.ifaces[ECT_END_IN], args->about.ifaces[ECT_END_OUT]}};
-    ect_capture_t *capture = ect_capture_open(&config, message);
-    if (capture || !args->in_process || errno != EWOULDBLOCK)
-        return capture;
-    snprintf(other, sizeof other, "%s.%d", path, (int)getpid());
-    config.path = other;
-    return ect_capture_open(&config, message);
-}
-
-/* The beginning of a record: everything that a replay needs to power the same twins on. */
-static void log_start(const twin_args_t *args, ect_trace_t *trace, uint64_t offset_ns)
-{
-    cJSON *start = cJSON_CreateObject();
-    cJSON *words = cJSON_AddArrayToObject(start, "words");
-    char number[24];
-    for (int i = 0; i < args->word_count; i++)
-        cJSON_AddItemToArray(words, cJSON_CreateString(args->words[i]));
-    cJSON_AddStringToObject(start, "version", ECTWIN_VERSION);
-    cJSON_AddNumberToObject(start, "seed", args->scenario.seed);
-    snprintf(number, sizeof number, "%" PRIu64, offset_ns);
-    cJSON_AddStringToObject(start, "offset", number);
-    char *text = cJSON_PrintUnformatted(start);
-    if (text)
-        ect_trace_log(trace, ECT_LOGGED_START, 0, args->power_on_ns, text, strlen(text));
-    cJSON_free(text);
-    cJSON_Delete(start);
-}
-
-/* The content of folders and the requests of Modbus clients are not in a record. */
-static bool can_record(const twin_args_t *args, const char *who)
-{
-    const char *option = args->store ? "--store" : args->files ? "--files" : args->modbus ? "--modbus" : NULL;
-    if (args->record && option)
-        report(args, who, "--record does not hold what %s adds to a run: leave one of the two out", option);
-    return !args->record || !option;
-}
-
-static bool open_files_of_trace(const twin_args_t *args, ect_trace_t **trace, char *message)
-{
-    uint64_t offset_ns = args->own_clock ? 0 : offset_of_wall_clock();
-    ect_capture_t *capture = args->pcap ? open_capture(args, args->pcap, false, offset_ns, message) : NULL;
-    bool done = !args->pcap || capture;
-    ect_capture_t *record = done && args->record ? open_capture(args, args->record, true, offset_ns, message) : NULL;
-    done = done && (!args->record || record);
-    *trace = done ? ect_trace_new(capture, record, args->count) : NULL;
-    if (*trace) {
-        log_start(args, *trace, offset_ns);
-        return true;
-    }
-    (void)ect_capture_close(capture, NULL, 0, 0);
-    (void)ect_capture_close(record, NULL, 0, 0);
-    return false;
-}
-
-int twin_args_trace(twin_args_t *args, const char *who, ect_trace_t **trace)
-{
-    char message[ECT_CAPTURE_MESSAGE] = "not enough memory for a capture";
-    *trace = NULL;
-    if (!args->pcap && !args->record)
-        return EXIT_CLEAN;
-    if (!can_record(args, who))
-        return EXIT_USAGE;
-    if (!open_files_of_trace(args, trace, message)) {
-        report(args, who, "%s: %s", args->pcap && strstr(message, args->pcap) ? "--pcap" : "--record", message);
-        return EXIT_OPEN;
-    }
-    for (size_t i = 0; i < args->count; i++)
-        ect_memory_observe(args->memories[i], note_save, *trace, i + 1);
-    return EXIT_CLEAN;
-}
-
-bool twin_args_end_trace(const twin_args_t *args, const char *who, ect_trace_t *trace, uint64_t now_ns)
-{
-    for (size_t i = 0; trace && i < args->count; i++)
-        ect_memory_observe(args->memories[i], NULL, NULL, 0);
-    ect_trace_lacks_t lacks = ect_trace_close(trace, now_ns);
-    if (lacks.capture != 0)
-        fprintf(stderr, "%s: --pcap: '%s' lacks the end of the run: %s\n", who, args->pcap, strerror(lacks.capture));
-    if (lacks.record != 0 || lacks.record_is_slow)
-        fprintf(stderr, "%s: --record: '%s' lacks the end of the run: %s\n", who, args->record,
-                lacks.record != 0 ? strerror(lacks.record) : "the disk is too slow; write to a faster one");
-    return lacks.capture == 0 && lacks.record == 0 && !lacks.record_is_slow;
 }
 
 void twin_args_free(twin_args_t *args)
@@ -956,6 +871,7 @@ void twin_args_free(twin_args_t *args)
     for (size_t i = 0; args->opened && i < args->count; i++)
         ect_files_close(args->opened[i]);
     free(args->opened);
+    content_free(&args->content);
     ect_table_free(args->scenario.tables);
     args->scenario.tables = NULL;
     free(args->settings);

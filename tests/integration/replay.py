@@ -1,18 +1,20 @@
 #!/usr/bin/env python3
-"""Records of twins and their replay: --record, ectwin replay.  usage: replay.py ECTWIN PROBE FRAMES [NAME...]
+"""Records of twins and their replay: --record, ectwin replay.  usage: replay.py ECTWIN PROBE FRAMES FOE [NAME...]
 
-PROBE is ectwin-probe, FRAMES tests/integration/frames.py."""
+PROBE is ectwin-probe, FRAMES tests/integration/frames.py, FOE test_foe_wire."""
 import json
 import pathlib
+import os
 import re
+import shutil
 import struct
 import sys
 
 from pcapng_cases import blocks, call, expect, run_cases
 
-ECTWIN, PROBE, FRAMES = sys.argv[1:4]
+ECTWIN, PROBE, FRAMES, FOE = sys.argv[1:5]
 LOCAL, PACKET = 0x80E7C001, 6
-START, RUN, CLOCK, TOUCH, REQUEST = 1, 2, 3, 4, 5
+START, RUN, CLOCK, TOUCH, REQUEST, CONTENT, FLUSH, MODBUS = 1, 2, 3, 4, 5, 9, 10, 11
 
 
 def record(file, *words):
@@ -51,6 +53,16 @@ def change(file, number, function):
     for kind, body in blocks(file):
         count += kind == PACKET
         out += block(kind, function(body) if kind == PACKET and count == number else body)
+    file.write_bytes(out)
+
+
+def change_local(file, wanted, old, new):
+    """Replaces bytes in all local blocks of a kind."""
+    out = b""
+    for kind, body in blocks(file):
+        ours = kind == LOCAL and struct.unpack_from("<I", body)[0] == wanted
+        out += block(kind, body.replace(old, new) if ours else body)
+    expect(f"{old} is in the record", True, out != file.read_bytes())
     file.write_bytes(out)
 
 
@@ -137,6 +149,7 @@ def wrong_files(file):
     def start(**changes):
         return heads + local(START, 0, 0, json.dumps({**first, **changes}).encode())
 
+    with_files = start(words=["--files", "/no/folder", "fzm1"])
     for content, line in ((b"", "no capture: the file is too short, at byte 0"),
                           (b"#!/bin/sh\n", "no capture: neither pcapng nor pcap, at byte 0"),
                           (whole[:-3], "the file ends within a block, at byte "),
@@ -148,8 +161,15 @@ def wrong_files(file):
                           (start(words=["no-such-device"]), "'no-such-device'"),
                           (start(words=["--no-such-option", "fzm1"]), "unrecognized option"),
                           (start(words=["--serial", "x", "fzm1"]), "--serial takes a number"),
-                          (start(words=["--store", "/tmp", "fzm1"]), "the record asks for files or a server"),
-                          (start(words=["--files", "/tmp", "fzm1"]), "the record asks for files or a server"),
+                          (start(words=["--store", "/no/folder", "fzm1"]), "there are no frames in it"),
+                          (start() + local(CONTENT), "a part of a memory or a file makes no sense"),
+                          (start() + local(CONTENT, 2, 0, b"memory 1.0\n1"), "a part of a memory or a file makes no sense"),
+                          (start() + local(CONTENT, 1, 1, b"memory 1.0\n1"), "the parts of a memory do not fit"),
+                          (start() + local(CONTENT, 1, 0, b"file name\n1"), "it holds a file that no twin has"),
+                          (with_files + local(CONTENT, 1, 0, b"file ../name\n1"), "it holds a file that no twin has"),
+                          (with_files + local(CONTENT, 1, 0, b"file .name\n1"), "it holds a file that no twin has"),
+                          (with_files + local(CONTENT, 1, 7, b"file name\n1"), "the parts of a file do not fit"),
+                          (start() + local(MODBUS, 0, 0, b"00 00"), "a Modbus request makes no sense"),
                           (start(words=["--set", "none=1", "fzm1"]), "its twins cannot be powered on: --set: "),
                           (start() + local(CLOCK) + local(CLOCK), "a clock reading or a start in the wrong place"),
                           (start() + local(99), "a clock reading or a start in the wrong place"),
@@ -216,12 +236,102 @@ def buses(file):
     expect("--data without a device", (1, True), (done.returncode, "options of twins without a DEVICE" in done.stderr))
 
 
+def stores(file):
+    """what twins have saved, and what a master has written to their EEPROMs, is in the record; a changed one differs"""
+    store, values = file.parent / "store", file.parent / "values.json"
+    save = f"{ECTWIN} set -n 2 comment1=saved output_period=777 && {ECTWIN} set -n 2 save=1 && {ECTWIN} wait -n 2 saves=1"
+    expect("a run that saves", 0, call(ECTWIN, "with", "--store", store, "fzm1*2", "--", "sh", "-c", save).returncode)
+    eeprom = store / "fzm1-1.sii"
+    image = bytearray(eeprom.read_bytes())
+    image[16 + (len(image) - 16) // 2 + 28] = 0x5A  # the serial number in the present image, as a master would write it
+    eeprom.write_bytes(image)
+    for words in (("--in-process", "--virtual-time"), ()):
+        probe = f"{PROBE} -i $ECTWIN_IFACE -n 2 --values --od {values}; {PROBE} -i $ECTWIN_IFACE"
+        script = probe if words else f"{probe}; {save.replace('777', '778')}; {probe}"
+        done = call(ECTWIN, "with", *words, "--record", file, "--store", store, "fzm1*2", "--", "sh", "-c", script)
+        expect(f"{words}: the master sees what was saved", (0, True), (done.returncode, b"saved".hex() in values.read_text()))
+        expect(f"{words}: parts of the store", True, kinds(file).count(CONTENT) >= 6)
+        expect(f"{words}: flushes", not words, kinds(file).count(FLUSH) > 0)
+        elsewhere = store.rename(file.parent / "elsewhere")
+        whole = file.read_bytes()
+        equal(file)
+        expect(f"{words}: the replay makes no store", False, store.exists())
+        elsewhere.rename(store)
+        change_local(file, CONTENT, b"saved", b"SAVED")
+        replay(file, 1, r".*: the reply differs\n.*")
+        file.write_bytes(whole)
+    change_local(file, CONTENT, b"\x5A\0\0\0", b"\x5B\0\0\0")
+    replay(file, 1, r".*: the reply differs\n.*SII.*")
+
+
+def files(file):
+    """files that a master reads and writes by FoE are in the record; a changed one differs"""
+    folder = file.parent / "files"
+    folder.mkdir()
+    (folder / "other.bin").write_bytes(bytes(70000))
+    (folder / "empty").write_bytes(b"")
+    (folder / ".hidden").write_bytes(b"1")
+    words = ("with", "--in-process", "--virtual-time", "--record", file, "--files", folder, "--files-password", "0x77", "vr-bu-ect-map7", "--", FOE, "{}", folder)
+    before = set(os.listdir("/tmp"))
+    done = call(ECTWIN, *words)
+    expect(f"files there and back: {done.stdout}", 0, done.returncode)
+    expect("parts of files", 4, len([1 for kind, body in blocks(file) if kind == LOCAL and body[:4] == bytes([CONTENT, 0, 0, 0])]) // kinds(file).count(START))
+    equal(file)
+    (folder / "missing").write_bytes(b"here it is, " * 1500)
+    call(ECTWIN, *words, "*refused*")
+    shutil.rmtree(folder)
+    equal(file)
+    change_local(file, CONTENT, b"here", b"HERE")
+    replay(file, 1, r".*: the reply differs\n.*FoE.*")
+    expect("folders of the replay are removed", set(), {name for name in set(os.listdir("/tmp")) - before if name.startswith("ectwin-replay-")})
+
+
+ASK = """
+import socket, sys
+host, port = sys.argv[1].rsplit(":", 1)
+with socket.create_connection((host, int(port)), 60) as connection:
+    for request in sys.argv[2:]:
+        connection.sendall(bytes.fromhex(request))
+        print(connection.recv(260).hex())
+"""
+
+
+def modbus(file):
+    """requests over Modbus TCP come again before the same frames, with the same replies; a changed one differs"""
+    if "built without libmodbus" in call(ECTWIN, "run", "--modbus", "0", "--help", "x").stderr:
+        return
+    ask = file.parent / "ask.py"
+    ask.write_text(ASK)
+    read, write, wrong = "000100000006ff04000b0001", "00020000000bff1000000002040001ffff", "000300000006ff0400ffff01"
+    script = f"python3 {ask} $ECTWIN_MODBUS {read} {write} {wrong} {read}; {PROBE} -i $ECTWIN_IFACE --values >/dev/null; python3 {ask} $ECTWIN_MODBUS {read} {wrong}"
+    done = call(ECTWIN, "with", "--modbus", "0", "--record", file, "vr-bu-ect-map7", "--", "sh", "-c", script)
+    if "built without libmodbus" in done.stderr:
+        return
+    expect(f"replies: {done.stderr}", (0, 6), (done.returncode, done.stdout.count("\n")))
+    expect("requests", 6, kinds(file).count(MODBUS))
+    equal(file)
+    whole = file.read_bytes()
+    change_local(file, MODBUS, read.upper().encode() + b" 0001", read.upper().encode() + b" 0009")
+    replay(file, 1, r".*: frame \d+, .*: the reply to a Modbus request behind it differs\n  request  00 01 .*\n  expected 00 09 .*\n  got      00 01 .*")
+    for old, new in ((b"0001", b"00G1"), (b" 0001", b"_0001")):
+        file.write_bytes(whole)
+        change_local(file, MODBUS, old, new)
+        replay(file, 2, r".*: a Modbus request makes no sense")
+
+
 def mistakes(file):
-    """options whose effects are not in a record are refused"""
-    for words, option in ((["--store", file.parent], "--store"), (["--files", file.parent], "--files")):
-        done = call(ECTWIN, "with", "--record", file, *words, "fzm1", "--", "true")
-        expect(f"{option}: exit", 1, done.returncode)
-        expect(f"{option}: text", True, f"--record does not hold what {option} adds to a run: leave one of the two out" in done.stderr)
+    """what cannot be recorded is refused"""
+    done = call(ECTWIN, "run", "--modbus", "0", "--record", file, "vr-bu-ect-map7")
+    expect("--modbus alone: exit", True, done.returncode == 1 or "built without libmodbus" in done.stderr)
+    expect(f"--modbus alone: {done.stderr}", True, "--record needs frames, and there is no interface for them: add -i IFACE" in done.stderr
+           or "built without libmodbus" in done.stderr)
+    folder = file.parent / "files"
+    folder.mkdir()
+    with (folder / "long").open("wb") as long:
+        long.truncate(64 * 1024 * 1024 + 1)
+    done = call(ECTWIN, "with", "--record", file, "--files", folder, "vr-bu-ect-map7", "--", "true")
+    expect("a long file: exit", 2, done.returncode)
+    expect(f"a long file: {done.stderr}", True, "long' cannot be recorded: it is longer than 64 MiB" in done.stderr)
 
 
-run_cases((networks, in_process, faults, requests, options, difference, wrong_files, buses, mistakes), sys.argv[4:])
+run_cases((networks, in_process, faults, requests, options, difference, wrong_files, buses, stores, files, modbus, mistakes), sys.argv[5:])

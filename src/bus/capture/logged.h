@@ -26,6 +26,11 @@ typedef enum ect_logged_kind {
     ECT_LOGGED_LINK,      /**< a cable; `value`: end, and 256 when it is plugged in */
     ECT_LOGGED_POWER,     /**< all twins are switched off and on at the time of the last touch */
     ECT_LOGGED_LOST,      /**< the record ends here: the disk was too slow */
+    ECT_LOGGED_CONTENT,   /**< part of a memory or a file at the start; `value`: bytes of it, `time_ns`: offset of them,
+                               `text`: a name, a line feed, the bytes */
+    ECT_LOGGED_FLUSH,     /**< a memory has replied to a flush; `value`: ect_storage_t::flush */
+    ECT_LOGGED_MODBUS,    /**< a Modbus request at the time of the last touch; `text`: request and reply, hexadecimal,
+                               a space between them */
 } ect_logged_kind_t;
 
 enum { ECT_LOGGED_HEAD = 16, ECT_LOGGED_PLUGGED = 256 };

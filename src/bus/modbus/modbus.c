@@ -47,6 +47,9 @@ struct ect_modbus_server {
     client_t clients[ECT_MODBUS_CLIENTS];
     modbus_t *replies;
     modbus_mapping_t mapping;
+    int replied[2]; /* libmodbus writes into the first, the reply is read from the second; -1: replies go to clients */
+    ect_modbus_observer_t *observer; /* NULL: none */
+    void *observer_ctx;
     char address[80];
 };
 
@@ -87,26 +90,58 @@ static void describe(ect_modbus_server_t *s)
     snprintf(s->address, sizeof s->address, strchr(host, ':') ? "[%s]:%s" : "%s:%s", host, port);
 }
 
-ect_modbus_server_t *ect_modbus_server_at(int fd, char *message)
+/* @param fd  as in ::ect_modbus_server_at; -1: none */
+static ect_modbus_server_t *make_server(int fd, char *message)
 {
     ect_modbus_server_t *s = calloc(1, sizeof *s);
     if (!s) {
-        close(fd);
+        if (fd >= 0)
+            close(fd);
         snprintf(message, ECT_MODBUS_MESSAGE, "not enough memory");
         return NULL;
     }
     for (size_t i = 0; i < ECT_MODBUS_CLIENTS; i++)
         s->clients[i].fd = -1;
     s->fd = fd;
+    s->replied[0] = s->replied[1] = -1;
     s->retry_ns = s->due_ns = ECT_NEVER;
     s->epoll = epoll_create1(EPOLL_CLOEXEC);
-    if (s->epoll >= 0 && wait_for(s, EPOLL_CTL_ADD, fd, EPOLLIN, ACCEPT) && make_replies(s)) {
-        describe(s);
+    if (s->epoll >= 0 && (fd < 0 || wait_for(s, EPOLL_CTL_ADD, fd, EPOLLIN, ACCEPT)) && make_replies(s))
         return s;
-    }
     snprintf(message, ECT_MODBUS_MESSAGE, "no server: %s", strerror(errno));
     ect_modbus_server_close(s);
     return NULL;
+}
+
+ect_modbus_server_t *ect_modbus_server_at(int fd, char *message)
+{
+    ect_modbus_server_t *s = make_server(fd, message);
+    if (s)
+        describe(s);
+    return s;
+}
+
+/* Replies are read back before they leave. */
+static bool open_replied(ect_modbus_server_t *s)
+{
+    return socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, s->replied) == 0;
+}
+
+ect_modbus_server_t *ect_modbus_server_new(char *message)
+{
+    ect_modbus_server_t *s = make_server(-1, message);
+    if (!s || open_replied(s))
+        return s;
+    snprintf(message, ECT_MODBUS_MESSAGE, "no server: %s", strerror(errno));
+    ect_modbus_server_close(s);
+    return NULL;
+}
+
+bool ect_modbus_server_observe(ect_modbus_server_t *s, ect_modbus_observer_t *observer, void *ctx)
+{
+    s->observer = observer;
+    s->observer_ctx = ctx;
+    return open_replied(s);
 }
 
 /* "PORT", "ADDRESS:PORT", "[ADDRESS]:PORT". @return NULL: it is none of these */
@@ -190,7 +225,12 @@ void ect_modbus_server_close(ect_modbus_server_t *s)
         if (s->clients[i].fd >= 0)
             drop(&s->clients[i]);
     }
-    close(s->fd);
+    if (s->fd >= 0)
+        close(s->fd);
+    for (unsigned int i = 0; i < 2; i++) {
+        if (s->replied[i] >= 0)
+            close(s->replied[i]);
+    }
     if (s->epoll >= 0)
         close(s->epoll);
     modbus_free(s->replies);
@@ -250,22 +290,48 @@ static void write_range(const ect_modbus_server_t *s, const ect_modbus_t *modbus
 
 /* libmodbus checks requests too, but waits for its response timeout and discards input when one is wrong: it only gets
  * right requests. */
-static bool reply_to(ect_modbus_server_t *s, client_t *client, const ect_modbus_t *modbus, void *instance,
-                     uint64_t now_ns)
+static bool reply_to(ect_modbus_server_t *s, int fd, const uint8_t *adu, size_t length, const ect_modbus_t *modbus,
+                     void *instance, uint64_t now_ns)
 {
     ect_modbus_request_t request;
-    ect_modbus_result_t result = ect_modbus_request(client->adu + PDU_AT, client->got - PDU_AT, &request);
+    ect_modbus_result_t result = ect_modbus_request(adu + PDU_AT, length - PDU_AT, &request);
     if (result == ECT_MODBUS_DONE && request.write.count > 0)
         result = modbus->may_write(instance, &request.write);
     if (result == ECT_MODBUS_DONE && request.read.count > 0)
         result = read_range(s, modbus, instance, &request.read, now_ns);
-    (void)modbus_set_socket(s->replies, client->fd);
+    (void)modbus_set_socket(s->replies, fd);
     if (result != ECT_MODBUS_DONE)
-        return modbus_reply_exception(s->replies, client->adu, result) > 0;
-    bool sent = modbus_reply(s->replies, client->adu, (int)client->got, &s->mapping) > 0;
+        return modbus_reply_exception(s->replies, adu, result) > 0;
+    bool sent = modbus_reply(s->replies, adu, (int)length, &s->mapping) > 0;
     if (request.write.count > 0)
         write_range(s, modbus, instance, &request.write, now_ns);
     return sent;
+}
+
+/* @return bytes of the reply; 0: there is none */
+static size_t read_reply(ect_modbus_server_t *s, const uint8_t *adu, size_t length, const ect_modbus_t *modbus,
+                         void *instance, uint64_t now_ns, uint8_t reply[ECT_MODBUS_ADU])
+{
+    if (!reply_to(s, s->replied[0], adu, length, modbus, instance, now_ns))
+        return 0;
+    ssize_t got = read(s->replied[1], reply, ECT_MODBUS_ADU);
+    return got > 0 ? (size_t)got : 0;
+}
+
+static bool reply_observed(ect_modbus_server_t *s, const client_t *client, const ect_modbus_t *modbus, void *instance,
+                           uint64_t now_ns)
+{
+    uint8_t reply[ECT_MODBUS_ADU];
+    size_t length = read_reply(s, client->adu, client->got, modbus, instance, now_ns, reply);
+    s->observer(s->observer_ctx, client->adu, client->got, reply, length);
+    return length > 0 && send(client->fd, reply, length, MSG_NOSIGNAL | MSG_DONTWAIT) == (ssize_t)length;
+}
+
+static bool reply_to_client(ect_modbus_server_t *s, const client_t *client, const ect_modbus_t *modbus, void *instance,
+                            uint64_t now_ns)
+{
+    return s->observer ? reply_observed(s, client, modbus, instance, now_ns)
+                       : reply_to(s, client->fd, client->adu, client->got, modbus, instance, now_ns);
 }
 
 /* --- a client ----------------------------------------------------------------------------------------------------- */
@@ -321,13 +387,29 @@ static bool execute(ect_modbus_server_t *s, client_t *client, ect_chain_t *chain
 {
     void *instance;
     const ect_modbus_t *modbus = ect_chain_modbus(chain, 0, &instance);
-    bool alive = !modbus || reply_to(s, client, modbus, instance, now_ns);
+    bool alive = !modbus || reply_to_client(s, client, modbus, instance, now_ns);
     if (modbus) {
         client->idle_ns = now_ns + modbus->idle_ms * NS_PER_MS;
         ect_chain_wake(chain, 0);
     }
     client->got = 0;
     return alive;
+}
+
+size_t ect_modbus_server_request(ect_modbus_server_t *s, ect_chain_t *chain, uint64_t now_ns, const uint8_t *request,
+                                 size_t length, uint8_t *reply)
+{
+    void *instance;
+    const ect_modbus_t *modbus = ect_chain_modbus(chain, 0, &instance);
+    client_t client = {.got = length};
+    if (!modbus || length > sizeof client.adu || length < PDU_AT)
+        return 0;
+    memcpy(client.adu, request, length);
+    if (is_broken(&client) || length != size_of(&client))
+        return 0;
+    size_t replied = read_reply(s, client.adu, length, modbus, instance, now_ns, reply);
+    ect_chain_wake(chain, 0);
+    return replied;
 }
 
 static void serve_client(ect_modbus_server_t *s, uint32_t who, ect_chain_t *chain, uint64_t now_ns)

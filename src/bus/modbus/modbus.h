@@ -17,6 +17,8 @@
 #ifndef ECT_BUS_MODBUS_MODBUS_H
 #define ECT_BUS_MODBUS_MODBUS_H
 
+#include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "bus/chain/chain.h"
@@ -59,8 +61,27 @@ int ect_modbus_server_fd(const ect_modbus_server_t *server);
 /** The time of the next ::ect_modbus_server_serve without a readable descriptor; ECT_NEVER without connections. */
 uint64_t ect_modbus_server_due(const ect_modbus_server_t *server);
 
-/** Does one bounded piece of work. Cost: at most six system calls and one request. */
+/** Does one bounded piece of work. Cost: at most six system calls and one request; two more calls with an observer. */
 void ect_modbus_server_serve(ect_modbus_server_t *server, ect_chain_t *chain, uint64_t now_ns);
+
+/** Gets a request that was carried out, and its reply; both end with the call. */
+typedef void ect_modbus_observer_t(void *ctx, const uint8_t *request, size_t length, const uint8_t *reply,
+                                   size_t reply_length);
+
+/** Sets a function that gets every request of a client and its reply. @return false: no descriptor is free */
+bool ect_modbus_server_observe(ect_modbus_server_t *server, ect_modbus_observer_t *observer, void *ctx);
+
+/** Makes a server without an address, for ::ect_modbus_server_request alone. @return as ::ect_modbus_server_open */
+ect_modbus_server_t *ect_modbus_server_new(char *message);
+
+/**
+ * Carries out a request that no client has sent.
+ * @param request     with its header, `length` bytes; of any content
+ * @param[out] reply  ECT_MODBUS_ADU bytes
+ * @return bytes of the reply; 0: it is no request, or no twin replies
+ */
+size_t ect_modbus_server_request(ect_modbus_server_t *server, ect_chain_t *chain, uint64_t now_ns,
+                                 const uint8_t *request, size_t length, uint8_t *reply);
 
 ECT_C_END
 

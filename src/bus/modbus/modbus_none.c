@@ -50,3 +50,28 @@ void ect_modbus_server_serve(ect_modbus_server_t *server, ect_chain_t *chain, ui
     (void)chain;
     (void)now_ns;
 }
+
+bool ect_modbus_server_observe(ect_modbus_server_t *server, ect_modbus_observer_t *observer, void *ctx)
+{
+    (void)server;
+    (void)observer;
+    (void)ctx;
+    return false;
+}
+
+ect_modbus_server_t *ect_modbus_server_new(char *message)
+{
+    return ect_modbus_server_open(NULL, message);
+}
+
+size_t ect_modbus_server_request(ect_modbus_server_t *server, ect_chain_t *chain, uint64_t now_ns,
+                                 const uint8_t *request, size_t length, uint8_t *reply)
+{
+    (void)server;
+    (void)chain;
+    (void)now_ns;
+    (void)request;
+    (void)length;
+    (void)reply;
+    return 0;
+}

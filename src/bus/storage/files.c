@@ -32,15 +32,23 @@ static ect_files_t *files_of(const ect_foe_t *foe)
 
 /* --- one file ----------------------------------------------------------------------------------------------------- */
 
-static bool take_name(ect_files_t *f, const char *name, size_t length)
+bool ect_files_fits(const char *name, size_t length)
 {
     static const char good[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-+";
-    if (length < 1 || length > NAME || name[0] == '.')
+    size_t fit = 0;
+    while (fit < length && name[fit] != 0 && strchr(good, name[fit]))
+        fit++;
+    return length >= 1 && length <= NAME && name[0] != '.' && fit == length;
+}
+
+static bool take_name(ect_files_t *f, const char *name, size_t length)
+{
+    if (!ect_files_fits(name, length))
         return false;
     memcpy(f->name, name, length);
     f->name[length] = '\0';
     (void)snprintf(f->draft, sizeof f->draft, ".%s.part", f->name);
-    return strspn(f->name, good) == length;
+    return true;
 }
 
 static uint32_t code_of(int error)

@@ -37,6 +37,9 @@ ect_files_t *ect_files_open(const char *folder, const ect_device_t *device, uint
 /** The device with files; valid until the files are closed. */
 const ect_device_t *ect_files_device(const ect_files_t *files);
 
+/** Whether a name of `length` bytes is one that files may have. */
+bool ect_files_fits(const char *name, size_t length);
+
 /** Closes the folder; an incomplete file is removed. NULL: no effect */
 void ect_files_close(ect_files_t *files);
 

@@ -37,6 +37,8 @@ struct ect_memory {
     void (*saved)(void *ctx, size_t number); /* NULL: none */
     void *saved_ctx;
     size_t number;
+    int (*flushed)(void *ctx, int result); /* NULL: none */
+    void *flushed_ctx;
 };
 
 static int bank_read(void *ctx, unsigned int bank, uint32_t offset, void *buffer, uint32_t length)
@@ -107,10 +109,8 @@ static int end_sync(bank_t *b, bool wait)
     return aio_return(&b->sync) < 0 ? -1 : 0;
 }
 
-static int bank_flush(void *ctx, unsigned int bank, bool wait)
+static int flush(bank_t *b, bool wait)
 {
-    ect_memory_t *m = ctx;
-    bank_t *b = &m->banks[bank];
     int result = 0;
     while (result == 0 && (b->syncing || b->written)) {
         if (!b->syncing && !begin_sync(b))
@@ -118,6 +118,13 @@ static int bank_flush(void *ctx, unsigned int bank, bool wait)
         result = end_sync(b, wait);
     }
     return result;
+}
+
+static int bank_flush(void *ctx, unsigned int bank, bool wait)
+{
+    ect_memory_t *m = ctx;
+    int result = flush(&m->banks[bank], wait);
+    return m->flushed ? m->flushed(m->flushed_ctx, result) : result;
 }
 
 /* --- opening ------------------------------------------------------------------------------------------------------ */
@@ -323,4 +330,10 @@ void ect_memory_observe(ect_memory_t *memory, void (*saved)(void *ctx, size_t nu
     memory->saved = saved;
     memory->saved_ctx = ctx;
     memory->number = number;
+}
+
+void ect_memory_replace_flush(ect_memory_t *memory, int (*flushed)(void *ctx, int result), void *ctx)
+{
+    memory->flushed = flushed;
+    memory->flushed_ctx = ctx;
 }

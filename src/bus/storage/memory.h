@@ -37,6 +37,12 @@ const ect_storage_t *ect_memory_storage(const ect_memory_t *memory);
 /** Sets a function that gets `number` at the end of each save, before the data are safe on a disk. NULL: none */
 void ect_memory_observe(ect_memory_t *memory, void (*saved)(void *ctx, size_t number), void *ctx, size_t number);
 
+/**
+ * Sets a function that gets each result of ect_storage_t::flush, and returns the result for the caller: the moment at
+ * which a disk is done is not repeatable. NULL: none
+ */
+void ect_memory_replace_flush(ect_memory_t *memory, int (*flushed)(void *ctx, int result), void *ctx);
+
 ECT_C_END
 
 #endif

@@ -689,6 +689,98 @@ static void cannot_listen(void **state)
     ect_modbus_server_close(NULL);
 }
 
+/* --- a record ------------------------------------------------------------------------------------------------------
+ */
+
+enum { OBSERVED_MOST = 16 };
+
+typedef struct observed {
+    size_t count;
+    struct {
+        uint8_t request[ECT_MODBUS_ADU], reply[ECT_MODBUS_ADU];
+        size_t length, reply_length;
+    } one[OBSERVED_MOST];
+} observed_t;
+
+static void observe(void *ctx, const uint8_t *request, size_t length, const uint8_t *reply, size_t reply_length)
+{
+    observed_t *o = ctx;
+    assert_true(o->count < OBSERVED_MOST && length <= ECT_MODBUS_ADU && reply_length <= ECT_MODBUS_ADU);
+    memcpy(o->one[o->count].request, request, length);
+    memcpy(o->one[o->count].reply, reply, reply_length);
+    o->one[o->count].length = length;
+    o->one[o->count++].reply_length = reply_length;
+}
+
+/* A client notices nothing; another unit that gets the same requests gives the same replies. */
+static void observed_and_repeated(void **state)
+{
+    static const char *const requests[][2] = {
+        {"00 01 00 00 00 09 FF 10 00 0C 00 01 02 01 2C", "00 01 00 00 00 06 FF 10 00 0C 00 01"},
+        {"00 02 00 00 00 06 FF 03 00 0B 00 02", "00 02 00 00 00 07 FF 03 04 00 00 01 2C"},
+        {"00 03 00 00 00 06 FF 03 FF FF 00 01", "00 03 00 00 00 03 FF 83 02"},
+        {"00 04 00 00 00 02 FF 2B", "00 04 00 00 00 03 FF AB 01"},
+        {"00 09 00 00 00 0D FF 17 00 71 00 01 00 71 00 01 02 12 34", "00 09 00 00 00 05 FF 17 02 12 34"},
+    };
+    static observed_t o;
+    char message[ECT_MODBUS_MESSAGE];
+    uint8_t reply[ECT_MODBUS_ADU];
+    bench_t b;
+    wire_t other;
+    (void)state;
+    memset(&o, 0, sizeof o);
+    open_bench(&b);
+    wire_advance(&b.wire, 125 * MS);
+    assert_true(ect_modbus_server_observe(b.server, observe, &o));
+    int fd = connect_client(&b);
+    (void)serve(&b);
+    for (size_t i = 0; i < COUNT(requests); i++)
+        expect(&b, fd, "observed", requests[i][0], requests[i][1]);
+    assert_int_equal(o.count, COUNT(requests));
+    close(fd);
+    wire_open_one(&other, &ect_eclink_map7);
+    wire_advance(&other, 125 * MS);
+    ect_modbus_server_t *again = ect_modbus_server_new(message);
+    assert_non_null(again);
+    for (size_t i = 0; i < o.count; i++) {
+        size_t length =
+            ect_modbus_server_request(again, other.chain, other.now_ns, o.one[i].request, o.one[i].length, reply);
+        assert_int_equal(length, o.one[i].reply_length);
+        assert_memory_equal(reply, o.one[i].reply, length);
+    }
+    ect_modbus_server_close(again);
+    wire_close(&other);
+    close_bench(&b);
+}
+
+/* Bytes of a record may be anything. */
+static void no_request_to_repeat(void **state)
+{
+    static const char *const rows[] = {"",
+                                       "00",
+                                       "00 01 00 00 00 06 FF",
+                                       "00 01 00 00 00 06 FF 03 00 0B 00",
+                                       "00 01 00 00 00 06 FF 03 00 0B 00 01 00",
+                                       "00 01 00 01 00 06 FF 03 00 0B 00 01",
+                                       "00 01 00 00 00 01 FF 03",
+                                       "00 01 00 00 00 02 FF 80"};
+    char message[ECT_MODBUS_MESSAGE];
+    uint8_t request[2 * ECT_MODBUS_ADU] = {0, 1, 0, 0, 1, 250, 255, 3}, reply[ECT_MODBUS_ADU];
+    wire_t w;
+    (void)state;
+    wire_open_one(&w, &ect_eclink_map7);
+    ect_modbus_server_t *server = ect_modbus_server_new(message);
+    assert_non_null(server);
+    assert_int_equal(ect_modbus_server_request(server, w.chain, w.now_ns, request, sizeof request, reply), 0);
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        size_t length = bytes_of(rows[i], request);
+        if (ect_modbus_server_request(server, w.chain, w.now_ns, request, length, reply) != 0)
+            fail_msg("'%s' has a reply", rows[i]);
+    }
+    ect_modbus_server_close(server);
+    wire_close(&w);
+}
+
 /* A daemon's standard input may be closed: a client gets descriptor 0 then. */
 static void descriptor_0(void **state)
 {
@@ -736,6 +828,9 @@ int main(int argc, char **argv)
         TEST("Attack: three that flood do not keep the fourth waiting", no_client_waits_for_long),
         TEST("Attack: no descriptor is left: the server looks again after a second", no_descriptor_left),
         TEST("Attack: gone before the answer", closed_before_the_reply),
+        TEST("a record gets each request and its reply; repeated to another unit they give the same replies",
+             observed_and_repeated),
+        TEST("bytes of a record that are no request have no reply", no_request_to_repeat),
         TEST("A client whose descriptor is 0 is served, and closed with the server", descriptor_0),
         TEST("A unit that hangs answers nothing", a_unit_that_hangs),
         TEST("--modbus: a wrong address gets a line", no_address),

@@ -402,6 +402,46 @@ static void observed(void **state)
     ect_memory_close(m);
 }
 
+/* The results that were, and those that are to be. */
+typedef struct flushes {
+    int results[8];
+    unsigned int count;
+    int replacement;
+} flushes_t;
+
+static int replace_result(void *ctx, int result)
+{
+    flushes_t *f = ctx;
+    assert_true(f->count < sizeof f->results / sizeof f->results[0]);
+    f->results[f->count++] = result;
+    return f->replacement;
+}
+
+static void replaced_flushes(void **state)
+{
+    (void)state;
+    for (unsigned int i = 0; i < 2; i++) {
+        flushes_t f = {.replacement = 0};
+        ect_memory_t *m = must_open(i == 0 ? NULL : "flushed");
+        const ect_storage_t *storage = ect_memory_storage(m);
+        ect_memory_replace_flush(m, replace_result, &f);
+        assert_true(save(m, "a", 1));
+        assert_true(f.count >= 1);
+        for (unsigned int n = 0; n < f.count; n++)
+            assert_int_equal(f.results[n], 0);
+        f.count = 0;
+        f.replacement = ECT_STORAGE_BUSY;
+        assert_int_equal(storage->flush(storage->ctx, 1, true), ECT_STORAGE_BUSY);
+        f.replacement = -1;
+        assert_int_equal(storage->flush(storage->ctx, 1, true), -1);
+        assert_int_equal(f.count, 2);
+        ect_memory_replace_flush(m, NULL, NULL);
+        assert_int_equal(storage->flush(storage->ctx, 1, true), 0);
+        assert_int_equal(f.count, 2);
+        ect_memory_close(m);
+    }
+}
+
 /* Whatever the user's umask is: no other user reads or changes it. */
 static void own_file(void **state)
 {
@@ -439,6 +479,8 @@ int main(int argc, char **argv)
         {"A first start that was cut off, or met a full disk, is made good", cut_off_first_start, NULL, NULL, NULL},
         {"Attack: headers that make no sense", damaged_headers, NULL, NULL, NULL},
         {"An observer gets its number once a save", observed, NULL, NULL, NULL},
+        {"A replay gives each flush the result that it had in the run, with files and without", replaced_flushes, NULL,
+         NULL, NULL},
         {"A record fills the bank to its last byte, and no further", largest_record, NULL, NULL, NULL},
     };
     if (argc > 1)
