@@ -40,23 +40,6 @@ static bool read_real(const char *text, double *value)
     return end != text && *end == 0 && isfinite(*value);
 }
 
-static bool read_time(const char *text, uint64_t *ns)
-{
-    static const struct {
-        const char *unit;
-        uint64_t ns;
-    } units[] = {{"us", 1000}, {"ms", 1000000}, {"s", 1000000000}};
-    uint64_t number = 0;
-    const char *unit = ect_number_begins(text, 1, 1000000, &number);
-    for (size_t i = 0; unit && i < sizeof units / sizeof units[0]; i++) {
-        if (strcmp(unit, units[i].unit) == 0) {
-            *ns = number * units[i].ns;
-            return true;
-        }
-    }
-    return false;
-}
-
 static bool read_property(ect_connection_t *c, const char *text, char *message)
 {
     bool good = false;
@@ -67,7 +50,7 @@ static bool read_property(ect_connection_t *c, const char *text, char *message)
     else if (strncmp(text, "offset=", 7) == 0)
         good = read_real(text + 7, &c->offset);
     else if (strncmp(text, "delay=", 6) == 0)
-        good = read_time(text + 6, &c->delay_ns);
+        good = ect_number_time(text + 6, &c->delay_ns);
     if (!good)
         (void)snprintf(message, MESSAGE,
                        "'%.80s' is none of factor=NUMBER, offset=NUMBER, delay=TIME (as 10ms), invert", text);

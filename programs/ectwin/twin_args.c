@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "bus/chain/settings.h"
 #include "bus/net/rights.h"
@@ -121,10 +122,10 @@ static const struct argp_option options[] = {
      "reported "
      "on standard error; the exit status is 3 when one has failed and nothing else has",
      1},
-    {"play", KEY_PLAY, "[N:]FILE", 0,
+    {"play", KEY_PLAY, "[N:]FILE[,loop][,every=TIME]", 0,
      "Play a table of signals of twin N (default 1) from a CSV file: names in the first line, among them 'time', "
-     "seconds "
-     "since the start; a row is set at its time (docs/COMMAND.md). May be repeated",
+     "seconds since the start; a row is set at its time. loop: from the beginning again at the time of the last row; "
+     "every=5ms: numbers on the line between rows, every 5 ms (docs/COMMAND.md). May be repeated",
      1},
     {"seed", KEY_SEED, "N", 0,
      "Seed of the random generator that selects frames for --fault, drifts for --drift, delays and jitter (default 1)",
@@ -390,21 +391,58 @@ static ect_table_t *read_table(csv_t *csv, uint16_t slave)
     return NULL;
 }
 
+/* "FILE[,loop][,every=TIME]": what follows FILE is cut off. @return NULL, or the word that makes no sense */
+static const char *cut_words(char *file, bool *loop, uint64_t *every_ns)
+{
+    for (char *comma = strrchr(file, ','); comma && access(file, F_OK) != 0; comma = strrchr(file, ',')) {
+        bool known = strncmp(comma + 1, "every=", 6) == 0 && ect_number_time(comma + 7, every_ns);
+        if (!known && strcmp(comma + 1, "loop") != 0)
+            return comma + 1;
+        *loop = *loop || !known;
+        *comma = 0;
+    }
+    return NULL;
+}
+
+/* @return the table; NULL with csv->why set */
+static ect_table_t *open_table(csv_t *csv, uint16_t slave, bool loop, uint64_t every_ns)
+{
+    ect_table_t *table = read_table(csv, slave);
+    if (!table)
+        csv->why = csv->why ? csv->why : "not enough memory";
+    else if (every_ns > 0)
+        csv->why = ect_table_refine(table, every_ns);
+    if (table && !csv->why && loop && !ect_table_loop(table))
+        csv->why = "a loop has the time of its last line, which must not be 0";
+    if (!csv->why)
+        return table;
+    ect_table_free(table);
+    return NULL;
+}
+
 static void add_table(twin_args_t *args, const struct argp_state *state, const char *text)
 {
-    const char *path = text;
-    size_t slave = twin_of(&path);
+    const char *rest = text;
+    size_t slave = twin_of(&rest);
+    char *path = strdup(rest);
     csv_t *csv = calloc(1, sizeof *csv);
     ect_table_t **last = &args->scenario.tables;
-    if (!csv || slave == 0 || !csv_open(csv, path))
+    bool loop = false;
+    uint64_t every_ns = 0;
+    const char *wrong = path ? cut_words(path, &loop, &every_ns) : NULL;
+    if (wrong)
+        argp_error(state, "--play %s: '%s' is neither loop nor every=TIME, as in every=5ms, and there is no such file",
+                   text, wrong);
+    if (!path || !csv || slave == 0 || !csv_open(csv, path))
         argp_failure(state, EXIT_OPEN, 0, "--play %s: %s", text, csv && csv->why ? csv->why : "N is 1 to 65535");
     while (*last)
         last = &(*last)->next;
-    *last = read_table(csv, (uint16_t)slave);
+    *last = open_table(csv, (uint16_t)slave, loop, every_ns);
     if (!*last)
-        argp_failure(state, EXIT_USAGE, 0, "--play %s line %u: %s", path, csv->line, csv->why ? csv->why : "no memory");
+        argp_failure(state, EXIT_USAGE, 0, "--play %s line %u: %s", path, csv->line, csv->why);
     csv_close(csv);
     free(csv);
+    free(path);
 }
 
 static void print_defect(void *ctx, const char *id, const char *what)

@@ -12,6 +12,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "wire/linkage.h"
 
@@ -66,6 +67,28 @@ static inline bool ect_number(const char *text, uint64_t minimum, uint64_t maxim
         return false;
     *value = number;
     return true;
+}
+
+/**
+ * Reads a duration: 1 to 1000000, and us, ms or s.
+ * @param[out] ns  set on success
+ * @return whether it is one
+ */
+static inline bool ect_number_time(const char *text, uint64_t *ns)
+{
+    static const struct {
+        const char *unit;
+        uint64_t ns;
+    } units[] = {{"us", 1000}, {"ms", 1000000}, {"s", 1000000000}};
+    uint64_t number = 0;
+    const char *unit = ect_number_begins(text, 1, 1000000, &number);
+    for (size_t i = 0; unit && i < sizeof units / sizeof units[0]; i++) {
+        if (strcmp(unit, units[i].unit) == 0) {
+            *ns = number * units[i].ns;
+            return true;
+        }
+    }
+    return false;
 }
 
 ECT_C_END

@@ -150,11 +150,31 @@ set_in_time() {
   check "--play: no such signal" 1 $?
   "$ectwin" with --play "$work/none.csv" fzm1 -- true 2>"$work/err"
   check "--play: no file" 2 $?
+  printf 'time,data1\n0,1\n' >"$work/rows.csv"
+  "$ectwin" with --play "$work/rows.csv,loop" fzm1 -- true 2>"$work/err"
+  check "--play: a loop without a time" 1 $?
+  check "... in words" yes "$(grep -q 'rows.csv line 3: a loop has the time of its last line, which must not be 0' "$work/err" && echo yes)"
+  "$ectwin" with --play "$work/rows.csv,often" fzm1 -- true 2>"$work/err"
+  check "--play: a word without sense" 1 $?
+  check "... by its name" yes "$(grep -q "'often' is neither loop nor every=TIME" "$work/err" && echo yes)"
+}
+
+# A wave from a file, and tables of scenes from another; a file may have a comma in its name.
+waves_and_scenes() {
+  printf 'time,data1\n0,0.0\n1,8.0\n2,0.0\n' >"$work/wave,loop"
+  "$ectwin" with --play "$work/wave,loop,loop,every=250ms" fzm1 -- timeout 8 "$ectwin" watch --csv "$work/wave.csv" --every --until data1=8 data1 2>"$work/err"
+  check "a wave: steps on a line" yes "$(cut -d, -f2 "$work/wave.csv" | xargs | grep -Eq '2 4 6 8$' && echo yes)"
+  "$ectwin" with --play "$work/wave,loop,loop" fzm1 -- sh -c "sleep 2.2; timeout 8 '$ectwin' wait data1=8" 2>"$work/err"
+  check "a wave: it begins again" 0 $?
+  printf 'time,row_scene,row1,row_add\n0,4,41,1\n0,4,42,1\n0,6,61,1\n' >"$work/scenes.csv"
+  "$ectwin" with --play "$work/scenes.csv" --set source1=4 --set switch_time=0 fzm1 -- sh -c "
+    for scene in 4 4 6 4; do '$ectwin' set scene=\$scene trigger=1; sleep 0.1; '$ectwin' get result1; done" >"$work/out" 2>"$work/err"
+  check "tables of scenes" "result1=41 result1=42 result1=61 result1=41" "$(xargs <"$work/out")"
 }
 
 number=0
 for case_name in every_story_is_played same_seed_same_frames the_verdict_is_in_the_exit_status run_has_it_too \
-  mistakes_are_found_before_the_run recorded_and_played recorded_scenes set_in_time; do
+  mistakes_are_found_before_the_run recorded_and_played recorded_scenes set_in_time waves_and_scenes; do
   if [ -n "$only" ] && [ "$only" != "$case_name" ]; then continue; fi
   ran=$((ran + 1))
   $case_name

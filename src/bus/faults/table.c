@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include "bus/faults/table.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -66,6 +67,108 @@ bool ect_table_add(ect_table_t *table, uint64_t due_ns, const char *const *value
     return true;
 }
 
+/* --- rows between rows -------------------------------------------------------------------------------------------- */
+
+/* Most rows of a table that is refined. */
+enum { REFINED_MOST = 1000000 };
+
+/* Two numbers of a column, one above and one below the present time. */
+typedef struct line {
+    size_t to; /* row of the second; the number of rows: there is none */
+    bool numbers, whole;
+    double from_value, to_value;
+    uint64_t from_ns, to_ns;
+} line_t;
+
+static bool read_number(const char *text, double *value)
+{
+    char *end;
+    *value = strtod(text, &end);
+    return end != text && *end == 0 && isfinite(*value);
+}
+
+/* Moves on to the line behind a row. */
+static void follow(const ect_table_t *table, size_t column, size_t row, line_t *line)
+{
+    const char *from = table->rows[row]->values[column];
+    if (!from)
+        return;
+    line->to = row + 1;
+    while (line->to < table->count && !table->rows[line->to]->values[column])
+        line->to++;
+    line->numbers = false;
+    if (line->to == table->count)
+        return;
+    const char *to = table->rows[line->to]->values[column];
+    line->from_ns = table->rows[row]->due_ns;
+    line->to_ns = table->rows[line->to]->due_ns;
+    line->numbers = read_number(from, &line->from_value) && read_number(to, &line->to_value) &&
+                    line->from_value != line->to_value && line->to_ns > line->from_ns;
+    line->whole = !strpbrk(from, ".eE") && !strpbrk(to, ".eE");
+}
+
+static const char *text_between(const line_t *line, uint64_t now_ns, char *text, size_t room)
+{
+    if (!line->numbers)
+        return "";
+    double part = (double)(now_ns - line->from_ns) / (double)(line->to_ns - line->from_ns);
+    double value = line->from_value + part * (line->to_value - line->from_value);
+    snprintf(text, room, line->whole ? "%.0f" : "%.12g", value);
+    return text;
+}
+
+/* @param row  whose values precede those on the lines; NULL: none */
+static bool add_row(ect_table_t *refined, const line_t *lines, const ect_table_row_t *row, uint64_t now_ns)
+{
+    char texts[ECT_TABLE_COLUMNS][32];
+    const char *values[ECT_TABLE_COLUMNS];
+    for (size_t i = 0; i < refined->columns; i++)
+        values[i] = row && row->values[i] ? row->values[i] : text_between(&lines[i], now_ns, texts[i], sizeof texts[i]);
+    return ect_table_add(refined, now_ns, values);
+}
+
+static bool refine(const ect_table_t *table, ect_table_t *refined, uint64_t every_ns)
+{
+    line_t lines[ECT_TABLE_COLUMNS] = {0};
+    bool done = true;
+    for (size_t row = 0; done && row < table->count; row++) {
+        uint64_t now_ns = table->rows[row]->due_ns;
+        for (size_t i = 0; i < table->columns; i++)
+            follow(table, i, row, &lines[i]);
+        done = add_row(refined, lines, table->rows[row], now_ns);
+        while (done && row + 1 < table->count && table->rows[row + 1]->due_ns - now_ns > every_ns) {
+            now_ns += every_ns;
+            done = add_row(refined, lines, NULL, now_ns);
+        }
+    }
+    return done;
+}
+
+const char *ect_table_refine(ect_table_t *table, uint64_t every_ns)
+{
+    ECT_ASSERT(every_ns > 0);
+    uint64_t last_ns = table->count > 0 ? table->rows[table->count - 1]->due_ns : 0;
+    if (last_ns / every_ns > REFINED_MOST)
+        return "more than 1000000 rows would come of it: choose a longer 'every'";
+    ect_table_t *refined = ect_table_new(table->slave, (const char *const *)table->names, table->columns);
+    bool done = refined && refine(table, refined, every_ns);
+    if (done) {
+        ect_table_t old = *table;
+        *table = *refined;
+        table->next = old.next;
+        *refined = old;
+        refined->next = NULL;
+    }
+    ect_table_free(refined);
+    return done ? NULL : "not enough memory";
+}
+
+bool ect_table_loop(ect_table_t *table)
+{
+    table->period_ns = table->count > 0 ? table->rows[table->count - 1]->due_ns : 0;
+    return table->period_ns > 0;
+}
+
 void ect_table_free(ect_table_t *table)
 {
     while (table) {
@@ -120,6 +223,10 @@ bool ect_table_play(ect_table_t *table, ect_chain_t *chain, uint64_t now_ns, cha
     for (size_t i = 0; i < table->columns; i++) {
         if (row->values[i])
             settings[count++] = (ect_setting_t){.name = table->names[i], .value = row->values[i]};
+    }
+    if (table->done == table->count && table->period_ns > 0) {
+        table->done = 0;
+        table->base_ns += table->period_ns;
     }
     return ect_settings_apply(chain, table->slave - 1u, settings, count, now_ns, message);
 }

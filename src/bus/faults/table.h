@@ -32,6 +32,7 @@ typedef struct ect_table {
     struct ect_table *next;
     uint16_t slave; /**< from 1 */
     size_t columns, count, room, done;
+    uint64_t base_ns, period_ns; /* of the present round, and of a loop; 0: played once */
     char *names[ECT_TABLE_COLUMNS];
     ect_table_row_t **rows;
 } ect_table_t;
@@ -51,6 +52,17 @@ ect_table_t *ect_table_new(uint16_t slave, const char *const *names, size_t colu
  */
 bool ect_table_add(ect_table_t *table, uint64_t due_ns, const char *const *values);
 
+/**
+ * Adds rows between those that there are: every `every_ns`, with values on the line from the number above to the one
+ * below in the same column, whole between whole numbers; in empty cells, too.
+ * @param every_ns  not 0
+ * @return NULL, or why not, constant; the table is then only to be freed
+ */
+const char *ect_table_refine(ect_table_t *table, uint64_t every_ns);
+
+/** Lets a table begin again at the time of its last row, for ever. @return false: this time is 0 */
+bool ect_table_loop(ect_table_t *table);
+
 /** Frees a table and those behind it. NULL: no effect */
 void ect_table_free(ect_table_t *table);
 
@@ -63,7 +75,7 @@ bool ect_table_check(const ect_table_t *table, const ect_chain_t *chain, char *m
 /** @return the time since the beginning at which the next row is due; ECT_NEVER: none is left */
 static inline uint64_t ect_table_due(const ect_table_t *table)
 {
-    return table->done < table->count ? table->rows[table->done]->due_ns : ECT_NEVER;
+    return table->done < table->count ? table->base_ns + table->rows[table->done]->due_ns : ECT_NEVER;
 }
 
 /**

@@ -116,7 +116,8 @@ static void plant_defaults(fzm1_plant_t *p)
                         .start_ms = 3000,
                         .seed = 1,
                         .random = 1,
-                        .time_random = 1};
+                        .time_random = 1,
+                        .row.scene = -1};
     fzm1_default_scene(&p->edit.content);
     for (unsigned int n = 0; n < FZM1_DATA; n++) {
         p->amplitude[n] = 1;

@@ -80,13 +80,13 @@ enum { FZM1_SCENES = 128 }; /**< of a scene group */
 /**
  * Sizes, smaller in a firmware for a board (ECT_SMALL). FZM1_KEPT: scenes of the current group in memory (some 620
  * bytes, twice); with fewer than FZM1_SCENES a switch reads the others, and only so many can be changed before a save.
- * FZM1_PREPARED: scenes that can be prepared (620 bytes). FZM1_TABLE: rows of the table (80 bytes). A board has no
- * plant and needs one of each.
+ * FZM1_PREPARED: scenes that can be prepared (620 bytes). FZM1_TABLE: rows of the table (88 bytes). FZM1_TURNS: places
+ * in the table, one a scene and one for the rows of any scene. A board has no plant and needs one of each.
  */
 #ifdef ECT_SMALL
-enum { FZM1_KEPT = 2, FZM1_PREPARED = 1, FZM1_TABLE = 1 };
+enum { FZM1_KEPT = 2, FZM1_PREPARED = 1, FZM1_TABLE = 1, FZM1_TURNS = 1 };
 #else
-enum { FZM1_KEPT = FZM1_SCENES, FZM1_PREPARED = 256, FZM1_TABLE = 256 };
+enum { FZM1_KEPT = FZM1_SCENES, FZM1_PREPARED = 256, FZM1_TABLE = 256, FZM1_TURNS = FZM1_SCENES + 1 };
 #endif
 
 /** Source of a value, added to the scene's own; times have FIXED, RANDOM and TABLE. */
@@ -194,6 +194,7 @@ typedef struct fzm1_settings {
 
 typedef struct fzm1_row {
     double data[FZM1_DATA];
+    int16_t scene;                          /* -1: any */
     int16_t judgement;                      /* 0: each unit its own */
     uint32_t image_input_us, processing_us; /* 0: as set */
 } fzm1_row_t;
@@ -227,8 +228,9 @@ typedef struct fzm1_plant {
     fzm1_row_t row; /* the next one to be added */
     uint16_t rows;
     fzm1_row_t table[FZM1_TABLE];
-    uint32_t sdo_abort;   /* the next SDO request is refused with it */
-    fzm1_prepared_t edit; /* the scene that the user works on */
+    uint16_t turns[FZM1_TURNS]; /* by the scene of a row, the last one for any: rows used */
+    uint32_t sdo_abort;         /* the next SDO request is refused with it */
+    fzm1_prepared_t edit;       /* the scene that the user works on */
     fzm1_prepared_t prepared[FZM1_PREPARED];
     uint16_t prepared_count;
 } fzm1_plant_t;

@@ -72,12 +72,15 @@ static const ect_signal_t signals[] = {
     EIGHT(PERIOD),
     W(plant.seed, "seed", U32, 1, INT32_MAX, NULL, "random seed; a write restarts the random values"),
     EIGHT(ROW),
+    W(plant.row.scene, "row_scene", I16, -1, FZM1_SCENES - 1, NULL,
+      "scene of the next row; -1: of those without rows of their own"),
     W(plant.row.judgement, "row_judgement", I16, -1, 1, NULL, "judgement of the next row; 0: each unit its own"),
     W(plant.row.image_input_us, "row_image_input", U32, 0, FZM1_MINUTE_US, "us", "of the next row; 0 as set"),
     W(plant.row.processing_us, "row_processing", U32, 0, FZM1_MINUTE_US, "us", "of the next row; 0 as set"),
     W(row_add, "row_add", BOOL, 0, 1, NULL, "writing 1 adds the row_ signals and row1 to row8 to the table as a row"),
     W(row_clear, "row_clear", BOOL, 0, 1, NULL, "writing 1 empties the table"),
-    R(plant.rows, "rows", U16, 0, FZM1_TABLE, NULL, "rows of the table; measurements use them in a loop"),
+    R(plant.rows, "rows", U16, 0, FZM1_TABLE, NULL,
+      "rows of the table; the measurements of a scene use its rows in a loop"),
 
     W(plant.image_input_us, "image_input", U32, FZM1_SHORTEST_US, FZM1_MINUTE_US, "us",
       "time with READY off for a camera image"),
@@ -246,6 +249,7 @@ static const char *add_row(fzm1_t *u)
 static const char *clear_rows(fzm1_t *u)
 {
     u->plant.rows = 0;
+    memset(u->plant.turns, 0, sizeof u->plant.turns);
     return "";
 }
 

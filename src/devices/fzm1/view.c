@@ -18,17 +18,52 @@ static double value(fzm1_t *u, unsigned int n, const fzm1_row_t *row)
     case FZM1_SOURCE_RANDOM:
         return u->scene.data[n] + p->amplitude[n] * ect_random_even(&p->random);
     case FZM1_SOURCE_TABLE:
-        return row ? row->data[n] : 0;
+        return row ? row->data[n] : p->rows > 0 ? u->scene.data[n] : 0;
     default:
         return u->scene.data[n];
     }
 }
 
-/* The row of the table that belongs to the next image, or NULL. */
-static const fzm1_row_t *next_row(const fzm1_plant_t *p)
+static uint16_t count_rows(const fzm1_plant_t *p, int16_t scene)
 {
-    bool used = memchr(p->source, FZM1_SOURCE_TABLE, sizeof p->source) || p->time_source == FZM1_SOURCE_TABLE;
-    return used && p->rows > 0 ? &p->table[p->shots % p->rows] : NULL;
+    uint16_t count = 0;
+    for (uint16_t i = 0; i < p->rows; i++)
+        count = (uint16_t)(count + (p->table[i].scene == scene));
+    return count;
+}
+
+/* The rows used of those of a scene. */
+static uint16_t *turn_of(fzm1_plant_t *p, int16_t scene)
+{
+    return &p->turns[scene < 0 ? FZM1_TURNS - 1 : (unsigned int)scene % FZM1_TURNS];
+}
+
+/* The row of the table that belongs to the next image: of the current scene, or of any if that has none. NULL: none */
+static const fzm1_row_t *next_row(fzm1_t *u)
+{
+    fzm1_plant_t *p = &u->plant;
+    if (!memchr(p->source, FZM1_SOURCE_TABLE, sizeof p->source) && p->time_source != FZM1_SOURCE_TABLE)
+        return NULL;
+    int16_t scene = u->scene_number;
+    uint16_t count = count_rows(p, scene);
+    if (count == 0) {
+        scene = -1;
+        count = count_rows(p, scene);
+    }
+    unsigned int left = *turn_of(p, scene);
+    left = count > 0 ? left % count : 0;
+    for (uint16_t i = 0; i < p->rows; i++) {
+        if (p->table[i].scene == scene && left-- == 0)
+            return &p->table[i];
+    }
+    return NULL;
+}
+
+/* The row is used; the next image gets the one behind it. */
+static void use_row(fzm1_plant_t *p, const fzm1_row_t *row)
+{
+    uint16_t *turn = turn_of(p, row->scene);
+    *turn = (uint16_t)((*turn + 1) % count_rows(p, row->scene));
 }
 
 /* `row`: the table's value, 0: none. */
@@ -47,7 +82,7 @@ static uint32_t time_us(fzm1_plant_t *p, uint32_t set, uint32_t spread, uint32_t
 uint64_t fzm1_image_input_ns(fzm1_t *u)
 {
     fzm1_plant_t *p = &u->plant;
-    const fzm1_row_t *row = next_row(p);
+    const fzm1_row_t *row = next_row(u);
     return time_us(p, p->image_input_us, p->image_input_spread_us, row ? row->image_input_us : 0) * 1000ull;
 }
 
@@ -92,7 +127,7 @@ static void output_data(const fzm1_scene_t *scene, const fzm1_result_t *measured
 void fzm1_take_image(fzm1_t *u, fzm1_result_t *image)
 {
     fzm1_plant_t *p = &u->plant;
-    const fzm1_row_t *row = next_row(p);
+    const fzm1_row_t *row = next_row(u);
     fzm1_result_t measured = {0};
     for (unsigned int n = 0; n < FZM1_DATA; n++)
         measured.data[n] = value(u, n, row);
@@ -100,5 +135,7 @@ void fzm1_take_image(fzm1_t *u, fzm1_result_t *image)
     *image = measured;
     output_data(&u->scene, &measured, image->data);
     image->row_processing_us = row ? row->processing_us : 0;
+    if (row)
+        use_row(p, row);
     p->shots++;
 }

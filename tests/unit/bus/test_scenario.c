@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "bus/chain/catalogue.h"
+#include "bus/chain/settings.h"
 #include "bus/exchange.h"
 #include "support/wire.h"
 
@@ -311,6 +312,99 @@ static void late_table(void **state)
     ect_table_free(table);
 }
 
+/* A table that begins again, and one with rows between its rows: the value at each millisecond. */
+static void loops_and_lines(void **state)
+{
+    enum { ROWS = 4, TIMES = 10 };
+    static const struct {
+        const char *title;
+        unsigned int at[ROWS]; /* ms */
+        const char *values[ROWS];
+        size_t count;
+        uint64_t every_ns;
+        bool loop;
+        const char *wanted[TIMES]; /* at 0 ms, 1 ms, ...; the drift of the start is 0 */
+    } rows[] = {
+        {"once", {1, 3}, {"5", "7"}, 2, 0, false, {"0", "5", "5", "7", "7", "7", "7", "7", "7", "7"}},
+        {"a loop", {0, 1, 3}, {"5", "7", ""}, 3, 0, true, {"5", "7", "7", "5", "7", "7", "5", "7", "7", "5"}},
+        {"a loop that begins late", {1, 2}, {"5", "7"}, 2, 0, true, {"0", "5", "7", "5", "7", "5", "7", "5", "7", "5"}},
+        {"a line", {1, 5}, {"10", "50"}, 2, MS, false, {"0", "10", "20", "30", "40", "50", "50", "50", "50", "50"}},
+        {"up and down", {0, 2, 4}, {"0", "6", "0"}, 3, MS, true, {"0", "3", "6", "3", "0", "3", "6", "3", "0", "3"}},
+        {"whole between whole numbers",
+         {0, 3},
+         {"0", "1"},
+         2,
+         MS,
+         false,
+         {"0", "0", "1", "1", "1", "1", "1", "1", "1", "1"}},
+        {"over an empty cell",
+         {0, 1, 4},
+         {"0", "", "8"},
+         3,
+         MS,
+         false,
+         {"0", "2", "4", "6", "8", "8", "8", "8", "8", "8"}},
+        {"a step longer than the distance",
+         {0, 4},
+         {"2", "8"},
+         2,
+         9 * MS,
+         false,
+         {"2", "2", "2", "2", "8", "8", "8", "8", "8", "8"}},
+        {"no value before or behind",
+         {0, 2, 4, 6},
+         {"", "2", "4", ""},
+         4,
+         MS,
+         false,
+         {"0", "0", "2", "3", "4", "4", "4", "4", "4", "4"}},
+    };
+    static const char *const name = "ecat.drift";
+    rig_t *r = *state;
+    START(r, "drop 0%");
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_table_t *table = ect_table_new(1, &name, 1);
+        for (size_t n = 0; n < rows[i].count; n++)
+            assert_true(ect_table_add(table, rows[i].at[n] * MS, &rows[i].values[n]));
+        if (rows[i].every_ns > 0)
+            assert_null(ect_table_refine(table, rows[i].every_ns));
+        if (rows[i].loop)
+            assert_true(ect_table_loop(table));
+        const ect_setting_t zero = {name, "0"};
+        assert_true(ect_settings_apply(r->w.chain, 0, &zero, 1, r->w.now_ns, r->message));
+        for (uint64_t ms = 0; ms < TIMES; ms++) {
+            char text[ECT_SIGNAL_TEXT_ROOM];
+            ect_signal_ref_t ref;
+            while (ect_table_due(table) <= ms * MS)
+                assert_true(ect_table_play(table, r->w.chain, r->w.now_ns, r->message));
+            assert_true(ect_chain_signal(r->w.chain, 0, name, &ref));
+            ect_signal_read(&ref, text);
+            if (strcmp(text, rows[i].wanted[ms]) != 0)
+                fail_msg("%s: expected %s at %u ms, got %s", rows[i].title, rows[i].wanted[ms], (unsigned int)ms, text);
+        }
+        assert_int_equal(ect_table_due(table) == ECT_NEVER, !rows[i].loop);
+        ect_table_free(table);
+    }
+}
+
+/* A table with neither time nor end, and one that would fill the memory. */
+static void tables_without_measure(void **state)
+{
+    static const char *const name = "ecat.drift";
+    static const char *const values[] = {"1", "2"};
+    (void)state;
+    ect_table_t *table = ect_table_new(1, &name, 1);
+    assert_false(ect_table_loop(table));
+    assert_null(ect_table_refine(table, 1));
+    assert_true(ect_table_add(table, 0, &values[0]));
+    assert_false(ect_table_loop(table));
+    assert_true(ect_table_add(table, 3600ull * 1000 * MS, &values[1]));
+    assert_true(ect_table_loop(table));
+    assert_string_equal(ect_table_refine(table, MS),
+                        "more than 1000000 rows would come of it: choose a longer 'every'");
+    ect_table_free(table);
+}
+
 static void wrong_tables(void **state)
 {
     static const struct {
@@ -499,6 +593,8 @@ int main(int argc, char **argv)
         TEST("a signal that is set takes effect for the first frame from its time on", in_its_cycle),
         TEST("a row of a table takes effect for the first frame from its time on", table_in_its_cycle),
         TEST("rows of a table that are late are played one time after the other", late_table),
+        TEST("a table begins again at the time of its last row; rows between rows are on the line", loops_and_lines),
+        TEST("a loop without a time, and more than a million rows, are refused", tables_without_measure),
         TEST("signals, values and slaves of a table are checked before the run", wrong_tables),
         TEST("signals, values and slaves that there are not are found before the run", wrong_names),
         TEST("expectations are met or failed", expectations),

@@ -434,6 +434,49 @@ static void table(void **state)
     assert_true(measure("result2") == 0);
 }
 
+/* Rows of a scene are measured in it alone, in a loop of their own; the others share those of no scene, or have their
+ * own values. */
+static void tables_of_scenes(void **state)
+{
+    static const struct {
+        const char *scene, *data, *judgement;
+    } rows[] = {{"3", "31", "0"}, {"5", "51", "1"}, {"3", "32", "-1"},
+                {"-1", "1", "0"}, {"3", "33", "0"}, {"-1", "2", "0"}};
+    static const struct {
+        const char *scene; /* NULL: it stays */
+        double result;
+        bool ng;
+    } measures[] = {{"3", 31, false}, {NULL, 32, true}, {"5", 51, false}, {NULL, 51, false}, {"0", 1, false},
+                    {"3", 33, false}, {"7", 2, false},  {"0", 1, false},  {"3", 31, false},  {NULL, 32, true}};
+    (void)state;
+    signal_set(&s.w, "switch_time", "0");
+    signal_set(&s.w, "source1", "4");
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        signal_set(&s.w, "row_scene", rows[i].scene);
+        signal_set(&s.w, "row1", rows[i].data);
+        signal_set(&s.w, "row_judgement", rows[i].judgement);
+        signal_set(&s.w, "row_add", "1");
+    }
+    for (size_t i = 0; i < sizeof measures / sizeof measures[0]; i++) {
+        if (measures[i].scene)
+            signal_set(&s.w, "scene", measures[i].scene);
+        wire_poll(&s.w);
+        double result = measure("result1");
+        if (fabs(result - measures[i].result) > 1e-9)
+            fail_msg("measurement %zu: expected %g, got %g", i, measures[i].result, result);
+        sensor_expect(&s, "judgement of the row", FZM1_OR, measures[i].ng ? FZM1_OR : 0);
+    }
+    signal_set(&s.w, "row_clear", "1");
+    signal_set(&s.w, "row_scene", "3");
+    signal_set(&s.w, "row_add", "1");
+    signal_set(&s.w, "data1", "4.5");
+    assert_true(fabs(measure("result1") - 2) < 1e-9); /* a row as the last one, the first of its scene */
+    signal_set(&s.w, "scene", "9");
+    signal_set(&s.w, "data1", "9.5");
+    wire_poll(&s.w);
+    assert_true(fabs(measure("result1") - 9.5) < 1e-9);
+}
+
 /* Values of expressions with D1 to D8 = 10, 20, ..., units 0 to 2 OK, unit 3 NG; NULL: invalid. */
 static void expressions(void **state)
 {
@@ -661,6 +704,8 @@ int main(int argc, char **argv)
         TEST("FZM-069: a trigger at the sensor measures as STEP does", trigger),
         TEST("FZM-030: ramp, sine and random values", generators),
         TEST("FZM-030: values from a table, row by row", table),
+        TEST("FZM-030 FZM-035: rows of the table for a scene are measured in that scene, in a loop of their own",
+             tables_of_scenes),
         TEST("FZM-030: output expressions", expressions),
         TEST("FZM-030 FZM-032 FZM-034: an expression that is the judgement outputs 1000 or -1000", judgement_as_data),
         TEST("FZM-034 OM-C6: data stay within +-999999999.9999", clamped),
