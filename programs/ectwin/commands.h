@@ -19,6 +19,7 @@
 #include "bus/storage/memory.h"
 #include "content.h"
 #include "defects.h"
+#include "eoe_args.h"
 #include "esi/twin.h"
 #include "wiring_args.h"
 
@@ -87,6 +88,7 @@ typedef struct twin_args {
     bool keep_source_mac;
     bool kinds; /* not twins in a chain but kinds of devices: their serial numbers do not count up */
     wiring_args_t wiring;
+    eoe_args_t eoe;
     uint8_t drop_percent, delay_percent;
     uint32_t delay_us;
     ect_scenario_t scenario; /* --fault, --faults, --drop, --delay; those that users set later */
@@ -197,6 +199,11 @@ int session_open(session_t *s, const char *const ifaces[ECT_ENDS]);
  * to do. @return EXIT_CLEAN; EXIT_USAGE or EXIT_OPEN with the reason printed
  */
 int session_open_modbus(session_t *s);
+/**
+ * Opens the networks behind twins that the command line asks for, in the network of this moment; without one there is
+ * nothing to do. @return EXIT_CLEAN; EXIT_OPEN with the reason printed
+ */
+int session_open_hosts(session_t *s);
 /** The address of the Modbus server; NULL: none. */
 const char *session_modbus(const session_t *s);
 /**

@@ -132,6 +132,8 @@ int command_run(int argc, char **argv)
         status = session_open_control(&session, args.ifaces);
     if (status == EXIT_CLEAN)
         status = session_power_on(&session);
+    if (status == EXIT_CLEAN)
+        status = session_open_hosts(&session);
     if (status == EXIT_CLEAN) {
         session_drop_rights(&session, false);
         bool printed = print_ready(stdout, args.ifaces, args.twins.count, session_modbus(&session));

@@ -65,6 +65,7 @@ static bool on_signal(void *ctx, int signal_number, bool from_terminal)
 void session_init(session_t *s, const char *who, twin_args_t *twins)
 {
     *s = (session_t){.who = who, .twins = twins};
+    twins->eoe.has_hosts = true;
     twins->scenario.refused = on_refused;
     twins->scenario.judged = on_judged;
     twins->scenario.ctx = s;
@@ -160,6 +161,15 @@ int session_open_modbus(session_t *s)
     return status;
 }
 
+int session_open_hosts(session_t *s)
+{
+    char message[EOE_MESSAGE];
+    if (eoe_args_open(&s->twins->eoe, s->who, s->twins->quiet, &s->runner.hosts, message))
+        return EXIT_CLEAN;
+    fprintf(stderr, "%s: %s\n", s->who, message);
+    return EXIT_OPEN;
+}
+
 int session_open_control(session_t *s, char *const ifaces[ECT_ENDS])
 {
     for (unsigned int end = 0; end < ECT_ENDS; end++)
@@ -230,6 +240,7 @@ void session_close(session_t *s)
     ect_control_close(s->runner.exchange.control);
     (void)twin_args_end_trace(s->twins, s->who, s->runner.exchange.trace, ect_packet_now());
     ect_modbus_server_close(s->runner.modbus);
+    ect_hosts_close(s->runner.hosts);
     ect_chain_free(s->runner.exchange.chain);
     for (unsigned int end = 0; end < ECT_ENDS; end++) {
         if (s->runner.ports[end])

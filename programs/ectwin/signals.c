@@ -12,6 +12,7 @@
 #include "bus/chain/fields.h"
 #include "bus/chain/lamps.h"
 #include "bus/chain/wiring.h"
+#include "bus/eoe/network.h"
 #include "commands.h"
 #include "connection.h"
 #include "csv.h"
@@ -439,7 +440,10 @@ static int list_pattern(const ect_product_t *product, void *instance, const char
 {
     ect_lamps_t lamps;
     ect_wiring_t wiring;
+    uint32_t network[ECT_NETWORK_SIGNALS / sizeof(uint32_t)];
     size_t count = print_signals(product->plant, instance, pattern);
+    if (ect_network_entry(product->device))
+        count += print_signals(&ect_network_plant, network, pattern);
     count += print_signals(&ect_lamps_plant, &lamps, pattern);
     count += print_signals(&ect_wiring_plant, &wiring, pattern);
     if (count > 0)

@@ -549,6 +549,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_INIT:
         state->child_inputs[0] = &args->wiring;
+        state->child_inputs[1] = &args->eoe;
         args->delay_us = 3000;
         args->scenario.seed = 1;
         args->pcap_size = PCAP_SIZE;
@@ -573,13 +574,13 @@ static error_t parse(int key, char *text, struct argp_state *state)
     return error;
 }
 
-static const struct argp_child children[] = {{&wiring_argp, 0, NULL, 0}, {0}};
+static const struct argp_child children[] = {{&wiring_argp, 0, NULL, 0}, {&eoe_argp, 0, NULL, 0}, {0}};
 
 const struct argp twin_argp = {.options = options, .parser = parse, .children = children};
 
 bool twin_args_given(const twin_args_t *args)
 {
-    return args->given || args->wiring.count > 0;
+    return args->given || args->wiring.count > 0 || args->eoe.count > 0;
 }
 
 /* Finds the product of a name for a position in the chain, with the modules of that position. NULL: see message */
@@ -882,10 +883,15 @@ static bool check_scenario(const twin_args_t *args, const ect_chain_t *chain, co
 
 int twin_args_power_on(twin_args_t *args, const char *who, uint64_t now_ns, ect_chain_t **chain)
 {
+    char message[EOE_MESSAGE];
     *chain = NULL;
     args->power_on_ns = now_ns;
     if (!open_files(args, who) || !open_memories(args, who) || !open_eeproms(args, who))
         return EXIT_OPEN;
+    if (!eoe_args_join(&args->eoe, args->twins, args->count, message)) {
+        twin_args_report(args, who, "%s", message);
+        return EXIT_USAGE;
+    }
     *chain = ect_chain_new(args->twins, args->count, now_ns);
     if (!*chain) {
         twin_args_report(args, who, "not enough memory for %zu twins", args->count);
@@ -915,6 +921,7 @@ void twin_args_free(twin_args_t *args)
     free(args->settings);
     free(args->identities);
     wiring_args_free(&args->wiring);
+    eoe_args_free(&args->eoe);
     free(args->modules);
     free(args->behaviours);
     free(args->connections);

@@ -74,13 +74,16 @@ static void log_start(const twin_args_t *args, ect_trace_t *trace, uint64_t offs
     cJSON_Delete(start);
 }
 
-/* Requests over Modbus TCP come again behind the frames of a record. */
+/* Requests over Modbus TCP come again behind the frames of a record; the frames of a host behind EoE are not in it. */
 static bool can_record(const twin_args_t *args, const char *who)
 {
     const bool framed = !args->modbus || args->about.ifaces[ECT_END_IN];
+    const char *host = eoe_args_host(&args->eoe);
     if (args->record && !framed)
         twin_args_report(args, who, "--record needs frames, and there is no interface for them: add -i IFACE");
-    return !args->record || framed;
+    else if (args->record && host)
+        twin_args_report(args, who, "--record does not hold the frames of --eoe %s: leave one of the two out", host);
+    return !args->record || (framed && !host);
 }
 
 /* The content of the folders, and from now on the moments at which their disk is done with a save. */

@@ -464,6 +464,8 @@ int command_with(int argc, char **argv)
     if (status == EXIT_CLEAN)
         status = session_open_modbus(&session); /* inside: CMD is to reach it */
     if (status == EXIT_CLEAN)
+        status = session_open_hosts(&session);
+    if (status == EXIT_CLEAN)
         status = serve(&args, &session);
     session_close(&session);
     return status;

@@ -13,8 +13,11 @@
 enum { NS_PER_S = 1000000000 };
 
 /* The descriptors of the loop: frames at each end, without a VLAN tag and with one, signals, cables, control socket,
- * Modbus server. */
-enum { TAGGED_FD = ECT_ENDS, TAGGED_OUT_FD, SIGNAL_FD, LINK_FD, CONTROL_FD, MODBUS_FD, WAITABLE };
+ * Modbus server, hosts behind EoE. */
+enum { TAGGED_FD = ECT_ENDS, TAGGED_OUT_FD, SIGNAL_FD, LINK_FD, CONTROL_FD, MODBUS_FD, HOSTS_FD, WAITABLE };
+
+/* Kinds of clients, in the order of their descriptors. */
+enum { CONTROL, MODBUS, HOSTS, CLIENTS };
 
 /* Frames in a row after which a client is served although another one waits. */
 enum { FRAMES_FIRST = 8 };
@@ -24,6 +27,43 @@ enum { FRAMES_ALONE_NS = 500000 };
 
 /* Poll for frames only this long before serving clients (--busy-poll). */
 enum { SPIN_NS = 100000 };
+
+/* @return -1: there is none of this kind */
+static int client_fd(const ect_runner_t *r, unsigned int client)
+{
+    switch (client) {
+    case CONTROL:
+        return r->exchange.control ? ect_control_fd(r->exchange.control) : -1;
+    case MODBUS:
+        return r->modbus ? ect_modbus_server_fd(r->modbus) : -1;
+    default:
+        return r->hosts ? ect_hosts_fd(r->hosts) : -1;
+    }
+}
+
+/* When clients of a kind want to be served by themselves. */
+static uint64_t client_due(const ect_runner_t *r, unsigned int client)
+{
+    switch (client) {
+    case CONTROL:
+        return r->exchange.control ? ect_control_due(r->exchange.control) : ECT_NEVER;
+    case MODBUS:
+        return r->modbus ? ect_modbus_server_due(r->modbus) : ECT_NEVER;
+    default:
+        return r->hosts ? ect_hosts_due(r->hosts) : ECT_NEVER;
+    }
+}
+
+static void serve_client(ect_runner_t *r, unsigned int client)
+{
+    uint64_t now_ns = ect_exchange_touch(&r->exchange);
+    if (client == CONTROL)
+        ect_control_serve(r->exchange.control, r->exchange.chain, now_ns);
+    else if (client == MODBUS)
+        ect_modbus_server_serve(r->modbus, r->exchange.chain, now_ns);
+    else
+        ect_hosts_serve(r->hosts, r->exchange.chain);
+}
 
 /* After an interruption `fds` has no events. */
 static int wait_for(const ect_runner_t *r, struct pollfd fds[WAITABLE], uint64_t deadline_ns)
@@ -35,10 +75,8 @@ static int wait_for(const ect_runner_t *r, struct pollfd fds[WAITABLE], uint64_t
     }
     fds[SIGNAL_FD] = (struct pollfd){.fd = r->signal_fd, .events = POLLIN};
     fds[LINK_FD] = (struct pollfd){.fd = r->link_fd, .events = POLLIN};
-    fds[CONTROL_FD] = (struct pollfd){
-        .fd = r->exchange.control && !r->pausing ? ect_control_fd(r->exchange.control) : -1, .events = POLLIN};
-    fds[MODBUS_FD] =
-        (struct pollfd){.fd = r->modbus && !r->pausing ? ect_modbus_server_fd(r->modbus) : -1, .events = POLLIN};
+    for (unsigned int i = 0; i < CLIENTS; i++)
+        fds[CONTROL_FD + i] = (struct pollfd){.fd = r->pausing ? -1 : client_fd(r, i), .events = POLLIN};
     struct timespec timeout = {0};
     struct timespec *limit = NULL;
     if (deadline_ns != ECT_NEVER) {
@@ -113,9 +151,10 @@ static bool take_signal(const ect_runner_t *r)
 /* When clients want to be served by themselves; while the loop rests from them, when that is over. */
 static uint64_t clients_due(const ect_runner_t *r)
 {
-    uint64_t control_ns = r->exchange.control ? ect_control_due(r->exchange.control) : ECT_NEVER;
-    uint64_t modbus_ns = r->modbus ? ect_modbus_server_due(r->modbus) : ECT_NEVER;
-    return r->pausing ? r->pause_end_ns : ect_earlier(control_ns, modbus_ns);
+    uint64_t due_ns = r->pausing ? r->pause_end_ns : ECT_NEVER;
+    for (unsigned int i = 0; i < CLIENTS && !r->pausing; i++)
+        due_ns = ect_earlier(due_ns, client_due(r, i));
+    return due_ns;
 }
 
 /* Late replies and the devices, then their clients. @return when to be here again */
@@ -126,25 +165,29 @@ static uint64_t run_devices(ect_runner_t *r)
     return ect_earlier(next_ns, clients_due(r));
 }
 
+/* The kind of clients whose turn it is. @return CLIENTS: no client is due */
+static unsigned int next_client(const ect_runner_t *r, const struct pollfd fds[WAITABLE])
+{
+    uint64_t now_ns = ect_packet_now();
+    for (unsigned int i = 1; i <= CLIENTS; i++) {
+        unsigned int client = (r->client + i) % CLIENTS;
+        if (fds[CONTROL_FD + client].revents != 0 || now_ns >= client_due(r, client))
+            return client;
+    }
+    return CLIENTS;
+}
+
 /* Frames first: a client is served when none came, or too many have come one after another. */
 static void serve_clients(ect_runner_t *r, bool frame, const struct pollfd fds[WAITABLE])
 {
-    if (r->pausing || !(r->exchange.control || r->modbus))
+    if (r->pausing || !(r->exchange.control || r->modbus || r->hosts))
         return;
-    uint64_t now_ns = ect_packet_now();
-    bool control =
-        r->exchange.control && (fds[CONTROL_FD].revents != 0 || now_ns >= ect_control_due(r->exchange.control));
-    bool modbus = r->modbus && (fds[MODBUS_FD].revents != 0 || now_ns >= ect_modbus_server_due(r->modbus));
-    if (!(control || modbus))
-        return;
-    if (frame && ++r->frames_first < FRAMES_FIRST)
+    unsigned int client = next_client(r, fds);
+    if (client == CLIENTS || (frame && ++r->frames_first < FRAMES_FIRST))
         return;
     r->frames_first = 0;
-    r->modbus_next = control && !(modbus && r->modbus_next); /* they take turns */
-    if (r->modbus_next)
-        ect_control_serve(r->exchange.control, r->exchange.chain, ect_exchange_touch(&r->exchange));
-    else
-        ect_modbus_server_serve(r->modbus, r->exchange.chain, ect_exchange_touch(&r->exchange));
+    r->client = client;
+    serve_client(r, client);
     r->pause_end_ns = ect_packet_now() + r->client_pause_ns;
 }
 

@@ -9,6 +9,7 @@
 
 #include <stdbool.h>
 
+#include "bus/eoe/hosts.h"
 #include "bus/exchange.h"
 #include "bus/modbus/modbus.h"
 #include "bus/net/endless.h"
@@ -21,6 +22,7 @@ typedef struct ect_runner {
     ect_packet_t *ports[ECT_ENDS]; /**< by ::ect_end_t; NULL: no interface */
     ect_exchange_t exchange;       /**< chain, control socket, faults, filter; the loop sets its callbacks */
     ect_modbus_server_t *modbus;   /**< of the first twin; NULL: none */
+    ect_hosts_t *hosts;            /**< networks behind twins with EoE; NULL: none */
     /** Pause between two pieces of work for clients, so that these never take a whole core; 0: none. */
     uint32_t client_pause_ns;
     bool busy_poll; /**< polls continuously: lower latency, one core at 100 % */
@@ -38,7 +40,7 @@ typedef struct ect_runner {
     bool frames_come;      /* there was a frame at that time */
     uint64_t pause_end_ns; /* end of the pause between clients */
     bool pausing;
-    bool modbus_next; /* a Modbus client is served next, not one of the control socket */
+    unsigned int client; /* the kind of client that was served last: they take turns */
     bool linked[ECT_ENDS];
 } ect_runner_t;
 
@@ -47,9 +49,9 @@ enum { ECT_RUNNER_REST_NS = 50000 };
 
 /**
  * Runs until `on_signal` stops the loop, and at most two seconds longer for a save under way (::ect_chain_unfinished).
- * Frames come first: a client of the control socket or of Modbus is served when no frame waits, or after eight frames
- * in a row. Cost: two system calls (receive, send) a frame while frames come, and a check of clients and signals every
- * half millisecond, or after the next frame; only the devices' timers while the bus is quiet.
+ * Frames come first: a client of the control socket, of Modbus or of EoE is served when no frame waits, or after eight
+ * frames in a row. Cost: two system calls (receive, send) a frame while frames come, and a check of clients and signals
+ * every half millisecond, or after the next frame; only the devices' timers while the bus is quiet.
  * @return 0 · -1: an interface is gone (errno)
  */
 int ect_runner_run(ect_runner_t *runner);

@@ -450,6 +450,7 @@ bool ect_chain_next_signal(const ect_chain_t *chain, size_t position, ect_chain_
     const ect_twin_t *twin = twin_at(chain, position);
     ect_chain_show_lamps(chain, position);
     return ect_signals_next(twin->config.plant, twin->slave.config.instance, &cursor->device, ref) ||
+           ect_signals_next(twin->config.beside.plant, twin->config.beside.instance, &cursor->beside, ref) ||
            ect_signals_next(&ect_lamps_plant, twin->lamps, &cursor->lamps, ref) ||
            ect_signals_next(&ect_wiring_plant, twin->wiring, &cursor->wiring, ref);
 }

@@ -142,10 +142,11 @@ void ect_chain_show_lamps(const ect_chain_t *chain, size_t position);
 
 /** Position in the list of a twin's signals. Zeroed: before the first. */
 typedef struct ect_chain_cursor {
-    ect_signal_cursor_t device, lamps, wiring;
+    ect_signal_cursor_t device, beside, lamps, wiring;
 } ect_chain_cursor_t;
 
-/** ::ect_signals_next for the device of a twin, then for its lamps and wiring (named ecat.NAME). */
+/** ::ect_signals_next for the device of a twin, then for ect_twin_config_t::beside, its lamps and wiring (ecat.NAME).
+ */
 bool ect_chain_next_signal(const ect_chain_t *chain, size_t position, ect_chain_cursor_t *cursor,
                            ect_signal_ref_t *ref);
 

@@ -106,6 +106,7 @@ static bool power_on(ect_twin_t *twin, uint64_t now_ns)
 
 bool ect_twin_make(ect_twin_t *twin, const ect_twin_config_t *config, uint8_t *pool, uint64_t now_ns)
 {
+    ECT_ASSERT(config->beside.size <= ECT_BESIDE_MOST);
     twin->config = *config;
     twin->esc_memory = pool;
     twin->buffer = config->device->buffer_size > 0 ? pool + esc_size(config) : NULL;
@@ -294,6 +295,7 @@ void ect_twin_report_sii(ect_twin_t *twin)
 bool ect_twin_signal(const ect_twin_t *twin, const char *name, ect_signal_ref_t *ref)
 {
     return ect_signal_find(twin->config.plant, twin->slave.config.instance, name, ref) ||
+           ect_signal_find(twin->config.beside.plant, twin->config.beside.instance, name, ref) ||
            ect_signal_find(&ect_lamps_plant, twin->lamps, name, ref) ||
            ect_signal_find(&ect_wiring_plant, twin->wiring, name, ref);
 }
@@ -310,6 +312,8 @@ bool ect_twin_save(const ect_twin_t *twin, ect_twin_snapshot_t *snapshot)
     }
     memcpy(snapshot->instance, twin->slave.config.instance, size);
     snapshot->wiring = *twin->wiring;
+    if (twin->config.beside.size > 0)
+        memcpy(snapshot->beside, twin->config.beside.instance, twin->config.beside.size);
     snapshot->off_bus = twin->slave.off_bus;
     snapshot->restart = twin->slave.restart;
     return true;
@@ -320,6 +324,8 @@ void ect_twin_restore(ect_twin_t *twin, const ect_twin_snapshot_t *snapshot)
     ECT_ASSERT(snapshot->room >= twin->config.device->instance_size);
     memcpy(twin->slave.config.instance, snapshot->instance, twin->config.device->instance_size);
     *twin->wiring = snapshot->wiring;
+    if (twin->config.beside.size > 0)
+        memcpy(twin->config.beside.instance, snapshot->beside, twin->config.beside.size);
     twin->slave.off_bus = snapshot->off_bus;
     twin->slave.restart = snapshot->restart;
 }

@@ -110,6 +110,7 @@ typedef struct ect_twin_snapshot {
     void *instance;
     size_t room; /* bytes of `instance` */
     ect_wiring_t wiring;
+    uint8_t beside[ECT_BESIDE_MOST];
     bool off_bus, restart;
 } ect_twin_snapshot_t;
 

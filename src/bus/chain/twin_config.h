@@ -18,10 +18,20 @@
 
 ECT_C_BEGIN
 
+/** Signals beside those of the device, as of the network behind it. All zero: none. */
+typedef struct ect_beside {
+    const ect_plant_t *plant; /**< must outlive the chain */
+    void *instance;           /**< must outlive the chain, and a power cycle; 1 to ECT_BESIDE_MOST bytes */
+    size_t size;              /**< of the instance */
+} ect_beside_t;
+
+enum { ECT_BESIDE_MOST = 16 };
+
 /** One twin of a chain. ::ect_twin_default fills in everything but `device` and `plant`. */
 typedef struct ect_twin_config {
     const ect_device_t *device;   /**< must outlive the chain; ::ect_device_check accepts it */
     const ect_plant_t *plant;     /**< must outlive the chain; NULL: none */
+    ect_beside_t beside;          /**< more signals */
     ect_identity_t identity;      /**< vendor, product, revision, serial number; copied */
     uint16_t alias;               /**< configured station alias and explicit device id; 0 none */
     const ect_storage_t *storage; /**< non-volatile memory, must outlive the chain; NULL: none */

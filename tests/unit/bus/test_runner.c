@@ -34,7 +34,7 @@ struct bench {
     char folder[64];
     script_t *script;
     unsigned int waits;
-    char order[LOG]; /* F: a frame was answered, C: the control socket was served, M: a Modbus client */
+    char order[LOG]; /* F: a frame was answered, C: the control socket was served, M: a Modbus client, H: a host */
     size_t logged;
     unsigned int serve_late_ns;
     uint64_t clock_ns;      /* what the loop takes for the time, once it is not zero, */
@@ -118,6 +118,14 @@ void __wrap_ect_modbus_server_serve(ect_modbus_server_t *server, ect_chain_t *ch
 {
     note('M');
     __real_ect_modbus_server_serve(server, chain, now_ns);
+}
+
+void __real_ect_hosts_serve(ect_hosts_t *hosts, ect_chain_t *chain);
+void __wrap_ect_hosts_serve(ect_hosts_t *hosts, ect_chain_t *chain);
+void __wrap_ect_hosts_serve(ect_hosts_t *hosts, ect_chain_t *chain)
+{
+    note('H');
+    __real_ect_hosts_serve(hosts, chain);
 }
 
 static bool stop(void *ctx, int signal_number, bool from_terminal)
@@ -352,6 +360,56 @@ static void frames_before_modbus(void **state)
     assert_int_equal(b.runner.exchange.stats.answered, FRAMES);
     assert_true(count_of(&b, 'M') >= FRAMES / IN_A_ROW); /* and it does not starve */
     close(client);
+    close_bench(&b);
+}
+
+/* --- hosts behind EoE --------------------------------------------------------------------------------------------- */
+
+/* A host with 40 frames, for a network of no twin, which loses them. */
+static int open_host(bench_t *b, ect_network_t **network, char *place, size_t room)
+{
+    static const ect_eoe_t entry = {.protocol = {.request = ect_eoe_request}};
+    static const ect_protocol_t *const protocols[] = {&entry.protocol, NULL};
+    static const ect_device_t device = {.protocols = protocols};
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    static const uint8_t frame[60];
+    char message[ECT_PLACE_MESSAGE];
+    snprintf(place, room, "unix:%s/host", b->folder);
+    snprintf(address.sun_path, sizeof address.sun_path, "%s/host", b->folder);
+    *network = ect_network_new(&device, ECT_NETWORK_HOST);
+    b->runner.hosts = ect_hosts_new();
+    assert_non_null(ect_hosts_open(b->runner.hosts, place, *network, 0, message));
+    int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK, 0);
+    assert_int_equal(connect(fd, (const struct sockaddr *)&address, sizeof address), 0);
+    for (unsigned int i = 0; i < 40; i++)
+        assert_int_equal(__real_send(fd, frame, sizeof frame, 0), (ssize_t)sizeof frame);
+    return fd;
+}
+
+static void frames_before_hosts(void **state)
+{
+    ect_network_t *network;
+    char place[100];
+    bench_t b;
+    unsigned int since = 0, frames = 0, served = 0;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 1);
+    int host = open_host(&b, &network, place, sizeof place);
+    for (unsigned int i = 0; i < FRAMES; i++)
+        send_frame(&b);
+    run(&b, until_all_answered);
+    assert_int_equal(b.runner.exchange.stats.answered, FRAMES);
+    for (size_t i = 0; i < b.logged && frames < FRAMES; i++) {
+        if (b.order[i] == 'H' && since < IN_A_ROW)
+            fail_msg("served after %u frames, %u to come: %s", frames, FRAMES - frames, b.order);
+        served += b.order[i] == 'H';
+        since = b.order[i] == 'H' ? 0 : since + 1;
+        frames += b.order[i] == 'F';
+    }
+    assert_in_range(served, 40 / 4, FRAMES / IN_A_ROW);
+    close(host);
+    ect_hosts_close(b.runner.hosts);
+    ect_network_free(network);
     close_bench(&b);
 }
 
@@ -874,6 +932,8 @@ int main(int argc, char **argv)
          NULL},
         {"Attack: 100 frames and 60 Modbus requests wait: 8 frames are answered before a client is served",
          frames_before_modbus, NULL, NULL, NULL},
+        {"Attack: 100 frames and 40 frames of EoE wait: 8 frames are answered before a host is served",
+         frames_before_hosts, NULL, NULL, NULL},
         {"Modbus clients and users of the control socket are served in turn", both_kinds_of_clients, NULL, NULL, NULL},
         {"Attack: Modbus clients do not keep the processor busy: there is a rest after each request", rests_from_modbus,
          NULL, NULL, NULL},

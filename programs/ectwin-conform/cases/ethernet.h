@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: MIT */
+/** @file Steps of Ethernet over EtherCAT (ETG.1000.6 §5.7): services, fragments, frames that get a reply. */
+#ifndef ECTWIN_CONFORM_ETHERNET_H
+#define ECTWIN_CONFORM_ETHERNET_H
+
+#include "steps/case.h"
+
+/** EoE types. */
+enum {
+    CF_EOE_FRAGMENT,
+    CF_EOE_TIMESTAMP,
+    CF_EOE_SET_IP,
+    CF_EOE_WAS_SET,
+    CF_EOE_SET_FILTER,
+    CF_EOE_FILTER_WAS_SET,
+    CF_EOE_GET_IP,
+    CF_EOE_IP,
+    CF_EOE_GET_FILTER,
+    CF_EOE_FILTER,
+};
+enum { CF_EOE_DONE = 0, CF_EOE_UNSUPPORTED = 0x0002 };
+enum { CF_EOE_HAS_MAC = 0x01, CF_EOE_HAS_IP = 0x02, CF_EOE_HAS_SUBNET = 0x04, CF_EOE_HAS_GATEWAY = 0x08 };
+enum { CF_EOE_HEADER = 4, CF_EOE_FLAGS = 4, CF_EOE_UNIT = 32, CF_EOE_MAC = 6, CF_EOE_ADDRESS = 4 };
+/** The shortest and the longest frame without a VLAN tag. */
+enum { CF_EOE_LEAST = 60, CF_EOE_MOST = 1514 };
+
+/** The parameters of the slave. */
+typedef struct cf_eoe_host {
+    uint8_t data[CF_MAX_MAIL]; /**< flags and parameters, byte for byte */
+    uint16_t length;
+    bool has_ip;
+    uint8_t mac[CF_EOE_MAC], ip[CF_EOE_ADDRESS]; /**< in the order of an Ethernet frame */
+    unsigned int replies;                        /**< to ARP requests, that came until now */
+} cf_eoe_host_t;
+
+/** Sends a mail: type and port in `type`, bytes 2 and 3 in `word`. */
+void cf_eoe_send(cf_t *c, uint8_t type, uint16_t word, const void *data, uint16_t length, bool last);
+/** Reads the reply of a service, past frames of the slave. @return its result */
+uint16_t cf_eoe_answer(cf_t *c, uint8_t type, cf_mail_t *mail);
+/** Reads the parameters; without them `length` is 0. */
+void cf_eoe_get_ip(cf_t *c, cf_eoe_host_t *h);
+
+/** @return bytes of a fragment before the last: whole units that fit the mailbox; 0: none fits */
+uint16_t cf_eoe_most(const cf_t *c);
+/** Sends `size` bytes of a frame, from byte `from` on; the last ones with the last flag. */
+void cf_eoe_send_fragment(cf_t *c, const uint8_t *frame, uint16_t length, uint16_t from, uint16_t size, uint8_t number,
+                          unsigned int fragment);
+/** Writes an ARP request for the slave's address, CF_EOE_MOST bytes with the padding. */
+void cf_eoe_arp(uint8_t *frame, const cf_eoe_host_t *h);
+/** Assembles the next frame of the slave and checks its fragments. @return bytes, 0: none within `ms` */
+uint16_t cf_eoe_receive_frame(cf_t *c, uint8_t *frame, uint32_t ms);
+/** Receives a frame of the slave; an ARP reply is counted. */
+void cf_eoe_take(cf_t *c, cf_eoe_host_t *h, uint32_t ms);
+/**
+ * Sends a whole frame in fragments of `size` bytes. Frames of the slave are read in between: it may wait for that.
+ * @param skip  fragment to leave out; -1: none
+ */
+void cf_eoe_send_frame(cf_t *c, cf_eoe_host_t *h, const uint8_t *frame, uint16_t length, uint16_t size, uint8_t number,
+                       int skip);
+/** There must be exactly `wanted` ARP replies since the last call. */
+void cf_eoe_expect_replies(cf_t *c, cf_eoe_host_t *h, const char *what, unsigned int wanted);
+
+#endif

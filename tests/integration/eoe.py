@@ -1,0 +1,275 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Networks behind twins with EoE: a TAP, a socket and the responder, through the bridging master of examples/eoe.
+
+usage: eoe.py ECTWIN BRIDGE GATEWAY.xml [CASE] [BYTES]      BYTES: of a download (default 1000000)
+"""
+import json
+import os
+import re
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import urllib.request
+
+ADDRESS, OURS = "192.168.10.20", "192.168.10.1"
+TYPE = 0x88B5  # for local experiments
+failed = False
+
+
+def check(title, expected, actual):
+    global failed
+    if expected != actual:
+        failed = True
+        print(f"FAILED {title}\n  expected: {expected!r}\n  got:      {actual!r}")
+
+
+# --- inside the private network ----------------------------------------------------------------------------------------
+
+
+def run(*words):
+    subprocess.run(words, check=True)
+
+
+class Bridge:
+    """The master of examples/eoe while it runs; then `end` is its last line."""
+
+    def __init__(self, program, *options):
+        self.process = subprocess.Popen([program, *options, os.environ["ECTWIN_IFACE"]], stdout=subprocess.PIPE, text=True)
+        assert json.loads(self.process.stdout.readline())["event"] == "ready"
+
+    def stop(self):
+        self.process.terminate()
+        self.end = json.loads(self.process.communicate()[0])
+        return self.end
+
+
+class Inner:
+    """A network of its own behind the twin's TAP, with the address."""
+
+    def __init__(self):
+        self.process = subprocess.Popen(["unshare", "-n", "sh", "-c", "echo; exec sleep 600"], stdout=subprocess.PIPE)
+        self.process.stdout.readline()
+        run("ip", "link", "set", "tap0", "netns", str(self.process.pid))
+        for words in (["link", "set", "lo", "up"], ["addr", "add", ADDRESS + "/24", "dev", "tap0"], ["link", "set", "tap0", "up"]):
+            self.run("ip", *words)
+
+    def words(self, *words):
+        return ["nsenter", "-n", "-t", str(self.process.pid), *words]
+
+    def run(self, *words):
+        run(*self.words(*words))
+
+    def stop(self):
+        self.process.kill()
+        self.process.wait()
+
+
+def checksum(data):
+    total = sum(struct.unpack(f">{len(data) // 2}H", data))
+    total = (total & 0xFFFF) + (total >> 16)
+    return ~(total + (total >> 16)) & 0xFFFF
+
+
+def ping(count, size):
+    """@return how many of the pings are answered, byte by byte"""
+    answered = 0
+    with socket.socket(socket.AF_INET, socket.SOCK_RAW, socket.IPPROTO_ICMP) as wire:
+        wire.settimeout(20)
+        for n in range(count):
+            rest = struct.pack(">HH", 77, n) + bytes(i & 0xFF for i in range(size))
+            wire.sendto(struct.pack(">BBH", 8, 0, checksum(b"\x08\x00" + rest)) + rest, (ADDRESS, 0))
+            reply = wire.recv(2000)
+            while reply[20] == 8:
+                reply = wire.recv(2000)
+            answered += reply[20] == 0 and reply[24:] == rest
+    return answered
+
+
+def serve(words, folder, address):
+    """A web server with a folder, at port 8000; @return its process, when it listens"""
+    server = subprocess.Popen([*words, sys.executable, "-m", "http.server", "-b", address, "-d", folder, "8000"],
+                              stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env={**os.environ, "PYTHONUNBUFFERED": "1"})
+    server.stdout.readline()
+    return server
+
+
+def downloads(inner, size):
+    """A file in both directions; @return whether it is whole, each time, and the rates in MB/s"""
+    content = os.urandom(size)
+    with tempfile.TemporaryDirectory() as folder:
+        with open(f"{folder}/file", "wb") as file:
+            file.write(content)
+        behind = serve(inner.words(), folder, ADDRESS)
+        started = time.monotonic()
+        with urllib.request.urlopen(f"http://{ADDRESS}:8000/file", timeout=100) as reply:
+            from_twin = reply.read() == content
+        between = time.monotonic()
+        here = serve([], folder, OURS)
+        fetch = f"import urllib.request as u, sys; sys.stdout.buffer.write(u.urlopen('http://{OURS}:8000/file', timeout=100).read())"
+        to_twin = subprocess.run(inner.words(sys.executable, "-c", fetch), stdout=subprocess.PIPE, check=True).stdout == content
+        ended = time.monotonic()
+        for server in (behind, here):
+            server.kill()
+            server.wait()
+    return from_twin, to_twin, size / (between - started) / 1e6, size / (ended - between) / 1e6
+
+
+DATAGRAMS = """
+import socket, sys
+s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+s.bind(("", 9000))
+s.settimeout(20)
+print("ready", flush=True)
+while True:
+    data, sender = s.recvfrom(2000)
+    s.sendto(data, sender)
+"""
+
+
+def datagrams(inner, count, size):
+    """Datagrams to the twin and back, eight under way; @return how many have come back in their order"""
+    echo = subprocess.Popen(inner.words(sys.executable, "-c", DATAGRAMS), stdout=subprocess.PIPE)
+    echo.stdout.readline()
+    good = 0
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:
+        wire.settimeout(20)
+        for n in range(count + 8):
+            if n < count:
+                wire.sendto(n.to_bytes(4, "big") + bytes(size - 4), (ADDRESS, 9000))
+            if n >= 8:
+                reply = wire.recv(2000)
+                good += len(reply) == size and int.from_bytes(reply[:4], "big") == n - 8
+    echo.kill()
+    echo.wait()
+    return good
+
+
+def signals(ectwin):
+    text = subprocess.run([ectwin, "get", "eoe.*"], stdout=subprocess.PIPE, check=True, text=True).stdout
+    return {name: int(value) for name, value in re.findall(r"eoe\.(\w+)=(\d+)", text)}
+
+
+def inside_tap(ectwin, program, size):
+    inner = Inner()
+    bridge = Bridge(program, "--sdo")
+    run("ip", "addr", "add", OURS + "/24", "dev", "eoe0")
+    lost = signals(ectwin)["dropped"]  # before the twin was in PREOP
+    check("EOE-013 ping of 1400 bytes, 20 times", 20, ping(20, 1400))
+    check("datagrams of 1400 bytes, there and back", 500, datagrams(inner, 500, 1400))
+    from_twin, to_twin, rate_from, rate_to = downloads(inner, size)
+    check("a file of the server behind the twin", True, from_twin)
+    check("a file of the server before the twin", True, to_twin)
+    now = signals(ectwin)
+    end = bridge.stop()
+    check("no frame is lost in the twin", lost, now["dropped"])
+    check("no frame is broken in the master", 0, end["broken"])
+    check("EOE-052 an SDO is answered within four mails", True, end["sdos"] > 10 and end["most_mails"] <= 4)
+    print(f"{rate_from:.2f} MB/s from the twin, {rate_to:.2f} MB/s to it; {end}", file=sys.stderr)
+    inner.stop()
+
+
+def inside_echo(ectwin, program, _):
+    bridge = Bridge(program, "--address", ADDRESS)
+    run("ip", "addr", "add", OURS + "/24", "dev", "eoe0")
+    check("ping of 1400 bytes, 20 times", 20, ping(20, 1400))
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:
+        wire.settimeout(20)
+        wire.sendto(b"echo", (ADDRESS, 7))
+        check("echo of UDP", b"echo", wire.recv(100))
+    run(ectwin, "set", "eoe.link=0")
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:
+        lost = signals(ectwin)["dropped"]
+        wire.sendto(b"echo", (ADDRESS, 7))
+        for _ in range(100):
+            if signals(ectwin)["dropped"] > lost:
+                break
+            time.sleep(0.1)
+        check("a frame over a pulled cable is dropped", True, signals(ectwin)["dropped"] > lost)
+    bridge.stop()
+
+
+def inside_unix(ectwin, program, _):
+    bridge = Bridge(program)
+    host = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    host.connect(os.environ["EOE_SOCKET"])
+    host.settimeout(20)
+    wire = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(TYPE))
+    wire.bind(("eoe0", TYPE))
+    wire.settimeout(20)
+    for size in (60, 118, 119, 1014, 1015, 1514):
+        frame = b"\xff" * 6 + b"\x02\0\0\0\0\x01" + TYPE.to_bytes(2, "big") + bytes(i & 0xFF for i in range(size - 14))
+        host.send(frame)
+        check(f"{size} bytes of the host", frame, wire.recv(2000))
+        wire.send(frame)
+        reply = host.recv(2000)
+        while reply[12:14] != frame[12:14]:  # the kernel's own
+            reply = host.recv(2000)
+        check(f"{size} bytes for the host", frame, reply)
+    bridge.stop()
+    run(ectwin, "get", "eoe.link")
+
+
+# --- outside -----------------------------------------------------------------------------------------------------------
+
+
+def inside(case, options, env=None):
+    words = [ectwin, "with", *options, "esi:" + gateway, "--", sys.argv[0], "--inside", case, *sys.argv[1:4], str(size)]
+    done = subprocess.run(words, env={**os.environ, "XDG_RUNTIME_DIR": work, **(env or {})}, timeout=250)
+    check(case + ": exit status", 0, done.returncode)
+
+
+def tap():
+    inside("tap", ["--eoe", "tap0"])
+
+
+def echo():
+    inside("echo", ["--eoe", "1:echo"])
+
+
+def unix():
+    inside("unix", ["--eoe", f"unix:{work}/port"], {"EOE_SOCKET": f"{work}/port"})
+    check("the socket is removed", False, os.path.exists(work + "/port"))
+
+
+def refusals():
+    device = "esi:" + gateway
+    rows = [
+        (["--eoe", "eth0", device], 1, "--eoe takes tap, tapNAME, unix:PATH or echo, or one of them for a twin, as 2:tap0, not 'eth0'"),
+        (["--eoe", "0:tap0", device], 1, "--eoe takes tap, tapNAME, unix:PATH or echo, or one of them for a twin, as 2:tap0, not '0:tap0'"),
+        (["--eoe", "tap0", "fzm1"], 1, "--eoe tap0: no twin has EoE: take a device whose ESI file has Mailbox/EoE"),
+        (["--eoe", "1:echo", "fzm1"], 1, "--eoe 1:echo: twin 1, fzm1, has no EoE: take a device whose ESI file has Mailbox/EoE"),
+        (["--eoe", "3:echo", device + "*2"], 1, "--eoe 3:echo: the chain has 2 twins"),
+        (["--eoe", "echo", "--eoe", "1:tap0", device], 1, "--eoe 1:tap0: twin 1 has a network already: leave one of the two out"),
+        (["--in-process", "--eoe", "tap0", device], 1,
+         "--eoe tap0 needs a process of the twins' own: 'ectwin run', or 'ectwin with' without --in-process"),
+        (["--record", work + "/r.pcapng", "--eoe", "tap0", device], 1,
+         "--record does not hold the frames of --eoe tap0: leave one of the two out"),
+        (["--eoe", "unix:" + work, device], 2, f"--eoe unix:{work}: '{work}' exists already: remove it, or choose another path"),
+        (["--eoe", "taplo", "--eoe", "2:taplo", device + "*2"], 2,
+         "--eoe 2:taplo: another program has 'taplo' open: end it, or choose another name"),
+    ]
+    for options, status, line in rows:
+        done = subprocess.run([ectwin, "with", "--quiet", *options, "--", "true"], capture_output=True, text=True, timeout=60,
+                              env={**os.environ, "XDG_RUNTIME_DIR": work})
+        lines = [one for one in done.stderr.splitlines() if line in one]
+        check(f"{options}: status and line", (status, True), (done.returncode, len(lines) == 1 or done.stderr))
+    done = subprocess.run([ectwin, "with", "--in-process", "--eoe", "echo", device, "--", "true"], capture_output=True, text=True,
+                          timeout=60)
+    check("echo needs no process of its own", True, "--eoe" not in done.stderr or done.stderr)
+
+
+if sys.argv[1] == "--inside":
+    globals()["inside_" + sys.argv[2]](sys.argv[3], sys.argv[4], int(sys.argv[6]))
+    sys.exit(failed)
+ectwin, bridge_program, gateway = sys.argv[1:4]
+only = sys.argv[4] if len(sys.argv) > 4 else ""
+size = int(sys.argv[5]) if len(sys.argv) > 5 else 1000000
+with tempfile.TemporaryDirectory() as work:
+    for case in (refusals, tap, echo, unix):
+        if only in ("", case.__name__):
+            case()
+sys.exit(failed)

@@ -1,0 +1,542 @@
+/* SPDX-License-Identifier: MIT */
+/* The network behind a twin with EoE: cable, queues, signals, and the socket of a host. */
+#define _GNU_SOURCE
+#include "bus/eoe/network.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "bus/chain/settings.h"
+#include "bus/eoe/hosts.h"
+#include "support/testdev.h"
+#include "support/wire.h"
+
+enum { SM0 = 0x1800, SM1 = 0x2000, SIZE = 1024, MAIL_HEADER = 6, HEADER = 4, LAST = 1, FRAME = 60 };
+
+/* A device that sends back what it takes. */
+typedef struct netdev {
+    testdev_t base;
+    ect_eoe_state_t eoe;
+    uint8_t frame[ECT_EOE_FRAME];
+    uint16_t length;
+    unsigned int sets, loads, resets;
+} netdev_t;
+
+static wire_t w;
+static ect_network_t *network;
+static char folder[64], path[100];
+
+static bool received(const ect_eoe_t *eoe, void *instance, uint8_t port, const uint8_t *frame, uint16_t length)
+{
+    netdev_t *d = instance;
+    (void)eoe;
+    (void)port;
+    memcpy(d->frame, frame, length);
+    d->length = length;
+    return true;
+}
+
+static uint16_t fetch(const ect_eoe_t *eoe, void *instance, uint8_t *frame, uint8_t *port)
+{
+    netdev_t *d = instance;
+    (void)eoe;
+    (void)port;
+    uint16_t length = d->length;
+    memcpy(frame, d->frame, length);
+    d->length = 0;
+    return length;
+}
+
+static uint16_t set(const ect_eoe_t *eoe, void *instance, uint8_t port, const ect_eoe_address_t *address)
+{
+    (void)eoe;
+    (void)port;
+    (void)address;
+    ((netdev_t *)instance)->sets++;
+    return ECT_EOE_OK;
+}
+
+static void load(const ect_eoe_t *eoe, void *instance, uint8_t port)
+{
+    (void)eoe;
+    (void)port;
+    ((netdev_t *)instance)->loads++;
+}
+
+static void reset(const ect_eoe_t *eoe, void *instance)
+{
+    (void)eoe;
+    ((netdev_t *)instance)->resets++;
+}
+
+static const ect_eoe_t entry = {
+    ECT_EOE_PROTOCOL, offsetof(netdev_t, eoe), .received = received, .fetch = fetch, .set = set,
+    .load = load,     .reset = reset};
+
+static const ect_device_t *netdev(void)
+{
+    static const ect_protocol_t *protocols[8];
+    static ect_device_t device;
+    size_t count = 0;
+    device = testdev;
+    for (; testdev.protocols[count]; count++)
+        protocols[count] = testdev.protocols[count];
+    protocols[count] = &entry.protocol;
+    device.protocols = protocols;
+    device.mailbox_protocols |= ECT_MAILBOX_EOE;
+    device.instance_size = sizeof(netdev_t);
+    device.sm[0].start = SM0;
+    device.sm[1].start = SM1;
+    for (unsigned int n = 0; n < 2; n++)
+        device.sm[n].length = device.sm[n].minimum = device.sm[n].maximum = SIZE;
+    device.boot_out = device.boot_in = (ect_boot_mailbox_t){0};
+    return &device;
+}
+
+static void open_network(ect_network_kind_t kind)
+{
+    ect_twin_config_t twin = ect_twin_default(netdev(), NULL);
+    network = ect_network_new(twin.device, kind);
+    assert_non_null(network);
+    ect_network_join(network, &twin);
+    wire_open_twins(&w, &twin, 1);
+    wire_go(&w, 0, ECT_STATE_PREOP);
+}
+
+static netdev_t *net(void)
+{
+    return (netdev_t *)(void *)testdev_of(&w, 0);
+}
+
+static void fill(uint8_t *frame, unsigned int n)
+{
+    memset(frame, (int)n, FRAME);
+    frame[12] = frame[13] = 0;
+}
+
+/* A frame of the master, in one mail. */
+static void send_frame(const uint8_t *frame, uint16_t length)
+{
+    static unsigned int number;
+    uint8_t data[SIZE] = {0, LAST};
+    ect_store_le16(data + 2, (uint16_t)((length + 31u) / 32 << 6 | (number++ & 0x0F) << 12));
+    memcpy(data + HEADER, frame, length);
+    assert_int_equal(wire_mail_request(&w, 0, ECT_MAILBOX_TYPE_EOE, data, (uint16_t)(HEADER + length)), 1);
+}
+
+/* @return length of the frame in the next mail, -1: there is none */
+static int receive_frame(uint8_t *frame)
+{
+    uint8_t mail[SIZE];
+    int length = wire_mail_receive(&w, 0, mail, SIZE);
+    if (length < HEADER)
+        return -1;
+    assert_int_equal(mail[5] & 0x0F, ECT_MAILBOX_TYPE_EOE);
+    memcpy(frame, mail + MAIL_HEADER + HEADER, (size_t)length - HEADER);
+    return length - HEADER;
+}
+
+static void give(unsigned int n)
+{
+    uint8_t frame[FRAME];
+    fill(frame, n);
+    ect_network_give(network, frame, FRAME);
+    ect_chain_wake(w.chain, 0);
+    wire_poll(&w);
+}
+
+static uint32_t value_of(const char *name)
+{
+    ect_signal_ref_t ref;
+    uint32_t value;
+    assert_true(ect_chain_signal(w.chain, 0, name, &ref));
+    if (ref.signal->type == ECT_SIGNAL_BOOL)
+        return *(const uint8_t *)ref.value;
+    memcpy(&value, ref.value, sizeof value);
+    return value;
+}
+
+static void set_link(const char *value)
+{
+    char message[ECT_SIGNAL_MESSAGE] = "";
+    const ect_setting_t setting = {.name = "eoe.link", .value = value};
+    assert_true(ect_settings_apply(w.chain, 0, &setting, 1, w.now_ns, message));
+}
+
+static int setup(void **state)
+{
+    (void)state;
+    (void)snprintf(folder, sizeof folder, "/tmp/test-eoe-XXXXXX");
+    assert_non_null(mkdtemp(folder));
+    (void)snprintf(path, sizeof path, "%s/port", folder);
+    memset(&w, 0, sizeof w);
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    (void)state;
+    wire_close(&w);
+    ect_network_free(network);
+    return rmdir(folder); /* fails if a socket is left */
+}
+
+/* --- the device's own frames, and the responder ------------------------------------------------------------------- */
+
+static void own_frames(void **state)
+{
+    static const uint8_t set_ip[] = {2, 1, 0, 0, 2, 0, 0, 0, 20, 10, 168, 192}, get_ip[] = {6, 1, 0, 0};
+    uint8_t frame[SIZE], back[SIZE], mail[SIZE];
+    (void)state;
+    open_network(ECT_NETWORK_OWN);
+    fill(frame, 7);
+    send_frame(frame, FRAME);
+    assert_int_equal(receive_frame(back), FRAME);
+    assert_memory_equal(back, frame, FRAME);
+    assert_int_equal(wire_mail_request(&w, 0, ECT_MAILBOX_TYPE_EOE, set_ip, sizeof set_ip), 1);
+    assert_int_equal(wire_mail_receive(&w, 0, mail, SIZE), 4);
+    assert_int_equal(wire_mail_request(&w, 0, ECT_MAILBOX_TYPE_EOE, get_ip, sizeof get_ip), 1);
+    assert_int_equal(wire_mail_receive(&w, 0, mail, SIZE), 12);
+    assert_int_equal(net()->sets, 1);
+    assert_int_equal(net()->loads, 1);
+    assert_int_equal(net()->resets, 1);
+    assert_int_equal(value_of("eoe.received"), 1);
+    assert_int_equal(value_of("eoe.sent"), 1);
+    assert_int_equal(value_of("eoe.dropped"), 0);
+}
+
+static void answers_arp(void **state)
+{
+    static const uint8_t set_ip[] = {2, 1, 0, 0, 2, 0, 0, 0, 20, 10, 168, 192};
+    static const uint8_t arp[42] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 2, 0, 0, 0, 0,   1,   8,  6,
+                                    0,    1,    8,    0,    6,    4,    0, 1, 2, 0, 0,   0,   0,  1,
+                                    9,    9,    9,    9,    0,    0,    0, 0, 0, 0, 192, 168, 10, 20};
+    uint8_t back[SIZE], mail[SIZE];
+    (void)state;
+    open_network(ECT_NETWORK_ECHO);
+    send_frame(arp, sizeof arp);
+    assert_int_equal(receive_frame(back), -1); /* without an address */
+    assert_int_equal(wire_mail_request(&w, 0, ECT_MAILBOX_TYPE_EOE, set_ip, sizeof set_ip), 1);
+    assert_int_equal(wire_mail_receive(&w, 0, mail, SIZE), 4);
+    send_frame(arp, sizeof arp);
+    assert_int_equal(receive_frame(back), 60);
+    assert_memory_equal(back, arp + 6, 6);
+    assert_int_equal(back[21], 2);
+    assert_int_equal(value_of("eoe.dropped"), 0);
+}
+
+/* --- cable and queues --------------------------------------------------------------------------------------------- */
+
+static void pulled_cable(void **state)
+{
+    uint8_t frame[SIZE], back[SIZE];
+    (void)state;
+    open_network(ECT_NETWORK_OWN);
+    fill(frame, 7);
+    set_link("0");
+    send_frame(frame, FRAME);
+    assert_int_equal(receive_frame(back), -1);
+    assert_int_equal(value_of("eoe.dropped"), 1);
+    ect_chain_power_cycle(w.chain, w.now_ns);
+    wire_assign_stations(&w);
+    wire_go(&w, 0, ECT_STATE_PREOP);
+    assert_int_equal(value_of("eoe.link"), 0);
+    received(&entry, net(), 0, frame, FRAME); /* the device has a frame */
+    ect_mailbox_wake(net()->base.host->ctx);
+    ect_chain_wake(w.chain, 0);
+    wire_poll(&w);
+    assert_int_equal(receive_frame(back), -1);
+    assert_int_equal(value_of("eoe.dropped"), 1);
+    set_link("1");
+    send_frame(frame, FRAME);
+    assert_int_equal(receive_frame(back), FRAME);
+}
+
+static void refused_setting_changes_no_link(void **state)
+{
+    char message[ECT_SIGNAL_MESSAGE] = "";
+    const ect_setting_t settings[] = {{.name = "eoe.link", .value = "0"}, {.name = "eoe.link", .value = "2"}};
+    (void)state;
+    open_network(ECT_NETWORK_OWN);
+    assert_false(ect_settings_apply(w.chain, 0, settings, 2, w.now_ns, message));
+    assert_int_equal(value_of("eoe.link"), 1);
+}
+
+static void frames_for_the_host(void **state)
+{
+    uint8_t frame[FRAME];
+    uint16_t length;
+    (void)state;
+    open_network(ECT_NETWORK_HOST);
+    assert_null(ect_network_peek(network, &length));
+    for (unsigned int n = 0; n < ECT_NETWORK_QUEUE + 3; n++) {
+        fill(frame, n);
+        send_frame(frame, FRAME);
+    }
+    assert_int_equal(value_of("eoe.received"), ECT_NETWORK_QUEUE);
+    assert_int_equal(value_of("eoe.dropped"), 3);
+    for (unsigned int n = 0; n < ECT_NETWORK_QUEUE; n++) {
+        fill(frame, n);
+        assert_memory_equal(ect_network_peek(network, &length), frame, FRAME);
+        assert_int_equal(length, FRAME);
+        ect_network_next(network, n != 5);
+    }
+    assert_null(ect_network_peek(network, &length));
+    assert_int_equal(value_of("eoe.dropped"), 4); /* the host has not taken one */
+}
+
+static void frames_of_the_host(void **state)
+{
+    uint8_t back[SIZE];
+    (void)state;
+    open_network(ECT_NETWORK_HOST);
+    for (unsigned int n = 0; n < ECT_NETWORK_QUEUE + 5;
+         n++) /* the first two leave the queue: a mail, a frame under way */
+        give(n);
+    assert_int_equal(ect_network_room(network), 0);
+    assert_int_equal(value_of("eoe.dropped"), 3);
+    for (unsigned int n = 0; n < ECT_NETWORK_QUEUE + 2; n++) {
+        assert_int_equal(receive_frame(back), FRAME);
+        assert_int_equal(back[0], n);
+    }
+    assert_int_equal(receive_frame(back), -1);
+    assert_int_equal(ect_network_room(network), ECT_NETWORK_QUEUE);
+}
+
+static void too_long_for_a_twin(void **state)
+{
+    static const uint8_t frame[ECT_EOE_FRAME + 1] = {[12] = 0x81};
+    uint8_t back[SIZE];
+    (void)state;
+    open_network(ECT_NETWORK_HOST);
+    ect_network_give(network, frame, sizeof frame);
+    assert_int_equal(value_of("eoe.dropped"), 1);
+    give(1);
+    assert_int_equal(receive_frame(back), FRAME);
+}
+
+static void restart(void **state)
+{
+    uint8_t back[SIZE], frame[FRAME];
+    uint16_t length;
+    (void)state;
+    open_network(ECT_NETWORK_HOST);
+    fill(frame, 1);
+    send_frame(frame, FRAME);
+    for (unsigned int n = 0; n < 4; n++)
+        give(n);
+    assert_true(ect_network_has_link(network));
+    (void)wire_al(&w, 0, ECT_STATE_INIT, NULL);
+    assert_false(ect_network_has_link(network));
+    give(9);
+    wire_go(&w, 0, ECT_STATE_PREOP);
+    assert_true(ect_network_has_link(network));
+    assert_null(ect_network_peek(network, &length));
+    assert_int_equal(receive_frame(back), -1);
+    give(10);
+    assert_int_equal(receive_frame(back), FRAME);
+    assert_int_equal(back[0], 10);
+}
+
+static void signals_are_listed(void **state)
+{
+    ect_chain_cursor_t cursor;
+    ect_signal_ref_t ref;
+    unsigned int count = 0;
+    (void)state;
+    memset(&cursor, 0, sizeof cursor);
+    open_network(ECT_NETWORK_OWN);
+    while (ect_chain_next_signal(w.chain, 0, &cursor, &ref))
+        count += strncmp(ref.name, "eoe.", 4) == 0;
+    assert_int_equal(count, 4);
+    assert_null(ect_network_entry(&testdev));
+}
+
+/* --- a host at a socket ------------------------------------------------------------------------------------------- */
+
+static int connect_host(void)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK, 0);
+    memcpy(address.sun_path, path, strlen(path) + 1);
+    assert_true(fd >= 0);
+    assert_int_equal(connect(fd, (const struct sockaddr *)&address, sizeof address), 0);
+    return fd;
+}
+
+static bool wants(const ect_hosts_t *hosts)
+{
+    struct pollfd fd = {.fd = ect_hosts_fd(hosts), .events = POLLIN};
+    return poll(&fd, 1, 0) > 0 || ect_hosts_due(hosts) == 0;
+}
+
+/* As the runner does it. */
+static void serve(ect_hosts_t *hosts)
+{
+    for (unsigned int i = 0; wants(hosts); i++) {
+        assert_true(i < 1000);
+        ect_hosts_serve(hosts, w.chain);
+        wire_poll(&w);
+    }
+}
+
+static ect_hosts_t *open_hosts(char *place)
+{
+    char message[ECT_PLACE_MESSAGE];
+    (void)snprintf(place, 110, "unix:%s", path);
+    ect_hosts_t *hosts = ect_hosts_new();
+    assert_non_null(hosts);
+    assert_string_equal(ect_hosts_open(hosts, place, network, 0, message), path);
+    return hosts;
+}
+
+static void socket_of_a_host(void **state)
+{
+    char place[110];
+    uint8_t frame[FRAME], back[SIZE];
+    enum { FRAMES = 3 * ECT_NETWORK_QUEUE };
+    (void)state;
+    open_network(ECT_NETWORK_HOST);
+    ect_hosts_t *hosts = open_hosts(place);
+    serve(hosts);
+    int host = connect_host();
+    for (unsigned int n = 0; n < FRAMES; n++) {
+        fill(frame, n);
+        assert_int_equal(send(host, frame, FRAME, 0), FRAME);
+    }
+    for (unsigned int n = 0; n < FRAMES; n++) { /* a full queue lets the sender wait, and loses nothing */
+        serve(hosts);
+        assert_int_equal(receive_frame(back), FRAME);
+        assert_int_equal(back[0], n == 0 ? 0 : (uint8_t)n);
+    }
+    for (unsigned int n = 0; n < 3; n++) {
+        fill(frame, n);
+        send_frame(frame, FRAME);
+    }
+    serve(hosts);
+    for (unsigned int n = 0; n < 3; n++) {
+        assert_int_equal(recv(host, back, sizeof back, 0), FRAME);
+        assert_int_equal(back[0], n);
+    }
+    assert_int_equal(value_of("eoe.dropped"), 0);
+    close(host);
+    ect_hosts_close(hosts);
+}
+
+static void host_goes_and_another_comes(void **state)
+{
+    char place[110];
+    uint8_t frame[FRAME], back[SIZE];
+    (void)state;
+    open_network(ECT_NETWORK_HOST);
+    ect_hosts_t *hosts = open_hosts(place);
+    fill(frame, 1);
+    send_frame(frame, FRAME); /* no host is connected */
+    serve(hosts);
+    assert_int_equal(value_of("eoe.dropped"), 1);
+    int first = connect_host(), second = connect_host();
+    serve(hosts);
+    assert_int_equal(send(second, frame, FRAME, 0), FRAME);
+    serve(hosts);
+    assert_int_equal(receive_frame(back), -1); /* one at a time */
+    close(first);
+    serve(hosts);
+    assert_int_equal(receive_frame(back), FRAME);
+    close(second);
+    serve(hosts);
+    ect_hosts_close(hosts);
+}
+
+static void host_of_a_twin_in_init(void **state)
+{
+    char place[110];
+    uint8_t frame[FRAME], back[SIZE];
+    (void)state;
+    open_network(ECT_NETWORK_HOST);
+    ect_hosts_t *hosts = open_hosts(place);
+    int host = connect_host();
+    for (unsigned int n = 0; n < 2 * ECT_NETWORK_QUEUE; n++) {
+        fill(frame, n);
+        assert_int_equal(send(host, frame, FRAME, 0), FRAME);
+    }
+    serve(hosts);
+    (void)wire_al(&w, 0, ECT_STATE_INIT, NULL);
+    serve(hosts); /* what waits is lost, as at a switch without a link */
+    wire_go(&w, 0, ECT_STATE_PREOP);
+    serve(hosts);
+    assert_int_equal(receive_frame(back), -1);
+    fill(frame, 99);
+    assert_int_equal(send(host, frame, FRAME, 0), FRAME);
+    serve(hosts);
+    assert_int_equal(receive_frame(back), FRAME);
+    assert_int_equal(back[0], 99);
+    close(host);
+    ect_hosts_close(hosts);
+}
+
+static void places(void **state)
+{
+    static const struct {
+        const char *text;
+        bool tap;
+        const char *path;
+    } rows[] = {{"tap", true, NULL},
+                {"tap0", true, NULL},
+                {"taps/0", false, NULL},
+                {"tap:0", false, NULL},
+                {"tap%d", false, NULL},
+                {"eth0", false, NULL},
+                {"unix:/x", false, "/x"},
+                {"unix:", false, ""},
+                {"tap0123456789abc", false, NULL},
+                {"tap0123456789ab", true, NULL}};
+    char message[ECT_PLACE_MESSAGE];
+    (void)state;
+    open_network(ECT_NETWORK_HOST);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        assert_int_equal(ect_place_is_tap(rows[i].text), rows[i].tap);
+        const char *found = ect_place_path(rows[i].text);
+        assert_int_equal(found != NULL, rows[i].path != NULL);
+        if (found)
+            assert_string_equal(found, rows[i].path);
+    }
+    assert_int_equal(ect_place_listen("", message), -1);
+    assert_non_null(strstr(message, "1 to 107 characters"));
+    int fd = ect_place_listen(path, message);
+    assert_true(fd >= 0);
+    assert_int_equal(ect_place_listen(path, message), -1);
+    assert_non_null(strstr(message, "exists already"));
+    close(fd);
+    fd = ect_place_listen(path, message); /* left by a dead process */
+    assert_true(fd >= 0);
+    close(fd);
+    assert_int_equal(unlink(path), 0);
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {
+        {"the device takes and gives frames and address through the network", own_frames, setup, teardown, NULL},
+        {"EOE-035: the responder answers ARP at the address that a master sets", answers_arp, setup, teardown, NULL},
+        {"a pulled cable loses frames of both directions, over a power cycle too", pulled_cable, setup, teardown, NULL},
+        {"a refused setting leaves the cable as it is", refused_setting_changes_no_link, setup, teardown, NULL},
+        {"EOE-016: frames for the host are queued up to a limit, then dropped", frames_for_the_host, setup, teardown,
+         NULL},
+        {"EOE-054: frames of the host are queued up to a limit, oldest kept", frames_of_the_host, setup, teardown,
+         NULL},
+        {"EOE-013: a frame of the host that is too long is dropped", too_long_for_a_twin, setup, teardown, NULL},
+        {"EOE-051: INIT to PREOP forgets both queues", restart, setup, teardown, NULL},
+        {"the signals eoe.NAME are listed", signals_are_listed, setup, teardown, NULL},
+        {"EOE-054: a host at a socket waits while the queue is full", socket_of_a_host, setup, teardown, NULL},
+        {"EOE-016: one host at a time, and none", host_goes_and_another_comes, setup, teardown, NULL},
+        {"EOE-050 EOE-051: frames of a host are lost in INIT", host_of_a_twin_in_init, setup, teardown, NULL},
+        {"texts of places, and sockets that are in use", places, setup, teardown, NULL},
+    };
+    return cmocka_run_group_tests_name("networks behind EoE", tests, NULL, NULL);
+}
