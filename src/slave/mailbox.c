@@ -370,7 +370,7 @@ void ect_mailbox_poll(ect_slave_t *s, uint32_t event)
 
 void ect_mailbox_wake(ect_slave_t *s)
 {
-    s->mailbox.wakes++;
+    ect_mailbox_announce(&s->mailbox);
 }
 
 bool ect_mailbox_waits(ect_slave_t *s)

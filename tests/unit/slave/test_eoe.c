@@ -463,6 +463,28 @@ static void other_mail_comes_between(void **state)
     assert_int_equal(data[0], GET_IP_DONE);
 }
 
+/* Announcements while a protocol always has a mail, of any number. */
+static void announcements_are_not_forgotten(void **state)
+{
+    uint8_t data[ROOM];
+    (void)state;
+    for (unsigned int more = 0; more < 600; more++) {
+        netdev_t *d = net();
+        d->queue[0] = 150; /* two mails */
+        d->given = 0;
+        d->queued = 1;
+        wake();
+        wire_poll(&w);
+        for (unsigned int i = 0; i < more; i++)
+            ect_mailbox_wake(d->base.host->ctx);
+        for (unsigned int mail = 0; mail < 2; mail++) {
+            if (receive(data) <= HEADER)
+                fail_msg("with %u announcements more mail %u does not come", more, mail);
+        }
+        assert_int_equal(receive(data), NOTHING);
+    }
+}
+
 /* --- the address -------------------------------------------------------------------------------------------------- */
 
 #define V1 2, 1, 0, 0, 0x0E, 0, 0, 0, 0x14, 0x0A, 0xA8, 0xC0, 0, 0xFF, 0xFF, 0xFF, 1, 0x0A, 0xA8, 0xC0
@@ -598,6 +620,8 @@ int main(void)
          NULL},
         {"EOE-052 EOE-053: an endless queue of frames delays no reply", other_mail_comes_between, setup, teardown,
          NULL},
+        {"EOE-053: 0 to 600 announcements while a frame is under way do not stop it", announcements_are_not_forgotten,
+         setup, teardown, NULL},
         {"EOE-030 EOE-031 EOE-036 EOE-040 EOE-V1..V4: the address in both layouts", settings, setup, teardown, NULL},
         {"EOE-034: names of 1 to 32 bytes", names, setup, teardown, NULL},
         {"EOE-032..039 EOE-V5: refusals change nothing", refusals, setup, teardown, NULL},
