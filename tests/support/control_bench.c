@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include "support/control_bench.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <stdio.h>
@@ -15,6 +16,7 @@
 #include "bus/control/client.h"
 
 bench_work_t work;
+bool refuses_events;
 
 ssize_t __real_recv(int fd, void *buffer, size_t size, int flags);
 ssize_t __wrap_recv(int fd, void *buffer, size_t size, int flags);
@@ -24,6 +26,8 @@ int __real_accept4(int fd, struct sockaddr *address, socklen_t *size, int flags)
 int __wrap_accept4(int fd, struct sockaddr *address, socklen_t *size, int flags);
 int __real_epoll_wait(int fd, struct epoll_event *events, int room, int timeout);
 int __wrap_epoll_wait(int fd, struct epoll_event *events, int room, int timeout);
+int __real_epoll_ctl(int fd, int operation, int of, struct epoll_event *event);
+int __wrap_epoll_ctl(int fd, int operation, int of, struct epoll_event *event);
 int __real_fnmatch(const char *pattern, const char *text, int flags);
 int __wrap_fnmatch(const char *pattern, const char *text, int flags);
 void __real_ect_lamps_update(ect_lamps_t *lamps, const ect_slave_t *slave, bool in_link, bool out_link,
@@ -57,6 +61,12 @@ int __wrap_epoll_wait(int fd, struct epoll_event *events, int room, int timeout)
     return __real_epoll_wait(fd, events, room, timeout);
 }
 
+int __wrap_epoll_ctl(int fd, int operation, int of, struct epoll_event *event)
+{
+    errno = ENOSPC;
+    return refuses_events && operation == EPOLL_CTL_ADD ? -1 : __real_epoll_ctl(fd, operation, of, event);
+}
+
 int __wrap_fnmatch(const char *pattern, const char *text, int flags)
 {
     work.matches++;
@@ -73,12 +83,21 @@ void __wrap_ect_lamps_update(ect_lamps_t *lamps, const ect_slave_t *slave, bool 
 
 enum { MOST_CALLS = 200000 };
 
+static unsigned int open_descriptors(void)
+{
+    unsigned int count = 0;
+    for (int fd = 0; fd < 256; fd++)
+        count += fcntl(fd, F_GETFD) >= 0;
+    return count;
+}
+
 void open_bench(bench_t *b, const char *device, size_t count)
 {
     ect_twin_config_t twins[16];
     char message[ECT_ENDPOINT_MESSAGE];
     const ect_product_t *product = ect_catalogue_find(device);
     memset(b, 0, sizeof *b);
+    b->descriptors = open_descriptors();
     for (size_t i = 0; i < count; i++)
         twins[i] = ect_twin_default(product->device, product->plant);
     wire_open_twins(&b->wire, twins, count);
@@ -95,6 +114,7 @@ void close_bench(bench_t *b)
     char path[128];
     ect_control_close(b->control);
     wire_close(&b->wire);
+    assert_int_equal(open_descriptors(), b->descriptors);
     snprintf(path, sizeof path, "%s/ectwin", b->folder);
     assert_int_equal(rmdir(path), 0); /* the socket is gone, and nothing else was left there */
     assert_int_equal(rmdir(b->folder), 0);

@@ -19,6 +19,7 @@ typedef struct bench {
     wire_t wire;
     ect_control_t *control;
     char folder[64];
+    unsigned int descriptors; /* that were open before */
 } bench_t;
 
 /* The calls of one ect_control_serve. */
@@ -27,6 +28,9 @@ typedef struct bench_work {
     size_t sent;
 } bench_work_t;
 extern bench_work_t work;
+
+/* Whether epoll_ctl() refuses to add a descriptor. */
+extern bool refuses_events;
 
 /* `count` (1..16) twins of a device of the catalogue, and the socket in a folder of its own. */
 void open_bench(bench_t *b, const char *device, size_t count);

@@ -8,6 +8,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "bus/control/change.h"
+
 #define READY                                                                                                          \
     "{\"slave\":1,\"name\":\"ready\",\"value\":0,\"access\":\"r\",\"range\":\"0..1\",\"meaning\":\"READY\","           \
     "\"field\":\"2200h:1 bit 2\"}\n"
@@ -285,6 +287,35 @@ static void periodic_data_in_pieces(void **state)
     close_bench(&b);
 }
 
+/* The replay of a record carries out the same requests, without a connection. */
+static void changes_without_a_connection(void **state)
+{
+    static const struct {
+        const char *request, *why; /* NULL: carried out */
+    } rows[] = {
+        {"{\"op\":\"set\",\"name\":\"data1\",\"value\":1}", NULL},
+        {"{\"op\":\"set\",\"slave\":2,\"name\":\"data1\",\"value\":1}", NULL},
+        {"{\"op\":\"set\",\"slave\":0,\"name\":\"data1\",\"value\":1}", "there is no such slave in this chain"},
+        {"{\"op\":\"set\",\"slave\":3,\"name\":\"data1\",\"value\":1}", "there is no such slave in this chain"},
+        {"{\"op\":\"set\",\"name\":\"data1\",\"value\":null}", "a value is a text, a number, true or false"},
+        {"{\"op\":\"set\",\"name\":7,\"value\":1}",
+         "\"set\" takes {\"name\":...,\"value\":...} or {\"values\":{NAME:VALUE,...}}"},
+        {"{\"op\":\"fault\",\"fault\":\"drop 5%\"}", "no faults can be set here"},
+    };
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 2);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char message[ECT_SIGNAL_MESSAGE];
+        cJSON *request = cJSON_Parse(rows[i].request);
+        const char *why = ect_change_apply(b.wire.chain, NULL, request, b.wire.now_ns, message);
+        if ((why == NULL) != (rows[i].why == NULL) || (why && strcmp(why, rows[i].why) != 0))
+            fail_msg("%s: expected '%s', got '%s'", rows[i].request, rows[i].why, why);
+        cJSON_Delete(request);
+    }
+    close_bench(&b);
+}
+
 /* --- all or nothing ----------------------------------------------------------------------------------------------- */
 
 static void all_or_nothing(void **state)
@@ -430,6 +461,7 @@ int main(int argc, char **argv)
         {"Faults are set, listed and ended by requests", faults_by_request, NULL, NULL, NULL},
         {"Every line is JSON", every_line_is_json, NULL, NULL, NULL},
         {"Data too large for a signal come in pieces", periodic_data_in_pieces, NULL, NULL, NULL},
+        {"Changes are carried out without a connection, or refused", changes_without_a_connection, NULL, NULL, NULL},
         {"Several signals are set all or none, in any order", all_or_nothing, NULL, NULL, NULL},
         {"A request sets at most 128 signals", most_signals_of_one_set, NULL, NULL, NULL},
         {"Signals are set at a time of the bus; a time that is over is refused", set_at_a_time, NULL, NULL, NULL},

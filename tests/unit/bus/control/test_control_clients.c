@@ -199,6 +199,50 @@ static void a_half_closed_client_gets_its_reply(void **state)
     close_bench(&b);
 }
 
+/* A reply that takes many steps is complete, too. */
+static void a_half_closed_client_gets_a_long_reply(void **state)
+{
+    static char got[ANSWER_ROOM];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "vr-bu-ect-map7", 2);
+    int fd = connect_client(&b);
+    size_t used = 0;
+    ssize_t part = 0;
+    send_text(fd, "{\"op\":\"list\",\"slave\":0}\n");
+    assert_int_equal(shutdown(fd, SHUT_WR), 0);
+    set_nonblocking(fd);
+    for (unsigned int i = 0; i < 1000 && (part > 0 || i < 900); i++) {
+        serve(&b);
+        part = read(fd, got + used, sizeof got - 1 - used);
+        used += part > 0 ? (size_t)part : 0;
+    }
+    got[used] = 0;
+    assert_int_equal(count_of(got, OK), 1);
+    assert_int_equal(count_of(got, "\"slave\":2,"), count_of(got, "\"slave\":1,"));
+    assert_int_equal(part, 0); /* the connection has ended */
+    close(fd);
+    close_bench(&b);
+}
+
+/* The kernel may refuse to wait for one more descriptor. */
+static void a_client_that_cannot_be_waited_for(void **state)
+{
+    char got[256];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    int fd = connect_client(&b);
+    refuses_events = true;
+    serve(&b);
+    refuses_events = false;
+    receive_text(fd, got, sizeof got); /* returns: the connection was closed */
+    assert_non_null(strstr(got, "{\"ok\":false,"));
+    close(fd);
+    expect_part(&b, "{\"op\":\"get\"}\n", OK);
+    close_bench(&b);
+}
+
 /* A watcher that has ended sending still gets changes; when it is gone, its place is free. */
 static void a_half_closed_watcher_gets_changes(void **state)
 {
@@ -477,6 +521,9 @@ int main(int argc, char **argv)
          NULL},
         {"Attack: a client that does not read costs nothing, and gets everything later", unread_replies_cost_nothing,
          NULL, NULL, NULL},
+        {"A half-closed client gets a reply of many steps to its end", a_half_closed_client_gets_a_long_reply, NULL,
+         NULL, NULL},
+        {"A client for which epoll has no place is refused", a_client_that_cannot_be_waited_for, NULL, NULL, NULL},
         {"A half-closed client gets its reply", a_half_closed_client_gets_its_reply, NULL, NULL, NULL},
         {"A half-closed watcher still gets changes, and its place is free after its end",
          a_half_closed_watcher_gets_changes, NULL, NULL, NULL},

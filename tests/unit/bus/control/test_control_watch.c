@@ -81,6 +81,40 @@ static void a_change_is_reported_once(void **state)
     close_bench(&b);
 }
 
+/* Each byte of a value counts, whatever its size. */
+static void every_byte_of_a_value(void **state)
+{
+    static const struct {
+        const char *device, *name;
+        size_t size;
+    } rows[] = {{"vr-bu-ect-map7", "ru1.encoder", 1},
+                {"fzm1", "output_time", 2},
+                {"vr-bu-ect-map7", "bu.command_lifetime", 4},
+                {"fzm1", "data1", 8}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        unsigned int budget = 1000;
+        ect_signal_ref_t ref;
+        ect_line_t line;
+        bench_t b;
+        open_bench(&b, rows[i].device, 1);
+        ect_watch_t *watch = ect_watch_new();
+        assert_true(ect_chain_signal(b.wire.chain, 0, rows[i].name, &ref));
+        if (ect_signal_size(ref.signal) != rows[i].size)
+            fail_msg("%s has %zu bytes", rows[i].name, ect_signal_size(ref.signal));
+        assert_true(ect_watch_add(watch, &ref, 0));
+        for (size_t at = 0; at < rows[i].size; at++) {
+            ref.value[at] ^= 1;
+            ect_watch_round(watch);
+            assert_true(ect_watch_next(watch, &budget, b.wire.now_ns, &line));
+            ect_watch_round(watch);
+            assert_false(ect_watch_next(watch, &budget, b.wire.now_ns, &line));
+        }
+        ect_watch_free(watch);
+        close_bench(&b);
+    }
+}
+
 static void every_change(void **state)
 {
     char got[1024];
@@ -362,6 +396,7 @@ int main(int argc, char **argv)
         {"Watch: one line for each difference after 10 ms", changes_every_10_ms, NULL, NULL, NULL},
         {"Watch: a change is reported once, whatever else is watched", a_change_is_reported_once, NULL, NULL, NULL},
         {"Watch: a signal that is added begins no round", no_round_begins, NULL, NULL, NULL},
+        {"Watch: each byte of a value counts", every_byte_of_a_value, NULL, NULL, NULL},
         {"Watch: every change, with its time", every_change, NULL, NULL, NULL},
         {"Watch: the number of a scene is reported before the values that it has changed", choices_come_first, NULL,
          NULL, NULL},

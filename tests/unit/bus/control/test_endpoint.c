@@ -229,6 +229,39 @@ static void names_that_collide(void **state)
     assert_int_equal(rmdir(folder), 0);
 }
 
+/* A process tries a hundred names for its socket, and for the file in which that begins. */
+static void most_names(void **state)
+{
+    enum { MOST = 100 };
+    static const struct {
+        const char *before, *after;
+        int taken;
+        bool finds;
+    } rows[] = {
+        {"", ".sock", MOST - 1, true}, {"", ".sock", MOST, false}, {".", "", MOST - 1, true}, {".", "", MOST, false}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char folder[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH], message[ECT_ENDPOINT_MESSAGE], name[16];
+        snprintf(name, sizeof name, "most%zu", i);
+        runtime_folder(name, folder);
+        assert_int_equal(mkdir(folder, 0700), 0);
+        for (int n = 1; n <= rows[i].taken; n++) {
+            char file[ECT_ENDPOINT_PATH + 64], number[16] = "";
+            if (n > 1)
+                snprintf(number, sizeof number, "-%d", n);
+            snprintf(file, sizeof file, "%s/%s%d%s%s", folder, rows[i].before, (int)getpid(), number, rows[i].after);
+            close(open(file, O_CREAT | O_WRONLY, 0600));
+        }
+        int fd = ect_endpoint_listen(NULL, path, message);
+        if ((fd >= 0) != rows[i].finds || (fd < 0 && errno != EADDRINUSE))
+            fail_msg("%d names of the kind '%sPID%s': got %d, %s", rows[i].taken, rows[i].before, rows[i].after, fd,
+                     strerror(errno));
+        assert_int_equal(count_names(folder), rows[i].taken + rows[i].finds);
+        if (fd >= 0)
+            ect_endpoint_close(fd, path, ect_endpoint_identity(path));
+    }
+}
+
 static void dead_socket(void **state)
 {
     char folder[ECT_ENDPOINT_PATH], path[2][ECT_ENDPOINT_PATH];
@@ -428,6 +461,7 @@ int main(int argc, char **argv)
         {"Paths at their limits: the longest folder, the longest address of a socket", paths_at_their_limits, NULL,
          NULL, NULL},
         {"Attack: a name that a live twin has is left to it", names_that_collide, NULL, NULL, NULL},
+        {"A process tries a hundred names", most_names, NULL, NULL, NULL},
         {"Descriptor 0 is one as any other, where the standard input is closed", descriptor_0, NULL, NULL, NULL},
         {"The name of a twin that was killed is free", dead_socket, NULL, NULL, NULL},
         {"Sockets that killed processes have left are removed at the next start", dead_sockets_of_others, NULL, NULL,
