@@ -133,7 +133,7 @@ bool ect_esc_any_access(ect_esc_t *esc, const ect_access_t *access, uint16_t add
     return open_access(esc, access, address, length);
 }
 
-void ect_esc_commit(ect_esc_t *esc)
+void ect_esc_commit_writes(ect_esc_t *esc)
 {
     ect_postponed_t next;
     uint16_t at = 0;
@@ -145,5 +145,5 @@ void ect_esc_commit(ect_esc_t *esc)
     }
     ect_esc_lock_al_control(esc);
     esc->postponed_length = 0;
-    esc->per_frame &= (uint8_t)~ECT_FRAME_COMMITS;
+    esc->listed = 0;
 }

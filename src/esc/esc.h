@@ -68,8 +68,6 @@ typedef struct ect_esc_config {
 /** State of one SyncManager beyond its registers. Private. */
 typedef struct ect_esc_sm {
     bool open[2];         /**< by side: its first byte was accessed and its last one not yet */
-    bool closing;         /**< the present frame has accessed its last byte: the buffer changes hands at its end */
-    bool listed;          /**< in the list of postponed effects */
     uint8_t write_buffer; /**< buffered mode: owned by the producer */
     uint8_t read_buffer;  /**< owned by the consumer; 3: none */
     bool violated;        /**< sequential mode: a byte was left out since the buffer was opened */
@@ -157,9 +155,11 @@ typedef struct ect_esc {
     uint32_t routing; /* changes with everything that affects the path of frames or data added to them (route.h) */
     uint32_t sii_writes;
     uint32_t resets;
+    uint8_t closing; /* bit n: the present frame has left the buffer of SyncManager n, which changes hands at its end */
+    uint8_t listed;  /* bit n: SyncManager n is in the list of postponed effects */
     uint16_t postponed_length;
     uint8_t scratch[ECT_ESC_MAX_FRAME];   /* data of the present datagram, in or out: one user at a time */
-    uint8_t postponed[ECT_ESC_MAX_FRAME]; /* register writes and closed buffers of the present frame, in order */
+    uint8_t postponed[ECT_ESC_MAX_FRAME]; /* register writes of the present frame in order, and buffers left before */
 } ect_esc_t;
 
 /**

@@ -149,46 +149,43 @@ static bool pass_bits(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t 
     return any;
 }
 
-/* The same for FMMUs as most masters configure them. */
-static bool pass_bytes(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool write)
+/* Reads come first, as bits 0 to 7 of a set, then writes. */
+unsigned int ect_esc_fmmu_bytes(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool read, bool write)
 {
-    unsigned int active = write ? esc->fmmu_writes : esc->fmmu_reads;
+    unsigned int set = (read ? esc->fmmu_reads : 0u) | (write ? esc->fmmu_writes : 0u) << ECT_ESC_MAX_FMMU;
     uint64_t frame_end = (uint64_t)logical + length;
-    bool any = false;
-    for (unsigned int n = 0; active >> n != 0; n++) {
-        const uint8_t *fmmu = ect_esc_fmmu_registers(esc, n);
+    unsigned int done = 0;
+    ECT_ASSERT(length <= ECT_ESC_MAX_FRAME && esc->fmmus_plain);
+    while (set != 0) {
+        unsigned int n = ect_esc_take(&set);
+        bool writes = n >= ECT_ESC_MAX_FMMU;
+        const uint8_t *fmmu = ect_esc_fmmu_registers(esc, n % ECT_ESC_MAX_FMMU);
         uint64_t start = ect_load_le32(fmmu + ECT_FMMU_LOGICAL);
         uint64_t first = start > logical ? start : logical;
         uint64_t end = start + ect_load_le16(fmmu + ECT_FMMU_LENGTH);
         end = end < frame_end ? end : frame_end;
-        if ((active >> n & 1u) == 0 || first >= end)
+        if (first >= end)
             continue;
-        ect_access_t access = {.side = ECT_SIDE_ECAT, .write = write, .data = data + (first - logical)};
+        ect_access_t access = {.side = ECT_SIDE_ECAT, .write = writes, .data = data + (first - logical)};
         uint32_t physical = ect_load_le16(fmmu + ECT_FMMU_PHYSICAL) + (uint32_t)(first - start);
-        any |= ect_esc_access(esc, &access, (uint16_t)physical, (uint16_t)(end - first));
+        if (ect_esc_access(esc, &access, (uint16_t)physical, (uint16_t)(end - first)))
+            done |= writes ? WRITES : READS;
     }
-    return any;
+    return done;
 }
 
-static bool pass(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool write)
-{
-    return esc->fmmus_plain ? pass_bytes(esc, logical, data, length, write)
-                            : pass_bits(esc, logical, data, length, write);
-}
-
-unsigned int ect_esc_fmmu_access(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool read,
-                                 bool write)
+unsigned int ect_esc_fmmu_bits(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool read, bool write)
 {
     unsigned int done = 0;
     ECT_ASSERT(length <= ECT_ESC_MAX_FRAME);
     uint8_t *incoming = data;
-    if (read && write && !esc->fmmus_plain) { /* the data read may overwrite data that are yet to be written */
+    if (read && write) { /* the data read may overwrite data that are yet to be written */
         incoming = esc->scratch;
         memcpy(incoming, data, length);
     }
-    if (read && pass(esc, logical, data, length, false))
+    if (read && pass_bits(esc, logical, data, length, false))
         done |= READS;
-    if (write && pass(esc, logical, incoming, length, true))
+    if (write && pass_bits(esc, logical, incoming, length, true))
         done |= WRITES;
     return done;
 }

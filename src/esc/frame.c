@@ -121,8 +121,13 @@ static unsigned int access_physical(ect_esc_t *esc, uint8_t *d, unsigned int par
 static unsigned int access_logical(ect_esc_t *esc, uint8_t *d)
 {
     uint8_t command = d[ECT_DATAGRAM_COMMAND];
-    unsigned int done = ect_esc_fmmu_access(esc, ect_load_le32(d + ECT_DATAGRAM_ADP), d + ECT_DATAGRAM_DATA,
-                                            ect_datagram_length(d), command != ECT_LWR, command != ECT_LRD);
+    uint32_t logical = ect_load_le32(d + ECT_DATAGRAM_ADP);
+    uint16_t length = ect_datagram_length(d);
+    bool reads = command != ECT_LWR;
+    bool writes = command != ECT_LRD;
+    unsigned int done = esc->fmmus_plain
+                            ? ect_esc_fmmu_bytes(esc, logical, d + ECT_DATAGRAM_DATA, length, reads, writes)
+                            : ect_esc_fmmu_bits(esc, logical, d + ECT_DATAGRAM_DATA, length, reads, writes);
     if (command == ECT_LRW)
         return done; /* bit 0: +1 for the read, bit 1: +2 for the write */
     return done != 0 ? 1 : 0;
@@ -181,7 +186,8 @@ void ect_esc_end_of_frame(ect_esc_t *esc)
         ect_esc_sii_end_of_frame(esc);
     if ((esc->per_frame & ECT_FRAME_END_MII) != 0)
         ect_esc_mii_end_of_frame(esc);
-    ect_esc_access_ends(esc);
+    if ((esc->per_frame & ECT_FRAME_BEGINS) != 0) /* a reset sequence may be complete */
+        ect_esc_access_ends(esc);
 }
 
 static void process_datagram(ect_esc_t *esc, uint8_t *d)

@@ -27,6 +27,8 @@
 #ifndef ECT_ESC_INTERNAL_H
 #define ECT_ESC_INTERNAL_H
 
+#include <string.h>
+
 #include "esc/esc.h"
 #include "wire/assert.h"
 #include "wire/bytes.h"
@@ -72,6 +74,15 @@ static inline ect_access_t ect_esc_slice(const ect_access_t *access, uint16_t of
     return part;
 }
 
+/** Removes the lowest number from a set, one bit each. @param[in,out] set  not empty */
+static inline unsigned int ect_esc_take(unsigned int *set)
+{
+    ECT_ASSERT(*set != 0);
+    unsigned int n = (unsigned int)__builtin_ctz(*set);
+    *set &= *set - 1;
+    return n;
+}
+
 /** Whether an access from `address` to `end` (exclusive) contains the byte at `wanted`. */
 static inline bool ect_esc_within(uint32_t address, uint32_t end, uint32_t wanted)
 {
@@ -79,12 +90,52 @@ static inline bool ect_esc_within(uint32_t address, uint32_t end, uint32_t wante
 }
 
 /* --- memory.c --------------------------------------------------------------------------------------------------- */
-void ect_esc_copy(const ect_access_t *access, uint8_t *memory, uint16_t offset, uint16_t length);
-void ect_esc_raise(ect_esc_t *esc, uint32_t al_event);
-void ect_esc_clear(ect_esc_t *esc, uint32_t al_event);
-void ect_esc_raise_ecat(ect_esc_t *esc, uint16_t ecat_event);
-void ect_esc_clear_ecat(ect_esc_t *esc, uint16_t ecat_event);
+void ect_esc_copy_bits(const ect_access_t *access, uint8_t *memory, uint16_t offset, uint16_t length);
+void ect_esc_set_ecat(ect_esc_t *esc, uint16_t events);
 void ect_esc_count(ect_esc_t *esc, uint16_t counter_register);
+/* Copies bytes of an access, from `offset` on, to or from memory. */
+static inline void ect_esc_copy(const ect_access_t *access, uint8_t *memory, uint16_t offset, uint16_t length)
+{
+    uint8_t *data = access->data + offset;
+    ECT_ASSERT(access->data && memory);
+    if (access->mask)
+        ect_esc_copy_bits(access, memory, offset, length);
+    else if (access->write)
+        memcpy(memory, data, length);
+    else
+        memcpy(data, memory, length);
+}
+
+static inline void ect_esc_raise(ect_esc_t *esc, uint32_t al_event)
+{
+    ECT_ASSERT(al_event != 0);
+    uint8_t *event = esc->memory + ECT_REG_AL_EVENT;
+    ect_store_le32(event, ect_load_le32(event) | al_event);
+    esc->activity++;
+}
+
+static inline void ect_esc_clear(ect_esc_t *esc, uint32_t al_event)
+{
+    uint8_t *event = esc->memory + ECT_REG_AL_EVENT;
+    ect_store_le32(event, ect_load_le32(event) & ~al_event);
+}
+
+/* Datagrams collect the ECAT events, so that a change of them affects passing frames. */
+static inline void ect_esc_raise_ecat(ect_esc_t *esc, uint16_t ecat_event)
+{
+    uint16_t events = ect_load_le16(esc->memory + ECT_REG_ECAT_EVENT);
+    ECT_ASSERT(ecat_event != 0);
+    if ((~events & ecat_event) != 0)
+        ect_esc_set_ecat(esc, events | ecat_event);
+}
+
+static inline void ect_esc_clear_ecat(ect_esc_t *esc, uint16_t ecat_event)
+{
+    uint16_t events = ect_load_le16(esc->memory + ECT_REG_ECAT_EVENT);
+    if ((events & ecat_event) != 0)
+        ect_esc_set_ecat(esc, (uint16_t)(events & ~ecat_event));
+}
+
 /* Schedules ect_esc_tick at this time. */
 static inline void ect_esc_expect(ect_esc_t *esc, uint64_t at_ns)
 {
@@ -116,7 +167,7 @@ static inline uint16_t ect_esc_second_station(const ect_esc_t *esc)
 }
 
 /* --- postpone.c ------------------------------------------------------------------------------------------------- */
-/* A postponed write; length 0: the end of an access to SyncManager `address`. */
+/* A postponed write; length 0: the end of accesses to SyncManagers, bit n of `address` for SyncManager n. */
 typedef struct ect_postponed {
     ect_access_t access; /* its data are in ect_esc_t::postponed */
     uint16_t address;
@@ -125,8 +176,6 @@ typedef struct ect_postponed {
 
 /* Postpones a register write of the master to the end of the frame. @return false: no room, nothing is changed */
 bool ect_esc_postpone_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
-/* Likewise the end of an access to a buffer. There is always room. */
-void ect_esc_postpone_close(ect_esc_t *esc, unsigned int n);
 /* The entry at `*at`, initially 0, which is advanced. @return false: there is none */
 bool ect_esc_next_postponed(ect_esc_t *esc, uint16_t *at, ect_postponed_t *next);
 
@@ -177,8 +226,9 @@ static inline bool ect_esc_sm_enabled(const ect_esc_t *esc, unsigned int n)
 }
 void ect_esc_sm_reset(ect_esc_t *esc, unsigned int n);
 bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t offset, uint16_t length);
-/* Closes a buffer that a frame has left; nothing if the frame itself has restarted the SyncManager since. */
-void ect_esc_sm_close(ect_esc_t *esc, unsigned int n);
+/* Closes the buffers of a set (bit n: SyncManager n) that a frame has left, without those that it has begun again, or
+ * whose SyncManager it has restarted since. */
+void ect_esc_sm_close(ect_esc_t *esc, unsigned int set);
 /* Whether at least one byte accepts a write of the master. */
 bool ect_esc_sm_accepts(const ect_esc_t *esc, uint16_t address, uint16_t length);
 bool ect_esc_sm_write_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
@@ -246,7 +296,7 @@ bool ect_esc_reset_due(const ect_esc_t *esc);
 /* --- registers.c ------------------------------------------------------------------------------------------------ */
 /* Sets all registers to their reset values; the EEPROM is loaded later. */
 void ect_esc_registers_reset(ect_esc_t *esc);
-/* Ends the commit of a frame: AL control remains as written until the PDI reads it. */
+/* Ends the writes of a frame: AL control remains as written until the PDI reads it. */
 void ect_esc_lock_al_control(ect_esc_t *esc);
 /* Whether at least one byte was accessible; 1 to 4096 bytes below ECT_RAM. */
 bool ect_esc_register_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
@@ -259,8 +309,17 @@ static inline bool ect_esc_guards(const ect_esc_t *esc, const ect_access_t *acce
            (esc->memory[ECT_REG_WRITE_PROTECTION] | esc->memory[ECT_REG_ESC_WRITE_PROTECTION]) != 0;
 }
 bool ect_esc_any_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
-/* Executes the postponed writes of a frame. */
-void ect_esc_commit(ect_esc_t *esc);
+/* Executes the postponed writes of a frame, and closes the buffers that it has left before the last of them. */
+void ect_esc_commit_writes(ect_esc_t *esc);
+
+/* Executes all effects of a frame. Cyclic data close buffers and write no register. */
+static inline void ect_esc_commit(ect_esc_t *esc)
+{
+    if (esc->postponed_length != 0)
+        ect_esc_commit_writes(esc);
+    esc->per_frame &= (uint8_t)~ECT_FRAME_COMMITS;
+    ect_esc_sm_close(esc, esc->closing);
+}
 
 /* Whether at least one byte was accessible. Cyclic data, the most frequent case, lie inside one SyncManager. */
 static inline bool ect_esc_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
@@ -294,8 +353,10 @@ bool ect_esc_fmmu_write_register(ect_esc_t *esc, const ect_access_t *access, uin
 
 /* --- fmmu.c ----------------------------------------------------------------------------------------------------- */
 /* Bit 0 read succeeded, bit 1 write succeeded. */
-unsigned int ect_esc_fmmu_access(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool read,
-                                 bool write);
+unsigned int ect_esc_fmmu_bits(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool read, bool write);
+/* The same for FMMUs as most masters configure them (ect_esc_t::fmmus_plain). */
+unsigned int ect_esc_fmmu_bytes(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool read,
+                                bool write);
 static inline const uint8_t *ect_esc_fmmu_registers(const ect_esc_t *esc, unsigned int n)
 {
     return esc->memory + ECT_REG_FMMU + ECT_FMMU_SIZE * n;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The effects of a frame that wait for its end (data sheet I §3, §14.1): writes to registers, with a copy of their
- * data because later datagrams and controllers change the frame, and accesses to the last byte of a buffer.
+ * data because later datagrams and controllers change the frame, and accesses to the last byte of a buffer. Buffers
+ * change hands in any order among themselves, so a set has them; they are in the list only if a write follows them.
  */
 #include <string.h>
 
@@ -9,7 +10,7 @@
 
 enum { HEADER = 4, LATCHES = 0x8000, MASKED = 0x4000, LENGTH = 0x1FFF };
 
-/* Each SyncManager is in the list at most once. */
+/* Each SyncManager is in the list at most once, alone or with others. */
 enum { ROOM_TO_CLOSE = HEADER * ECT_ESC_MAX_SM };
 
 static uint8_t *append(ect_esc_t *esc, uint16_t address, unsigned int flags, uint32_t size)
@@ -19,8 +20,16 @@ static uint8_t *append(ect_esc_t *esc, uint16_t address, unsigned int flags, uin
     ect_store_le16(to, address);
     ect_store_le16(to + 2, (uint16_t)flags);
     esc->postponed_length = (uint16_t)(esc->postponed_length + size);
-    esc->per_frame |= ECT_FRAME_COMMITS;
     return to + HEADER;
+}
+
+/* The buffers that the frame has left so far change hands before the next write takes effect. */
+static void list_buffers(ect_esc_t *esc)
+{
+    unsigned int set = esc->closing & ~(unsigned int)esc->listed;
+    if (set != 0)
+        (void)append(esc, (uint16_t)set, 0, HEADER);
+    esc->listed = (uint8_t)(esc->listed | set);
 }
 
 bool ect_esc_postpone_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
@@ -31,21 +40,13 @@ bool ect_esc_postpone_write(ect_esc_t *esc, const ect_access_t *access, uint16_t
         return false;
     unsigned int flags =
         length | (access->latches ? (unsigned int)LATCHES : 0u) | (access->mask ? (unsigned int)MASKED : 0u);
+    list_buffers(esc);
     uint8_t *to = append(esc, address, flags, size);
+    esc->per_frame |= ECT_FRAME_COMMITS;
     memcpy(to, access->data, length);
     if (access->mask)
         memcpy(to + length, access->mask, length);
     return true;
-}
-
-void ect_esc_postpone_close(ect_esc_t *esc, unsigned int n)
-{
-    ECT_ASSERT(n < ECT_ESC_MAX_SM);
-    esc->sm[n].closing = true;
-    if (esc->sm[n].listed)
-        return;
-    esc->sm[n].listed = true;
-    (void)append(esc, (uint16_t)n, 0, HEADER);
 }
 
 bool ect_esc_next_postponed(ect_esc_t *esc, uint16_t *at, ect_postponed_t *next)

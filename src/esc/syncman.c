@@ -51,11 +51,17 @@ static void decode(ect_esc_t *esc, unsigned int n)
     find_overlaps(esc);
 }
 
+static void forget_close(ect_esc_t *esc, unsigned int n)
+{
+    esc->closing = (uint8_t)(esc->closing & ~(1u << n));
+}
+
 void ect_esc_sm_reset(ect_esc_t *esc, unsigned int n)
 {
     ECT_ASSERT(n < esc->config.personality->sm_count);
     uint8_t *sm = ect_esc_sm_registers(esc, n);
     esc->sm[n] = (ect_esc_sm_t){.write_buffer = 0, .read_buffer = NO_BUFFER};
+    forget_close(esc, n);
     decode(esc, n);
     sm[ECT_SM_STATUS] = ect_esc_sm_enabled(esc, n) && is_mailbox(sm[ECT_SM_CONTROL]) ? 0 : ECT_SM_STATUS_BUFFER;
     ect_esc_clear(esc, (uint32_t)ECT_EVENT_SM0 << n);
@@ -63,14 +69,14 @@ void ect_esc_sm_reset(ect_esc_t *esc, unsigned int n)
 }
 
 /* Stores the local time of an event, so that a master can measure the reaction time of the other side. */
-static void latch(const area_t *sm, uint8_t wanted, uint16_t time_register)
+static inline void latch(const area_t *sm, uint8_t wanted, uint16_t time_register)
 {
     if ((sm->registers[ECT_SM_ACTIVATE] & wanted) != 0 && ect_esc_has(sm->esc, ECT_UNIT_SM_TIMES))
         ect_store_le32(sm->esc->memory + time_register, (uint32_t)ect_esc_frame_time(sm->esc));
 }
 
 /* Signals the other side that `side` has closed the buffer. */
-static void notify(const area_t *sm, ect_side_t side)
+static inline void notify(const area_t *sm, ect_side_t side)
 {
     if (side == ECT_SIDE_ECAT) {
         sm->esc->activity++;
@@ -85,7 +91,7 @@ static void notify(const area_t *sm, ect_side_t side)
 }
 
 /* Clears the event of `side`, which has started to use the buffer. */
-static void quiet(const area_t *sm, ect_side_t side)
+static inline void quiet(const area_t *sm, ect_side_t side)
 {
     if (side == ECT_SIDE_PDI) {
         latch(sm, ECT_SM_ACTIVATE_LATCH_PDI, ECT_REG_DC_SM_TIME_PDI_START);
@@ -175,6 +181,13 @@ static void close_transparent(const area_t *sm, ect_side_t side, bool write)
     notify(sm, side);
 }
 
+/* The buffer changes hands when the frame has ended. */
+static inline void postpone_close(const area_t *sm)
+{
+    sm->esc->closing = (uint8_t)(sm->esc->closing | 1u << sm->n);
+    sm->esc->per_frame |= ECT_FRAME_COMMITS;
+}
+
 static bool access_transparent(const area_t *sm, const ect_access_t *access, uint16_t offset, uint16_t length)
 {
     ect_esc_t *esc = sm->esc;
@@ -190,7 +203,7 @@ static bool access_transparent(const area_t *sm, const ect_access_t *access, uin
     if (producer != access->write)
         return true; /* a read against the direction has no effect */
     if (access->side == ECT_SIDE_ECAT && access->stage == ECT_STAGE_PASSING)
-        ect_esc_postpone_close(esc, sm->n);
+        postpone_close(sm);
     else
         close_transparent(sm, access->side, access->write);
     return true;
@@ -209,18 +222,19 @@ static uint32_t buffer_address(const area_t *sm, bool write, uint16_t offset)
  * three buffers is opened again, and changes hands when its last byte has been accessed again. */
 static bool open_buffer(const area_t *sm, const ect_access_t *access)
 {
-    if (sm->own->closing && is_mailbox(sm->control))
+    bool closing = access->side == ECT_SIDE_ECAT && (sm->esc->closing & 1u << sm->n) != 0;
+    if (closing && is_mailbox(sm->control))
         return false;
-    sm->own->closing = false;
+    if (closing)
+        forget_close(sm->esc, sm->n);
     return access->write ? open_write(sm, access->side) : open_read(sm, access->side);
 }
 
-/* The buffer of a frame changes hands when the frame has ended. */
 static void leave_buffer(const area_t *sm, const ect_access_t *access)
 {
     sm->own->open[access->side] = false;
     if (access->side == ECT_SIDE_ECAT)
-        ect_esc_postpone_close(sm->esc, sm->n);
+        postpone_close(sm);
     else if (access->write)
         close_write(sm, access->side);
     else
@@ -244,15 +258,11 @@ static bool is_sequential(const area_t *sm, const ect_access_t *access)
            (sm->esc->config.personality->features & ECT_FEATURE_SEQUENTIAL) != 0;
 }
 
-void ect_esc_sm_close(ect_esc_t *esc, unsigned int n)
+static void close_buffer(ect_esc_t *esc, unsigned int n)
 {
     uint8_t *registers = ect_esc_sm_registers(esc, n);
     const area_t sm = {
         .esc = esc, .n = n, .own = &esc->sm[n], .registers = registers, .control = registers[ECT_SM_CONTROL]};
-    bool closing = sm.own->closing;
-    sm.own->closing = sm.own->listed = false;
-    if (!closing)
-        return;
     ECT_ASSERT(ect_esc_sm_enabled(esc, n));
     bool writes = ecat_writes(sm.control);
     if (is_transparent(sm.own))
@@ -261,6 +271,14 @@ void ect_esc_sm_close(ect_esc_t *esc, unsigned int n)
         close_write(&sm, ECT_SIDE_ECAT);
     else
         close_read(&sm, ECT_SIDE_ECAT);
+}
+
+void ect_esc_sm_close(ect_esc_t *esc, unsigned int set)
+{
+    set &= esc->closing;
+    esc->closing = (uint8_t)(esc->closing & ~set);
+    while (set != 0)
+        close_buffer(esc, ect_esc_take(&set));
 }
 
 bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t offset, uint16_t length)

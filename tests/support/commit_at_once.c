@@ -8,8 +8,10 @@
 
 bool __real_ect_esc_postpone_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 bool __wrap_ect_esc_postpone_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
-void __real_ect_esc_postpone_close(ect_esc_t *esc, unsigned int n);
-void __wrap_ect_esc_postpone_close(ect_esc_t *esc, unsigned int n);
+bool __real_ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t offset,
+                              uint16_t length);
+bool __wrap_ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t offset,
+                              uint16_t length);
 ect_fast_result_t __wrap_ect_fast_pass(ect_fast_t *fast, uint8_t *frame, size_t length, uint64_t now_ns);
 
 bool __wrap_ect_esc_postpone_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
@@ -20,10 +22,13 @@ bool __wrap_ect_esc_postpone_write(ect_esc_t *esc, const ect_access_t *access, u
     return true;
 }
 
-void __wrap_ect_esc_postpone_close(ect_esc_t *esc, unsigned int n)
+bool __wrap_ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t offset,
+                              uint16_t length)
 {
-    __real_ect_esc_postpone_close(esc, n);
-    ect_esc_commit(esc);
+    bool done = __real_ect_esc_sm_access(esc, n, access, offset, length);
+    if (esc->closing != 0)
+        ect_esc_commit(esc);
+    return done;
 }
 
 /* The fast path assumes that no register changes within a frame. */
