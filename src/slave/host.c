@@ -28,7 +28,7 @@ void ect_host_emergency(void *slave, uint16_t code, uint8_t error_register, cons
     e->error_register = error_register;
     memcpy(e->data, data, sizeof e->data);
     s->emergency_put++;
-    ect_mailbox_announce(&s->mailbox);
+    s->mailbox.announced = true;
 }
 
 static void transition_done(void *slave, uint16_t al_status_code)

@@ -112,14 +112,6 @@ void ect_cycle_release(ect_slave_t *s);
 /* --- mailbox.c (and seams/mailbox.h) ------------------------------------------------------------------------------ */
 enum { ECT_MAILBOX_HEADER = 6 };
 
-/** Marks that a protocol may have a mail. The counter wraps while mails always follow each other: were it equal to
- * `wakes_done` then, the mailbox would take all of them as sent. */
-static inline void ect_mailbox_announce(ect_mailbox_t *mailbox)
-{
-    uint8_t next = (uint8_t)(mailbox->wakes + 1u);
-    mailbox->wakes = next != mailbox->wakes_done ? next : (uint8_t)(next + 1u);
-}
-
 /* Room that a mailbox SyncManager may need, in PREOP or in BOOT, bytes. */
 uint16_t ect_mailbox_sm_room(const ect_device_t *device, unsigned int sm);
 /* Takes over the layout that the master chose; ect_mailbox_start then starts the mailbox. */

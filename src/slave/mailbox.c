@@ -329,17 +329,11 @@ static void go_on(ect_slave_t *s)
     }
 }
 
-/* Whether a mail fits, and a protocol may have one since all were called. */
-static bool may_send_own(const ect_mailbox_t *m)
-{
-    return may_build(m) && m->wakes_done != m->wakes;
-}
-
 /* Calls `next` of the protocols, to send a mail or only to report one: those without requests before a waiting request
  * is handled, the others after it. */
 static bool send_own(ect_slave_t *s, bool takes_requests, bool send)
 {
-    ECT_ASSERT(!send || may_send_own(&s->mailbox));
+    ECT_ASSERT(!send || may_build(&s->mailbox));
     FOR_EACH_PROTOCOL(s, p)
     {
         if ((*p)->next && ((*p)->request != NULL) == takes_requests && is_in_state(*p, s) && (*p)->next(*p, s, send))
@@ -357,20 +351,26 @@ void ect_mailbox_poll(ect_slave_t *s, uint32_t event)
     if ((event & ECT_EVENT_SM1) != 0)
         note_fetched(m);
     go_on(s);
-    uint8_t wakes = m->wakes;
-    if (may_send_own(m))
-        (void)send_own(s, false, true);
+    const bool announced = m->announced;
+    if (announced) {
+        m->announced = false; /* from here on an announcement counts again, one in an interrupt too */
+        if (may_build(m))
+            (void)send_own(s, false, true);
+    }
+    bool more = announced;
     if (m->request_waits && may_build(m)) {
         m->request_waits = false;
         handle_request(s);
     }
-    if (may_send_own(m) && !send_own(s, true, true))
-        m->wakes_done = wakes; /* no protocol has a further mail, unless announced since */
+    if (may_build(m))
+        more = (announced || m->announced) && send_own(s, true, true);
+    if (more)
+        m->announced = true;
 }
 
 void ect_mailbox_wake(ect_slave_t *s)
 {
-    ect_mailbox_announce(&s->mailbox);
+    s->mailbox.announced = true;
 }
 
 bool ect_mailbox_waits(ect_slave_t *s)

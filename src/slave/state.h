@@ -24,8 +24,7 @@ typedef struct ect_mailbox {
     uint8_t mails;           /* number of valid mails: 0..2; one: `newest` */
     uint8_t reply;           /* index of the reply to the last request, 0xFF: none */
     bool request_waits;      /* a request has arrived and is not handled yet */
-    uint8_t wakes;           /* changes with each announcement by ect_mailbox_wake, never to wakes_done */
-    uint8_t wakes_done;      /* ... up to this one, all protocols were called until they had no mail */
+    bool announced;          /* a protocol may have a mail since all were called until they had none */
     uint8_t request_counter; /* of the last request, 0: none yet */
     uint8_t reply_counter;   /* of the last mail sent */
     uint16_t out_start;      /* SM0 */
