@@ -215,7 +215,7 @@ static void set_board(wiring_args_t *args, const struct argp_state *state, ect_t
     if (!board)
         argp_error(state, "there is no board '%s'; '--like help' lists those there are", name);
     ect_device_t *device = new_device(args, state);
-    if (!ect_fit(twin->device, &ect_fit_lan9252, device))
+    if (!ect_fit(twin->device, board->controller, device))
         argp_failure(
             state, EXIT_USAGE, 0,
             "twin %zu, %s, does not fit into the ESC of %s: it has too many SyncManagers or FMMUs, or needs more "
@@ -224,6 +224,7 @@ static void set_board(wiring_args_t *args, const struct argp_state *state, ect_t
     twin->device = device;
     twin->esc = device->esc;
     twin->slow.board = board;
+    twin->slow.cycle_ns = ect_board_ns(ect_board_cycle(device->name));
     twin->eeprom_ns = (uint32_t)ECT_ESC_SII_I2C;
 }
 

@@ -10,6 +10,9 @@ enum { SYNC0_EVENT = 0x04 | 0x08 };
 const ect_fit_t ect_fit_lan9252 = {
     .esc = "lan9252", .ram_bytes = 4096, .sm_count = 4, .fmmu_count = 3, .pdi_control = 0x80, .pdi_config = 0x00};
 
+const ect_fit_t ect_fit_et1100 = {
+    .esc = "et1100", .ram_bytes = 8192, .sm_count = 8, .fmmu_count = 8, .pdi_control = 0x08, .pdi_config = 0x00};
+
 /* Process RAM of a SyncManager, also in BOOT, in bytes: whole words, because most buses access words. */
 static uint32_t taken(const ect_device_t *device, unsigned int n)
 {

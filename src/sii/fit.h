@@ -32,6 +32,9 @@ typedef struct ect_fit {
 /** The LAN9252 on SPI. */
 extern const ect_fit_t ect_fit_lan9252;
 
+/** The ET1100 on an asynchronous bus of 16 bits. */
+extern const ect_fit_t ect_fit_et1100;
+
 /**
  * Adapts a description to a controller. Pure.
  * @param device   one that `ect_device_check` (check/check.h) accepts

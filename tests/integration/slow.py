@@ -10,9 +10,10 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BOARD = ["--like", "lan9252-spi"]
-SLOW = [["--al-delay", "1..100"], ["--mailbox-delay", "1..50"], ["--jitter", "0..3000"], ["--dc-jitter", "40"], BOARD,
+PARALLEL = ["--like", "et1100-mmio"]
+SLOW = [["--al-delay", "1..100"], ["--mailbox-delay", "1..50"], ["--jitter", "0..3000"], ["--dc-jitter", "40"], BOARD, PARALLEL,
         [*BOARD, "--al-delay", "1..100", "--mailbox-delay", "1..20", "--jitter", "0..500"]]
-JUDGED = [["--al-delay", "1..20"], ["--mailbox-delay", "1..5"], ["--jitter", "0..300"], ["--dc-jitter", "40"], BOARD]
+JUDGED = [["--al-delay", "1..20"], ["--mailbox-delay", "1..5"], ["--jitter", "0..300"], ["--dc-jitter", "40"], BOARD, PARALLEL]
 
 
 def with_twins(ectwin, options, *command):
@@ -80,7 +81,7 @@ def refused(ectwin, _, __):
         path.write_text(text)
         expect_refusal(ectwin, [*BOARD, f"esi:{path}"], "does not fit into the ESC of lan9252-spi")
     listed = subprocess.run([ectwin, "run", "--like", "help"], capture_output=True, text=True, check=True)
-    expect("boards", ["lan9252-spi"], [line.split()[0] for line in listed.stdout.splitlines()])
+    expect("boards", ["lan9252-spi", "et1100-mmio"], [line.split()[0] for line in listed.stdout.splitlines()])
 
 
 failures = 0

@@ -56,9 +56,25 @@ static void apply(ect_slow_t *slow, uint64_t until_ns)
         slow->first = slow->used = 0;
 }
 
+/* Whether a buffer of process data begins at this address. */
+static bool is_process_data(const ect_esc_t *esc, uint16_t address)
+{
+    for (const uint8_t *sm = esc->memory + ECT_REG_SM; sm < esc->memory + ECT_REG_SM + ECT_SM_SIZE * ECT_ESC_MAX_SM;
+         sm += ECT_SM_SIZE) {
+        if ((sm[ECT_SM_ACTIVATE] & ECT_SM_ACTIVATE_ENABLE) != 0 && ect_load_le16(sm + ECT_SM_START) == address)
+            return (sm[ECT_SM_CONTROL] & ECT_SM_CONTROL_MODE) != ECT_SM_CONTROL_MAILBOX;
+    }
+    return false;
+}
+
+/* The device's own code runs once a poll, beside the process data. */
 static void spend(ect_slow_t *slow, uint16_t address, uint16_t length, bool write)
 {
-    slow->now_ns += slow->config.board->access_ns(address, length, write);
+    slow->now_ns += ect_board_access_ns(slow->config.board, address, length, write);
+    if (slow->cycled || slow->config.cycle_ns == 0 || !is_process_data(slow->esc, address))
+        return;
+    slow->cycled = true;
+    slow->now_ns += slow->config.cycle_ns;
 }
 
 static int queue_write(ect_slow_t *slow, uint16_t address, const void *buffer, uint16_t length)
@@ -185,7 +201,7 @@ static uint64_t begin_of_poll(ect_slow_t *slow, uint64_t now_ns)
 {
     uint64_t start_ns = now_ns;
     if (slow->config.board) {
-        uint64_t idle_ns = slow->config.board->access_ns(ECT_REG_AL_EVENT, 4, false);
+        uint64_t idle_ns = ect_board_access_ns(slow->config.board, ECT_REG_AL_EVENT, 4, false);
         uint64_t since_ns = now_ns > slow->busy_ns ? now_ns - slow->busy_ns : 0;
         start_ns = slow->busy_ns + (since_ns + idle_ns - 1) / idle_ns * idle_ns;
     }
@@ -201,6 +217,7 @@ bool ect_slow_begins(ect_slow_t *slow, uint64_t now_ns)
     slow->start_ns = 0;
     slow->now_ns = now_ns;
     slow->polling = true;
+    slow->cycled = false;
     return true;
 }
 

@@ -38,6 +38,7 @@ typedef struct ect_slow {
     uint64_t start_ns; /* the poll that an event has caused begins; 0: none is due */
     uint64_t busy_ns;  /* the last access ends */
     bool polling;
+    bool cycled; /* the device's own code has run in this poll */
     ect_hidden_t al, mailbox;
     uint8_t al_control[2];     /* read from the ESC, until the stack reads it */
     ect_esc_arrival_t arrival; /* without jitter */

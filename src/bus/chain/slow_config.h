@@ -10,6 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "sii/fit.h"
 #include "wire/linkage.h"
 
 ECT_C_BEGIN
@@ -23,13 +24,25 @@ typedef struct ect_slow_range {
 typedef struct ect_board {
     const char *name;
     const char *summary;
-    /** Time of an access of the ESC: its bytes on the bus, and the driver. Pure. */
-    uint64_t (*access_ns)(uint16_t address, uint16_t length, bool write);
+    const ect_fit_t *controller;
+    /** Time of an access of the ESC on the bus: its bytes, and the driver. Pure. */
+    uint64_t (*bus_ns)(uint16_t address, uint16_t length, bool write);
+    /** Instructions of port and slave stack for an access, those of the poll included. Pure. */
+    uint32_t (*instructions)(uint16_t address, uint16_t length, bool write);
 } ect_board_t;
 
 /** The boards. @return NULL: no such index, no such name */
 const ect_board_t *ect_board_at(size_t index);
 const ect_board_t *ect_board(const char *name);
+
+/** Instructions of a device's own code in a poll with process data; 0: negligible, or not counted for this name. */
+uint32_t ect_board_cycle(const char *device);
+
+/** Time of instructions on the processor of the boards, a Cortex-M4. */
+uint64_t ect_board_ns(uint64_t instructions);
+
+/** Time of an access of the ESC: bus and processor. */
+uint64_t ect_board_access_ns(const ect_board_t *board, uint16_t address, uint16_t length, bool write);
 
 /** The times of one twin. Zeroed: none, the twin does its work at the time of the event. */
 typedef struct ect_slow_config {
@@ -38,6 +51,7 @@ typedef struct ect_slow_config {
     ect_slow_range_t jitter;  /**< from an event until the slave begins to process it */
     uint32_t receive_ns; /**< receive times of distributed clocks are late by 0 to so many, at random for each frame */
     const ect_board_t *board; /**< the slave's accesses of the ESC take as long as there; NULL: no time */
+    uint64_t cycle_ns;        /**< on the board: of the device's own code in a poll with process data */
     uint32_t seed;            /**< of the random generator */
 } ect_slow_config_t;
 

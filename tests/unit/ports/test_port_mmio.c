@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ports/mmio/cost.h"
 #include "ports/mmio/mmio.h"
 #include "support/testdev.h"
 #include "support/wire.h"
@@ -171,6 +172,7 @@ static void parts(void **state)
             else
                 assert_int_equal(b.pdi.read(b.pdi.ctx, rows[n].address, bytes, rows[n].length), 0);
             assert_int_equal(b.parts, rows[n].parts);
+            assert_int_equal(ect_mmio_cost(rows[n].address, rows[n].length, rows[n].width), rows[n].parts);
             for (unsigned int i = 0; i < b.parts; i++) {
                 assert_int_equal(b.part[i].address, at);
                 at += b.part[i].bytes;
@@ -233,7 +235,8 @@ int main(void)
         {"any bytes at any address, on 8, 16 and 32 bits, and no others", direct, NULL, NULL, NULL},
         {"the memory of the software ESC, as it lies there", software_esc_memory, NULL, NULL, NULL},
         {"ready: a type that can be, and the EEPROM loaded", not_ready, NULL, NULL, NULL},
-        {"an access has as few parts as width and alignment allow, in ascending order", parts, NULL, NULL, NULL},
+        {"PDI budget: an access has as few parts as width and alignment allow, in ascending order", parts, NULL, NULL,
+         NULL},
         {"on 8, 16 and 32 bits a slave reaches OP; with the pin an idle poll costs nothing", boot_to_op, NULL, NULL,
          NULL},
         {"a bus that fails for a while costs no state", a_bus_that_fails, NULL, NULL, NULL},

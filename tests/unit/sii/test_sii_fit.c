@@ -203,12 +203,15 @@ static void sync0_event(void **state)
 /* A firmware has no table of chips: its constants must equal those of the table. */
 static void figures(void **state)
 {
-    const ect_esc_personality_t *chip = ect_esc_personality(ect_fit_lan9252.esc);
+    static const ect_fit_t *const controllers[] = {&ect_fit_lan9252, &ect_fit_et1100};
     (void)state;
-    assert_non_null(chip);
-    assert_int_equal(ect_fit_lan9252.ram_bytes, 1024 * chip->ram_kb);
-    assert_int_equal(ect_fit_lan9252.sm_count, chip->sm_count);
-    assert_int_equal(ect_fit_lan9252.fmmu_count, chip->fmmu_count);
+    for (size_t i = 0; i < sizeof controllers / sizeof controllers[0]; i++) {
+        const ect_esc_personality_t *chip = ect_esc_personality(controllers[i]->esc);
+        assert_non_null(chip);
+        assert_int_equal(controllers[i]->ram_bytes, 1024 * chip->ram_kb);
+        assert_int_equal(controllers[i]->sm_count, chip->sm_count);
+        assert_int_equal(controllers[i]->fmmu_count, chip->fmmu_count);
+    }
 }
 
 int main(void)
