@@ -333,6 +333,8 @@ void ect_exchange_start(ect_exchange_t *x)
     x->deadline_ns = x->touched_ns = ECT_NEVER;
     x->linked[ECT_END_IN] = true; /* as ect_chain_new leaves them */
     x->stats.start_ns = now(x);
+    if (x->scenario && x->scenario->step_count > 0)
+        ect_chain_show(x->chain, &ect_progress_plant, &x->scenario->progress);
     if (x->control)
         ect_exchange_show(x);
     if (x->trace && x->scenario) {

@@ -76,6 +76,17 @@ the_verdict_is_in_the_exit_status() {
   done
 }
 
+its_progress_is_watched() {
+  script '# two steps' 'at 3s set data1=5' 'at 4s expect data1=5'
+  "$ectwin" with --scenario "$work/script.txt" fzm1 -- timeout 20 "$ectwin" watch --every --until scenario.verdict=met 'scenario.*' >"$work/out" 2>"$work/err"
+  check "watch: until the verdict" 0 $?
+  check "watch: line 2 has acted" yes "$(grep -q '"name":"scenario.line","value":2,' "$work/out" && echo yes)"
+  check "watch: its text" yes "$(grep -q '"name":"scenario.step","value":"at 3s set data1=5",' "$work/out" && echo yes)"
+  script 'expect data1=5'
+  "$ectwin" with --scenario "$work/script.txt" fzm1 -- "$ectwin" wait scenario.verdict=failed 2>"$work/err"
+  check "wait: failed, and the exit status" 3 $?
+}
+
 run_has_it_too() {
   script 'expect ecat.state=1'
   unshare -Urn bash -c '
@@ -173,7 +184,7 @@ waves_and_scenes() {
 }
 
 number=0
-for case_name in every_story_is_played same_seed_same_frames the_verdict_is_in_the_exit_status run_has_it_too \
+for case_name in every_story_is_played same_seed_same_frames the_verdict_is_in_the_exit_status its_progress_is_watched run_has_it_too \
   mistakes_are_found_before_the_run recorded_and_played recorded_scenes set_in_time waves_and_scenes; do
   if [ -n "$only" ] && [ "$only" != "$case_name" ]; then continue; fi
   ran=$((ran + 1))

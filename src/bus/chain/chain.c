@@ -34,6 +34,8 @@ struct ect_chain {
     size_t fast_reach;
     uint8_t *pool; /* memory of all ESCs and buffers in one block: the system provides pages when they are written to */
     ect_twin_snapshot_t kept;
+    const ect_plant_t *shown; /* signals of the bus; NULL: none */
+    void *shown_instance;
     ect_connections_t *connections; /* NULL: none */
     size_t connection_count;
 };
@@ -452,13 +454,21 @@ bool ect_chain_next_signal(const ect_chain_t *chain, size_t position, ect_chain_
     return ect_signals_next(twin->config.plant, twin->slave.config.instance, &cursor->device, ref) ||
            ect_signals_next(twin->config.beside.plant, twin->config.beside.instance, &cursor->beside, ref) ||
            ect_signals_next(&ect_lamps_plant, twin->lamps, &cursor->lamps, ref) ||
-           ect_signals_next(&ect_wiring_plant, twin->wiring, &cursor->wiring, ref);
+           ect_signals_next(&ect_wiring_plant, twin->wiring, &cursor->wiring, ref) ||
+           (position == 0 && ect_signals_next(chain->shown, chain->shown_instance, &cursor->shown, ref));
 }
 
 bool ect_chain_signal(const ect_chain_t *chain, size_t position, const char *name, ect_signal_ref_t *ref)
 {
     ect_chain_show_lamps(chain, position);
-    return ect_twin_signal(twin_at(chain, position), name, ref);
+    return ect_twin_signal(twin_at(chain, position), name, ref) ||
+           (position == 0 && ect_signal_find(chain->shown, chain->shown_instance, name, ref));
+}
+
+void ect_chain_show(ect_chain_t *chain, const ect_plant_t *plant, void *instance)
+{
+    chain->shown = plant;
+    chain->shown_instance = instance;
 }
 
 const ect_modbus_t *ect_chain_modbus(const ect_chain_t *chain, size_t position, void **instance)

@@ -142,10 +142,18 @@ void ect_chain_show_lamps(const ect_chain_t *chain, size_t position);
 
 /** Position in the list of a twin's signals. Zeroed: before the first. */
 typedef struct ect_chain_cursor {
-    ect_signal_cursor_t device, beside, lamps, wiring;
+    ect_signal_cursor_t device, beside, lamps, wiring, shown;
 } ect_chain_cursor_t;
 
-/** ::ect_signals_next for the device of a twin, then for ect_twin_config_t::beside, its lamps and wiring (ecat.NAME).
+/**
+ * Adds signals of the bus to those of the first twin.
+ * @param plant, instance  must outlive the chain; signals that can be read only. NULL: none
+ */
+void ect_chain_show(ect_chain_t *chain, const ect_plant_t *plant, void *instance);
+
+/**
+ * ::ect_signals_next for the device of a twin, then for ect_twin_config_t::beside, its lamps and wiring (ecat.NAME),
+ * and the signals of the bus.
  */
 bool ect_chain_next_signal(const ect_chain_t *chain, size_t position, ect_chain_cursor_t *cursor,
                            ect_signal_ref_t *ref);

@@ -297,6 +297,33 @@ static void pass(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *ste
     step->base_cycles = s->cycles;
 }
 
+/* --- progress ----------------------------------------------------------------------------------------------------- */
+
+static const char *verdict_word(const ect_scenario_t *s)
+{
+    if (s->verdict.failed > 0)
+        return "failed";
+    if (s->verdict.all > 0 && s->verdict.met == s->verdict.all)
+        return "met";
+    return s->steps_left > 0 ? "running" : "over";
+}
+
+/* @param step  that has begun or ended; NULL: none */
+static void show_progress(ect_scenario_t *s, const ect_scenario_step_t *step)
+{
+    ect_progress_t *p = &s->progress;
+    p->steps = (uint32_t)s->step_count;
+    p->over = (uint32_t)(s->step_count - s->steps_left);
+    p->expected = s->verdict.all;
+    p->met = s->verdict.met;
+    p->failed = s->verdict.failed;
+    snprintf(p->verdict, sizeof p->verdict, "%s", verdict_word(s));
+    if (!step)
+        return;
+    p->line = step->line;
+    snprintf(p->step, sizeof p->step, "%.*s", (int)sizeof p->step - 1, step->text);
+}
+
 /* --- actions ------------------------------------------------------------------------------------------------------ */
 
 static void step_over(ect_scenario_t *s, ect_scenario_step_t *step)
@@ -304,6 +331,7 @@ static void step_over(ect_scenario_t *s, ect_scenario_step_t *step)
     ECT_ASSERT(step->progress != ECT_STEP_OVER && s->steps_left > 0);
     step->progress = ECT_STEP_OVER;
     s->steps_left--;
+    show_progress(s, step);
 }
 
 static void judge(ect_scenario_t *s, ect_scenario_step_t *step, bool met, const char *why)
@@ -343,6 +371,7 @@ static void act(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step
 {
     char message[ECT_FAULT_MESSAGE];
     step->progress = ECT_STEP_ACTS;
+    show_progress(s, step);
     if (step->plan.action == ECT_ACTION_SET) {
         note(s, step->text);
         set_signals(s, chain, step, step->plan.text, now_ns);
@@ -443,6 +472,7 @@ static void begin(ect_scenario_t *s, uint64_t now_ns)
     s->start_ns = now_ns;
     for (size_t i = 0; i < s->step_count; i++)
         s->steps[i].base_ns = now_ns;
+    show_progress(s, NULL);
 }
 
 /* Plays the rows of tables that are due, those of one time at once: after a late call the devices and clients see the

@@ -19,6 +19,7 @@
 
 #include "bus/chain/chain.h"
 #include "bus/chain/fault.h"
+#include "bus/faults/progress.h"
 #include "bus/faults/script.h"
 #include "bus/faults/table.h"
 #include "bus/faults/wires.h"
@@ -64,7 +65,8 @@ typedef struct ect_scenario {
     unsigned int line;                              /**< number of the line that ::ect_scenario_read reads, 0: none */
     char name[ECT_SCENARIO_NAME];
     ect_verdict_t verdict;
-    uint64_t start_ns; /* 0: not begun */
+    ect_progress_t progress; /**< for ::ect_progress_plant, from the first ::ect_scenario_tick on */
+    uint64_t start_ns;       /* 0: not begun */
     uint64_t frames, cycles;
     bool acted; /* a step has changed the chain: the devices have to run */
     struct {

@@ -312,6 +312,66 @@ static void late_table(void **state)
     ect_table_free(table);
 }
 
+static void expect_progress(rig_t *r, const char *line, const char *step, const char *over, const char *verdict)
+{
+    expect_signal(r, 0, "scenario.line", line);
+    expect_signal(r, 0, "scenario.step", step);
+    expect_signal(r, 0, "scenario.over", over);
+    expect_signal(r, 0, "scenario.verdict", verdict);
+}
+
+/* The signals of a script follow its steps; a run without a script, and the second twin, have none. */
+static void progress(void **state)
+{
+    rig_t *r = *state;
+    ect_signal_ref_t ref;
+    ect_chain_cursor_t cursor = {0};
+    unsigned int found = 0;
+    char message[ECT_SIGNAL_MESSAGE];
+    assert_false(ect_chain_signal(r->w.chain, 0, "scenario.line", &ref));
+    r->s.line = 3;
+    read_line(r, "at 100ms set data1=5 until 200ms # a comment");
+    r->s.line = 5;
+    START(r, "expect data1=5 within 150ms");
+    expect_progress(r, "5", "expect data1=5 within 150ms", "0", "running");
+    expect_signal(r, 0, "scenario.steps", "2");
+    expect_signal(r, 0, "scenario.expected", "1");
+    advance(r, 100 * MS);
+    expect_progress(r, "5", "expect data1=5 within 150ms", "1", "met");
+    expect_signal(r, 0, "scenario.met", "1");
+    advance(r, 300 * MS);
+    expect_progress(r, "3", "at 100ms set data1=5 until 200ms", "2", "met");
+    expect_signal(r, 0, "scenario.failed", "0");
+    assert_false(ect_chain_signal(r->w.chain, 1, "scenario.line", &ref));
+    while (ect_chain_next_signal(r->w.chain, 0, &cursor, &ref))
+        found += strncmp(ref.name, "scenario.", 9) == 0;
+    assert_int_equal(found, 8);
+    assert_true(ect_chain_signal(r->w.chain, 0, "scenario.line", &ref));
+    assert_false(ect_signal_check(&ref, "1", message));
+}
+
+static void verdicts_as_a_signal(void **state)
+{
+    static const struct {
+        const char *line, *verdict, *at_the_end;
+    } rows[] = {
+        {"expect data1=1", "failed", "failed"},
+        {"expect data1=0", "met", "met"},
+        {"set data1=1", "over", "over"},
+        {"at 5s expect data1=0", "running", "failed"},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        teardown(state);
+        setup(state);
+        rig_t *r = *state;
+        START(r, rows[i].line);
+        advance(r, 10 * MS);
+        expect_signal(r, 0, "scenario.verdict", rows[i].verdict);
+        (void)ect_scenario_end(&r->s);
+        expect_signal(r, 0, "scenario.verdict", rows[i].at_the_end);
+    }
+}
+
 /* A table that begins again, and one with rows between its rows: the value at each millisecond. */
 static void loops_and_lines(void **state)
 {
@@ -593,6 +653,8 @@ int main(int argc, char **argv)
         TEST("a signal that is set takes effect for the first frame from its time on", in_its_cycle),
         TEST("a row of a table takes effect for the first frame from its time on", table_in_its_cycle),
         TEST("rows of a table that are late are played one time after the other", late_table),
+        TEST("signals of the bus show line, step and counts of a script", progress),
+        TEST("the verdict is running, met, failed or over", verdicts_as_a_signal),
         TEST("a table begins again at the time of its last row; rows between rows are on the line", loops_and_lines),
         TEST("a loop without a time, and more than a million rows, are refused", tables_without_measure),
         TEST("signals, values and slaves of a table are checked before the run", wrong_tables),
