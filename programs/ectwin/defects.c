@@ -498,6 +498,57 @@ static void uncounted_hidden(defect_t *d, datagram_t *g)
         bring_back(g, 0);
 }
 
+/* A mail of EoE; its type is behind the header. */
+static bool is_ethernet(const datagram_t *g, bool to_slave)
+{
+    return is_mail(g, to_slave) && (to_slave || counter(g) == 1) && (data(g)[5] & 0x0F) == 2;
+}
+
+static void gateway_is_not_known(defect_t *d, datagram_t *g)
+{
+    (void)d;
+    if (is_ethernet(g, false) && (data(g)[6] & 0x0F) == 7 && ect_load_le16(data(g)) > 8)
+        data(g)[10] &= 0xF7;
+}
+
+static void end_is_not_marked(defect_t *d, datagram_t *g)
+{
+    (void)d;
+    if (is_ethernet(g, false) && (data(g)[6] & 0x0F) == 0 && (ect_load_le16(data(g)) - 4) % 32 == 0)
+        data(g)[7] &= 0xFE;
+}
+
+static void frame_number_is_ignored(defect_t *d, datagram_t *g)
+{
+    (void)d;
+    if (is_ethernet(g, true) && (data(g)[6] & 0x0F) == 0)
+        data(g)[9] = (uint8_t)((data(g)[9] & 0x0F) | 0x10);
+}
+
+static void cut_address_is_taken(defect_t *d, datagram_t *g)
+{
+    (void)d;
+    if (is_ethernet(g, false) && (data(g)[6] & 0x0F) == 3)
+        ect_store_le16(data(g) + 8, 0);
+}
+
+/* A fragment behind an SDO is lost. */
+static void sdo_ends_frame(defect_t *d, datagram_t *g)
+{
+    if (!is_mail(g, true))
+        return;
+    if (d->memory[0] == 3 && is_ethernet(g, true) && (data(g)[6] & 0x0F) == 0 && (data(g)[8] & 0x3F) != 0)
+        hide(g);
+    d->memory[0] = g->sent[ECT_DATAGRAM_DATA + 5] & 0x0F;
+}
+
+static void reserved_type_is_done(defect_t *d, datagram_t *g)
+{
+    (void)d;
+    if (is_ethernet(g, false) && (data(g)[6] & 0x0F) >= 0x0A)
+        ect_store_le16(data(g) + 8, 0);
+}
+
 /* --- all of them -------------------------------------------------------------------------------------------------- */
 
 #define ALL(w)        (0xFFFFFFFFu >> (32 - 8 * (w)))
@@ -654,6 +705,14 @@ static const defect_row_t rows[] = {
     {"CF-097c", "the IRQ field is always 0", CUSTOM, .after = no_interrupt},
     {"CF-098", "mails have a foreign address", MAIL, .length = ANY_MAIL, .at = 2, .change = ANY(2, 0x7777)},
     {"CF-098b", "mails have channel 1", MAIL, .length = ANY_MAIL, .at = 4, .change = ANY(1, 1)},
+    {"CF-E01", "the gateway is not reported (needs EoE)", CUSTOM, .after = gateway_is_not_known},
+    {"CF-E02", "a last fragment of whole units is not marked as the last (needs EoE)", CUSTOM,
+     .after = end_is_not_marked},
+    {"CF-E03", "frame numbers of fragments are ignored (needs EoE)", CUSTOM, .before = frame_number_is_ignored},
+    {"CF-E05", "a cut set IP is answered as done (needs EoE)", CUSTOM, .after = cut_address_is_taken},
+    {"CF-E07", "an SDO between two fragments ends the frame (needs EoE)", CUSTOM, .before = sdo_ends_frame,
+     .after = return_hidden},
+    {"CF-E12", "a reserved type is answered as done (needs EoE)", CUSTOM, .after = reserved_type_is_done},
     {"DEAD-MAILBOX", "an unknown SDO command ends the mailbox until the twin restarts", CUSTOM, .before = mailbox_stops,
      .after = uncounted_hidden},
     {"END-OF-FRAME", "no defect: SyncManagers change their status at the end of the frame, as chips do", CUSTOM,

@@ -136,11 +136,14 @@ FOLLOW = {
     "CF-004": ["CF-096"], "CF-015": ["CF-013"], "CF-025": ["CF-016"], "CF-027": ["CF-060", "CF-095"], "CF-029": ["CF-031"],
     "CF-030": ["CF-020"], "CF-031": ["CF-005"], "CF-036": ["CF-022"], "CF-037": ["CF-022"], "CF-039": ["CF-022"],
     "CF-058": ["CF-026", "CF-086"], "CF-060": ["CF-027", "CF-095"], "CF-065": ["CF-004"], "CF-086": ["CF-058"],
+    "CF-E01": ["CF-E05"],
 }
 # Twins for defects that the usual twin, an FZM1, cannot have.
-DEFECT_TWINS = {"CF-032": ["fzm1,vr-bu-ect-map7"], "CF-046": ["--alias", "5", "fzm1"], "CF-073": ["vr-bu-ect-map7"]}
+GATEWAY = f"esi:{ROOT}/examples/eoe/gateway.xml"
+DEFECT_TWINS = {**{f"CF-E{number}": [GATEWAY] for number in ("01", "02", "03", "05", "07", "12")},
+                "CF-032": ["fzm1,vr-bu-ect-map7"], "CF-046": ["--alias", "5", "fzm1"], "CF-073": ["vr-bu-ect-map7"]}
 IN_OTHERS = ["CF-072b"] # no product can have them; devices made for tests do
-DEFECTS_LEAST = 95
+DEFECTS_LEAST = 101
 
 
 def case_of(id_):
@@ -154,7 +157,7 @@ def defect(ectwin, conform, id_):
         with folder_with_a_file() as (twins, arguments):
             return find_defect(ectwin, conform, id_, ["--break", id_, *twins], arguments)
     devices_ = DEFECT_TWINS.get(id_, ["fzm1"])
-    arguments = esi_of(devices_[-1].split(",")[0])
+    arguments = [] if devices_ == [GATEWAY] else esi_of(devices_[-1].split(",")[0])
     if id_ == "CF-096b":
         arguments += ["--plug", f"{ectwin} unplug 1 >&2 && sleep 0.1 && {ectwin} plug 1 >&2"]
     return find_defect(ectwin, conform, id_, ["--break", id_, *devices_], arguments)
@@ -225,6 +228,9 @@ OTHERS = (
     ("--break CF-072b network", ["--only", "CF-07*"], "CF-072", ["CF-072"]),
     ("network", ["--only", "CF-02[34567],CF-058,CF-08[56]"], "CF-085", []),
     ("careless", ["--only", "CF-02[34567],CF-058,CF-08[56]"], "CF-085", ["CF-085"]),
+    (GATEWAY, ["--only", "CF-085,CF-E*"], "CF-085", []),
+    (GATEWAY, ["--only", "CF-E*"], "CF-E02", []),
+    (f"--eoe echo {GATEWAY}", ["--only", "CF-E*"], "CF-E03", []),
     ("hesitant", ["--only", "CF-084", "--file", "data", "--destructive"], "CF-084", []),
 )
 

@@ -28,5 +28,16 @@ unsigned long cf_sweep(cf_t *c);
 
 /** CF-085: Ethernet over EtherCAT. */
 void cf_ethernet(cf_t *c);
+/** CF-E01, CF-E05: IP parameters; those that are cut. */
+void cf_eoe_parameters(cf_t *c);
+void cf_eoe_short_parameters(cf_t *c);
+/** CF-E02: frames of each length, in both directions. */
+void cf_eoe_lengths(cf_t *c);
+/** CF-E03: fragments that do not belong together. */
+void cf_eoe_wrong_fragments(cf_t *c);
+/** CF-E07: SDOs between fragments and frames. */
+void cf_eoe_beside_sdo(cf_t *c);
+/** CF-E12: types, ports and mails that no service has. */
+void cf_eoe_unsupported(cf_t *c);
 
 #endif

@@ -3,33 +3,20 @@
 #include <string.h>
 
 #include "cases/beyond.h"
+#include "cases/ethernet.h"
 
-enum { FRAGMENT, TIMESTAMP, SET_IP, WAS_SET, SET_FILTER, FILTER_WAS_SET, GET_IP, IP, GET_FILTER, FILTER };
-enum { DONE = 0, UNSUPPORTED_TYPE = 0x0002, NO_IP = 0x0201, NO_DHCP = 0x0202, NO_FILTER = 0x0401 };
+enum { NO_IP = 0x0201, NO_DHCP = 0x0202, NO_FILTER = 0x0401 };
+enum { HEADER = CF_EOE_HEADER, UNIT = CF_EOE_UNIT, FLAGS = CF_EOE_FLAGS, MAC = CF_EOE_MAC, ADDRESS = CF_EOE_ADDRESS };
+enum { MAIL_HEADER = 6, LAST = 0x0100, QUIET_MS = 200, OVERSIZE_UNITS = 0x3F };
 enum {
-    HEADER = 4,
-    MAIL_HEADER = 6,
-    LAST = 0x0100,
-    UNIT = 32,
-    FLAGS = 4,
-    HAS_MAC = 1,
-    HAS_IP = 2,
-    MAC = 6,
-    ADDRESS = 4
+    FRAME_MOST = CF_EOE_MOST,
+    FRAME_LEAST = CF_EOE_LEAST,
+    ARP = 42,
+    ETHERTYPE_ARP = 0x0806,
+    ETHERTYPE_TEST = 0x88B5
 };
-enum { FRAME_MOST = 1514, FRAME_LEAST = 60, ARP = 42, ETHERTYPE_ARP = 0x0806, ETHERTYPE_TEST = 0x88B5, QUIET_MS = 200 };
-enum { OVERSIZE_UNITS = 0x3F };
 
-/* The parameters of the slave. */
-typedef struct host {
-    uint8_t data[CF_MAX_MAIL]; /* flags and parameters, byte for byte */
-    uint16_t length;
-    bool has_ip;
-    uint8_t mac[MAC], ip[ADDRESS]; /* in the order of an Ethernet frame */
-    unsigned int replies;          /* to ARP requests, that came until now */
-} host_t;
-
-static void send(cf_t *c, uint8_t type, uint16_t word, const void *data, uint16_t length, bool last)
+void cf_eoe_send(cf_t *c, uint8_t type, uint16_t word, const void *data, uint16_t length, bool last)
 {
     uint8_t mail[CF_MAX_MAIL];
     ect_store_le16(mail, (uint16_t)(type | (last ? LAST : 0)));
@@ -45,87 +32,87 @@ static uint8_t type_of(cf_t *c, const cf_mail_t *mail)
 }
 
 /* Reads the reply of a service, past frames of the slave. @return its result */
-static uint16_t answer(cf_t *c, uint8_t type, cf_mail_t *mail)
+uint16_t cf_eoe_answer(cf_t *c, uint8_t type, cf_mail_t *mail)
 {
     do
         cf_receive(c, CF_MBX_EOE, mail);
-    while (type_of(c, mail) == FRAGMENT || type_of(c, mail) == TIMESTAMP);
+    while (type_of(c, mail) == CF_EOE_FRAGMENT || type_of(c, mail) == CF_EOE_TIMESTAMP);
     cf_expect(c, "EoE type of the answer", type, type_of(c, mail));
     return ect_load_le16(mail->data + 2);
 }
 
 static void expect_result(cf_t *c, const char *what, uint16_t result, uint16_t allowed)
 {
-    cf_expect_that(c, result == DONE || result == UNSUPPORTED_TYPE || result == allowed || result == NO_DHCP,
+    cf_expect_that(c, result == CF_EOE_DONE || result == CF_EOE_UNSUPPORTED || result == allowed || result == NO_DHCP,
                    "%s: expected result 0x0000, 0x0002, 0x0202 or 0x%04X, got 0x%04X", what, allowed, result);
 }
 
 /* --- services ----------------------------------------------------------------------------------------------------- */
 
-static void take_host(const cf_mail_t *mail, host_t *h)
+static void take_host(const cf_mail_t *mail, cf_eoe_host_t *h)
 {
     const uint32_t flags = mail->length >= HEADER + FLAGS ? ect_load_le32(mail->data + HEADER) : 0;
-    const uint16_t ip_at = FLAGS + ((flags & HAS_MAC) != 0 ? MAC : 0);
+    const uint16_t ip_at = FLAGS + ((flags & CF_EOE_HAS_MAC) != 0 ? MAC : 0);
     h->length = (uint16_t)(mail->length - HEADER);
     memcpy(h->data, mail->data + HEADER, h->length);
-    if ((flags & HAS_MAC) != 0 && h->length >= FLAGS + MAC)
+    if ((flags & CF_EOE_HAS_MAC) != 0 && h->length >= FLAGS + MAC)
         memcpy(h->mac, h->data + FLAGS, MAC);
-    if ((flags & HAS_IP) == 0 || h->length < ip_at + ADDRESS)
+    if ((flags & CF_EOE_HAS_IP) == 0 || h->length < ip_at + ADDRESS)
         return;
     for (unsigned int i = 0; i < ADDRESS; i++)
         h->ip[i] = h->data[ip_at + (ADDRESS - 1u) - i]; /* octets have the reverse order there */
     h->has_ip = ect_load_le32(h->ip) != 0;
 }
 
-static void get_ip(cf_t *c, host_t *h)
+void cf_eoe_get_ip(cf_t *c, cf_eoe_host_t *h)
 {
     cf_mail_t mail;
     cf_step(c, "get IP");
-    send(c, GET_IP, 0, "", 0, true);
-    uint16_t result = answer(c, IP, &mail);
+    cf_eoe_send(c, CF_EOE_GET_IP, 0, "", 0, true);
+    uint16_t result = cf_eoe_answer(c, CF_EOE_IP, &mail);
     expect_result(c, "get IP", result, NO_IP);
-    if (result == DONE)
+    if (result == CF_EOE_DONE)
         take_host(&mail, h);
 }
 
 /* The present parameters: nothing changes. */
-static void set_ip(cf_t *c, const host_t *h)
+static void set_ip(cf_t *c, const cf_eoe_host_t *h)
 {
     const uint8_t nothing[FLAGS] = {0};
     cf_mail_t mail;
     cf_step(c, "set IP to what it is");
-    send(c, SET_IP, 0, h->length > 0 ? h->data : nothing, h->length > 0 ? h->length : FLAGS, true);
-    expect_result(c, "set IP", answer(c, WAS_SET, &mail), NO_IP);
+    cf_eoe_send(c, CF_EOE_SET_IP, 0, h->length > 0 ? h->data : nothing, h->length > 0 ? h->length : FLAGS, true);
+    expect_result(c, "set IP", cf_eoe_answer(c, CF_EOE_WAS_SET, &mail), NO_IP);
 }
 
 static void filter(cf_t *c)
 {
     cf_mail_t mail;
     cf_step(c, "get filter");
-    send(c, GET_FILTER, 0, "", 0, true);
-    uint16_t result = answer(c, FILTER, &mail);
+    cf_eoe_send(c, CF_EOE_GET_FILTER, 0, "", 0, true);
+    uint16_t result = cf_eoe_answer(c, CF_EOE_FILTER, &mail);
     expect_result(c, "get filter", result, NO_FILTER);
-    if (result != DONE)
+    if (result != CF_EOE_DONE)
         return;
     cf_step(c, "set filter to what it is");
-    send(c, SET_FILTER, 0, mail.data + HEADER, (uint16_t)(mail.length - HEADER), true);
-    expect_result(c, "set filter", answer(c, FILTER_WAS_SET, &mail), NO_FILTER);
+    cf_eoe_send(c, CF_EOE_SET_FILTER, 0, mail.data + HEADER, (uint16_t)(mail.length - HEADER), true);
+    expect_result(c, "set filter", cf_eoe_answer(c, CF_EOE_FILTER_WAS_SET, &mail), NO_FILTER);
 }
 
 /* --- frames ------------------------------------------------------------------------------------------------------- */
 
 /* Bytes of a fragment before the last: whole units that fit the mailbox. */
-static uint16_t fragment_most(const cf_t *c)
+uint16_t cf_eoe_most(const cf_t *c)
 {
     return (uint16_t)((c->mailbox.out_size - MAIL_HEADER - HEADER) / UNIT * UNIT);
 }
 
-static void send_fragment(cf_t *c, const uint8_t *frame, uint16_t length, uint16_t from, uint16_t size, uint8_t number,
+void cf_eoe_send_fragment(cf_t *c, const uint8_t *frame, uint16_t length, uint16_t from, uint16_t size, uint8_t number,
                           unsigned int fragment)
 {
     const uint16_t units = (uint16_t)(fragment == 0 ? (length + UNIT - 1) / UNIT : from / UNIT);
     const uint16_t word = (uint16_t)(fragment | (unsigned int)units << 6 | (unsigned int)number << 12);
-    send(c, FRAGMENT, word, frame + from, size, from + size == length);
+    cf_eoe_send(c, CF_EOE_FRAGMENT, word, frame + from, size, from + size == length);
 }
 
 static void broadcast(uint8_t *frame, uint16_t type)
@@ -137,7 +124,7 @@ static void broadcast(uint8_t *frame, uint16_t type)
 }
 
 /* An ARP request for this address, from an address of the same net. */
-static void arp_request(uint8_t *frame, const host_t *h)
+void cf_eoe_arp(uint8_t *frame, const cf_eoe_host_t *h)
 {
     static const uint8_t kind[] = {0, 1, 8, 0, 6, 4, 0, 1};
     broadcast(frame, ETHERTYPE_ARP);
@@ -149,13 +136,13 @@ static void arp_request(uint8_t *frame, const host_t *h)
 }
 
 /* Assembles the next frame of the slave and checks its fragments. @return bytes, 0: none within `ms` */
-static uint16_t receive_frame(cf_t *c, uint8_t *frame, uint32_t ms)
+uint16_t cf_eoe_receive_frame(cf_t *c, uint8_t *frame, uint32_t ms)
 {
     cf_mail_t mail;
     uint16_t length = 0;
     for (unsigned int fragment = 0; cf_receive_mail(c, &mail, fragment == 0 ? ms : CF_MAIL_MS); fragment++) {
         cf_expect(c, "type of a mail with a frame of the slave", CF_MBX_EOE, mail.type);
-        cf_expect(c, "EoE type of a frame of the slave", FRAGMENT, type_of(c, &mail));
+        cf_expect(c, "EoE type of a frame of the slave", CF_EOE_FRAGMENT, type_of(c, &mail));
         const uint16_t word = ect_load_le16(mail.data + 2), size = (uint16_t)(mail.length - HEADER);
         const bool last = (mail.data[1] & 1) != 0;
         cf_expect_range(c, "number of the fragment", fragment, fragment, word & 0x3F);
@@ -174,86 +161,89 @@ static uint16_t receive_frame(cf_t *c, uint8_t *frame, uint32_t ms)
     return 0;
 }
 
-static bool is_arp_reply(const uint8_t *frame, uint16_t length, const host_t *h)
+static bool is_arp_reply(const uint8_t *frame, uint16_t length, const cf_eoe_host_t *h)
 {
     return length >= ARP && ect_load_be16(frame + 12) == ETHERTYPE_ARP && ect_load_be16(frame + 20) == 2 &&
            memcmp(frame + 28, h->ip, ADDRESS) == 0;
 }
 
-static void take(cf_t *c, host_t *h, uint32_t ms)
+void cf_eoe_take(cf_t *c, cf_eoe_host_t *h, uint32_t ms)
 {
     uint8_t frame[FRAME_MOST];
-    uint16_t length = receive_frame(c, frame, ms);
-    h->replies += is_arp_reply(frame, length, h);
+    uint16_t length = cf_eoe_receive_frame(c, frame, ms);
+    if (!is_arp_reply(frame, length, h))
+        return;
+    h->replies++;
+    memcpy(h->mac, frame + 22, MAC);
 }
 
 /* A whole frame in fragments of `size` bytes. Frames of the slave are read in between: it may wait for that.
  * @param skip  fragment to leave out; -1: none */
-static void send_frame(cf_t *c, host_t *h, const uint8_t *frame, uint16_t length, uint16_t size, uint8_t number,
+void cf_eoe_send_frame(cf_t *c, cf_eoe_host_t *h, const uint8_t *frame, uint16_t length, uint16_t size, uint8_t number,
                        int skip)
 {
     int fragment = 0;
     for (uint16_t from = 0; from < length; from = (uint16_t)(from + size), fragment++) {
         const uint16_t left = (uint16_t)(length - from);
         while (cf_mail_waits(c))
-            take(c, h, CF_MAIL_MS);
+            cf_eoe_take(c, h, CF_MAIL_MS);
         if (fragment != skip)
-            send_fragment(c, frame, length, from, left < size ? left : size, number, (unsigned int)fragment);
+            cf_eoe_send_fragment(c, frame, length, from, left < size ? left : size, number, (unsigned int)fragment);
     }
 }
 
 /* Exactly `wanted` replies since the last call. */
-static void expect_replies(cf_t *c, host_t *h, const char *what, unsigned int wanted)
+void cf_eoe_expect_replies(cf_t *c, cf_eoe_host_t *h, const char *what, unsigned int wanted)
 {
     uint64_t until = cf_now_ns() + CF_MAIL_MS * UINT64_C(1000000);
     while (h->replies < wanted && cf_now_ns() < until)
-        take(c, h, CF_MAIL_MS);
+        cf_eoe_take(c, h, CF_MAIL_MS);
     until = cf_now_ns() + QUIET_MS * UINT64_C(1000000);
     while (cf_now_ns() < until)
-        take(c, h, QUIET_MS);
+        cf_eoe_take(c, h, QUIET_MS);
     cf_expect_range(c, what, wanted, wanted, h->replies);
     h->replies = 0;
 }
 
-static void frames(cf_t *c, host_t *h)
+static void frames(cf_t *c, cf_eoe_host_t *h)
 {
     uint8_t frame[FRAME_MOST];
-    const uint16_t most = fragment_most(c);
+    const uint16_t most = cf_eoe_most(c);
     cf_step(c, "a broadcast as long as the MTU allows, in fragments, of an unassigned type");
     broadcast(frame, ETHERTYPE_TEST);
-    send_frame(c, h, frame, FRAME_MOST, most, 1, -1);
+    cf_eoe_send_frame(c, h, frame, FRAME_MOST, most, 1, -1);
     cf_step(c, "the same, of which a fragment is lost; then without its end");
-    send_frame(c, h, frame, FRAME_MOST, most, 2, 1);
-    send_frame(c, h, frame, FRAME_MOST, most, 3, (FRAME_MOST - 1) / most);
+    cf_eoe_send_frame(c, h, frame, FRAME_MOST, most, 2, 1);
+    cf_eoe_send_frame(c, h, frame, FRAME_MOST, most, 3, (FRAME_MOST - 1) / most);
     cf_step(c, "fragments beyond any frame");
     for (unsigned int fragment = 0; fragment <= FRAME_MOST / most + 1u && fragment < 0x3F; fragment++)
-        send(c, FRAGMENT,
-             (uint16_t)(fragment | (fragment == 0 ? OVERSIZE_UNITS : fragment * most / UNIT) << 6 | 4 << 12), frame,
-             most, false);
+        cf_eoe_send(c, CF_EOE_FRAGMENT,
+                    (uint16_t)(fragment | (fragment == 0 ? OVERSIZE_UNITS : fragment * most / UNIT) << 6 | 4 << 12),
+                    frame, most, false);
     cf_step(c, "a frame after these is processed");
     if (!h->has_ip)
         return;
-    arp_request(frame, h);
-    send_frame(c, h, frame, FRAME_LEAST, most, 5, -1);
-    expect_replies(c, h, "replies to one ARP request", 1);
+    cf_eoe_arp(frame, h);
+    cf_eoe_send_frame(c, h, frame, FRAME_LEAST, most, 5, -1);
+    cf_eoe_expect_replies(c, h, "replies to one ARP request", 1);
     cf_step(c, "an ARP request without its first fragment, one without its last, and a whole one");
-    send_frame(c, h, frame, FRAME_LEAST, UNIT, 6, 0);
-    send_frame(c, h, frame, FRAME_LEAST, UNIT, 7, 1);
-    send_frame(c, h, frame, FRAME_LEAST, UNIT, 8, -1);
-    expect_replies(c, h, "replies to the one that was whole", 1);
+    cf_eoe_send_frame(c, h, frame, FRAME_LEAST, UNIT, 6, 0);
+    cf_eoe_send_frame(c, h, frame, FRAME_LEAST, UNIT, 7, 1);
+    cf_eoe_send_frame(c, h, frame, FRAME_LEAST, UNIT, 8, -1);
+    cf_eoe_expect_replies(c, h, "replies to the one that was whole", 1);
 }
 
 void cf_ethernet(cf_t *c)
 {
-    host_t host = {.length = 0}, later = {.length = 0};
+    cf_eoe_host_t host = {.length = 0}, later = {.length = 0};
     cf_go(c, CF_PREOP);
-    get_ip(c, &host);
+    cf_eoe_get_ip(c, &host);
     set_ip(c, &host);
     filter(c);
-    if (fragment_most(c) == 0)
+    if (cf_eoe_most(c) == 0)
         cf_skip(c, "the mailbox has no room for a fragment");
     frames(c, &host);
-    get_ip(c, &later);
+    cf_eoe_get_ip(c, &later);
     cf_expect_range(c, "bytes of its parameters afterwards", host.length, host.length, later.length);
     cf_expect_bytes(c, "its parameters afterwards", host.data, later.data, host.length);
     if (host.has_ip)

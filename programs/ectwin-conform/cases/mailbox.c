@@ -246,6 +246,18 @@ static const cf_case_t cases[] = {
     {"CF-085",
      "EoE: address and filter are reported; frames of any length pass in fragments, incomplete ones are dropped", 'F',
      CF_MAILBOX | CF_EOE, 60000, cf_ethernet},
+    {"CF-E01", "EoE: IP parameters are taken and reported, packed and in the full layout", 'R', CF_MAILBOX | CF_EOE, 0,
+     cf_eoe_parameters},
+    {"CF-E02", "EoE: frames of each length pass whole, in both directions", 'R', CF_MAILBOX | CF_EOE, 120000,
+     cf_eoe_lengths},
+    {"CF-E03", "EoE: a gap, an overlap, a wrong number or size, or 1540 bytes costs that frame alone", 'R',
+     CF_MAILBOX | CF_EOE, 60000, cf_eoe_wrong_fragments},
+    {"CF-E05", "EoE: IP parameters that are cut are refused and change nothing", 'R', CF_MAILBOX | CF_EOE, 0,
+     cf_eoe_short_parameters},
+    {"CF-E07", "EoE: SDOs between fragments harm no frame, and frames of the slave delay no SDO", 'R',
+     CF_MAILBOX | CF_EOE | CF_COE, 60000, cf_eoe_beside_sdo},
+    {"CF-E12", "EoE: reserved types and unknown ports are refused, replies without a request are ignored", 'R',
+     CF_MAILBOX | CF_EOE, 0, cf_eoe_unsupported},
     {"CF-086", "AoE, SoE and VoE get a mailbox error when they are not offered", 'R', CF_MAILBOX, 0, not_offered},
 };
 
