@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "bus/inprocess/deadline.h"
+#include "bus/inprocess/raw.h"
 #include "bus/inprocess/real.h"
 #include "bus/inprocess/sanitizer.h"
 #include "bus/inprocess/threads.h"
@@ -37,6 +38,7 @@ static created_t *created; /* not joined yet; changed by the thread that has the
 static void *run_created(void *arg)
 {
     created_t *its = arg;
+    ect_raw_thread();
     ect_virtual_thread_begin(its->record, !ect_sanitizer_is_loaded());
     return its->start(its->arg); /* its end is that of the thread's key, also after pthread_exit */
 }

@@ -17,6 +17,7 @@
 
 #include "bus/inprocess/bus.h"
 #include "bus/inprocess/ports.h"
+#include "bus/inprocess/raw.h"
 #include "bus/inprocess/real.h"
 #include "bus/inprocess/time.h"
 
@@ -29,6 +30,7 @@ REPLACES int socket(int domain, int type, int protocol)
 {
     if (ect_inside > 0 || domain != AF_PACKET || (type & 0xF) != SOCK_RAW)
         return REAL(socket)(domain, type, protocol);
+    ect_raw_look(); /* the master is loaded by now */
     return ect_port_open(type, protocol);
 }
 

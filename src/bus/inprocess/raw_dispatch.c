@@ -1,0 +1,308 @@
+/* SPDX-License-Identifier: MIT */
+/* Syscall User Dispatch (Linux 5.11, x86-64): SIGSYS for each system call from outside the C library's text. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <gnu/libc-version.h>
+#include <link.h>
+#include <linux/audit.h>
+#include <linux/sched.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <ucontext.h>
+#include <unistd.h>
+
+#include "bus/inprocess/raw.h"
+#include "bus/inprocess/raw_objects.h"
+#include "bus/inprocess/raw_signals.h"
+#include "bus/inprocess/real.h"
+#include "bus/inprocess/time.h"
+
+/* Constants of newer headers than the C library's. */
+enum {
+    DISPATCH = 59, /* PR_SET_SYSCALL_USER_DISPATCH */
+    DISPATCH_ON = 1,
+    GET_AUXV = 0x41555856, /* PR_GET_AUXV */
+    BY_DISPATCH = 2,       /* SYS_USER_DISPATCH, a code of SIGSYS */
+};
+enum { ALLOW, BLOCK };    /* values of the selector */
+enum { INSTRUCTION = 2 }; /* length of `syscall` */
+enum { KERNEL_MASK = 8 }; /* length of a mask of signals */
+
+/* The kernel's struct sigaction. */
+typedef struct kernel_action {
+    void (*handler)(int number, siginfo_t *info, void *context);
+    unsigned long flags;
+    void (*restorer)(void);
+    uint64_t mask;
+} kernel_action_t;
+
+static volatile char selector = BLOCK;
+static bool on;
+static bool refused; /* by the kernel or the C library */
+static ect_objects_t objects;
+static ect_raw_route_t *route;
+static ElfW(auxv_t) * vector;
+static void (*restore)(void); /* `rt_sigreturn` in the C library's text */
+
+bool ect_raw_is_on(void)
+{
+    return on;
+}
+
+long ect_raw_pass(const ect_raw_call_t *call)
+{
+    const long *a = call->a;
+    long result = REAL(syscall)(call->number, a[0], a[1], a[2], a[3], a[4], a[5]);
+    return ect_raw_result(result);
+}
+
+bool ect_raw_find(const ect_raw_entry_t *table, size_t count, const ect_raw_call_t *call, long *result)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (table[i].number == call->number) {
+            *result = table[i].make(call->a);
+            return true;
+        }
+    }
+    return false;
+}
+
+void ect_raw_hide_vdso(ElfW(auxv_t) * entry)
+{
+    for (; ect_time_is_virtual && entry && entry->a_type != AT_NULL; entry++) {
+        if (entry->a_type == AT_SYSINFO_EHDR)
+            entry->a_type = AT_IGNORE;
+    }
+}
+
+/* --- calls that concern the handler itself -------------------------------------------------------------------------
+ */
+
+/* The mask in the context is the thread's when the handler returns. */
+static long set_mask(const ect_raw_call_t *call, ucontext_t *at)
+{
+    ect_raw_call_t its = *call;
+    uint64_t mask;
+    if (call->a[1] && call->a[3] == KERNEL_MASK) {
+        memcpy(&mask, (const void *)call->a[1], sizeof mask);
+        mask = call->a[0] == SIG_UNBLOCK ? mask : ect_raw_mask(mask);
+        its.a[1] = (long)&mask;
+    }
+    long result = ect_raw_pass(&its);
+    (void)REAL(syscall)(SYS_rt_sigprocmask, SIG_SETMASK, NULL, &at->uc_sigmask, KERNEL_MASK, 0, 0);
+    return result;
+}
+
+static struct sigaction action_of(const kernel_action_t *from)
+{
+    struct sigaction to = {.sa_sigaction = from->handler, .sa_flags = (int)from->flags};
+    memcpy(&to.sa_mask, &from->mask, sizeof from->mask);
+    return to;
+}
+
+static long set_own_action(const kernel_action_t *action, kernel_action_t *before)
+{
+    const struct sigaction set = action ? action_of(action) : (struct sigaction){0};
+    struct sigaction was;
+    ect_raw_own_action(action ? &set : NULL, &was);
+    if (before) {
+        *before = (kernel_action_t){.handler = was.sa_sigaction, .flags = (unsigned long)was.sa_flags};
+        memcpy(&before->mask, &was.sa_mask, sizeof before->mask);
+    }
+    return 0;
+}
+
+static long set_action(const ect_raw_call_t *call)
+{
+    ect_raw_call_t its = *call;
+    kernel_action_t action;
+    if (call->a[0] == SIGSYS)
+        return set_own_action((const kernel_action_t *)call->a[1], (kernel_action_t *)call->a[2]);
+    if (call->a[1]) {
+        action = *(const kernel_action_t *)call->a[1];
+        action.mask = ect_raw_mask(action.mask);
+        its.a[1] = (long)&action;
+    }
+    return ect_raw_pass(&its);
+}
+
+/* The end of a handler with a restorer of the program's own: its frame is on the stack of the call. */
+static _Noreturn void return_from_signal(const ucontext_t *at)
+{
+    __asm__ volatile("mov %0, %%rsp\n\tjmp *%1" : : "r"(at->uc_mcontext.gregs[REG_RSP]), "r"(restore) : "memory");
+    __builtin_unreachable();
+}
+
+static long set_stack(const ect_raw_call_t *call, ucontext_t *at)
+{
+    long result = ect_raw_pass(call);
+    (void)REAL(syscall)(SYS_sigaltstack, NULL, &at->uc_stack, 0, 0, 0, 0);
+    return result;
+}
+
+static long control_process(const ect_raw_call_t *call)
+{
+    long result = ect_raw_pass(call);
+    if (result > 0 && call->a[0] == GET_AUXV && (size_t)result <= (size_t)call->a[2])
+        ect_raw_hide_vdso((ElfW(auxv_t) *)call->a[1]);
+    return result;
+}
+
+/* The call is made once more, by the program itself. Its child, or its thread without the C library's data, cannot be
+ * in this handler. */
+static long let_go(ucontext_t *at, bool of_system)
+{
+    static const char line[] =
+        "ectwin: CMD makes threads without the C library; its own system calls are no longer seen by the twins: run it "
+        "without --in-process\n";
+    if (!of_system)
+        (void)!REAL(write)(STDERR_FILENO, line, sizeof line - 1);
+    selector = ALLOW;
+    at->uc_mcontext.gregs[REG_RIP] -= INSTRUCTION;
+    return at->uc_mcontext.gregs[REG_RAX];
+}
+
+/* @return the kernel's result; a child that needs a stack or memory of its own is let go */
+static long make_child(const ect_raw_call_t *call, ucontext_t *at, bool of_system)
+{
+    unsigned long flags = call->number == SYS_clone ? (unsigned long)call->a[0] : SIGCHLD;
+    bool has_stack = call->number == SYS_clone && call->a[1] != 0;
+    bool alone = (flags & CLONE_VM) == 0 || (flags & CLONE_VFORK) != 0;
+    if (!has_stack && alone && (flags & ~(unsigned long)(CLONE_VM | CLONE_VFORK)) == SIGCHLD) {
+        pid_t child = fork();
+        return ect_raw_result(child);
+    }
+    return let_go(at, of_system);
+}
+
+static bool concerns_handler(long number)
+{
+    static const long numbers[] = {SYS_rt_sigprocmask, SYS_rt_sigaction, SYS_rt_sigreturn, SYS_sigaltstack,
+                                   SYS_prctl,          SYS_clone,        SYS_clone3,       SYS_fork,
+                                   SYS_vfork,          SYS_arch_prctl};
+    size_t i = 0;
+    while (i < sizeof numbers / sizeof *numbers && numbers[i] != number)
+        i++;
+    return i < sizeof numbers / sizeof *numbers;
+}
+
+static long make_here(const ect_raw_call_t *call, ucontext_t *at, bool of_system)
+{
+    switch (call->number) {
+    case SYS_rt_sigprocmask:
+        return set_mask(call, at);
+    case SYS_rt_sigaction:
+        return set_action(call);
+    case SYS_rt_sigreturn:
+        return_from_signal(at);
+    case SYS_sigaltstack:
+        return set_stack(call, at);
+    case SYS_prctl:
+        return control_process(call);
+    case SYS_clone3:
+        return -ENOSYS; /* as in an older kernel: clone() follows */
+    case SYS_arch_prctl:
+        return let_go(at, of_system); /* it may change the register by which the C library finds its data */
+    default:
+        return make_child(call, at, of_system);
+    }
+}
+
+/* --- the handler ---------------------------------------------------------------------------------------------------
+ */
+
+static void on_call(int number, siginfo_t *info, void *context)
+{
+    ucontext_t *at = context;
+    greg_t *registers = at->uc_mcontext.gregs;
+    if (info->si_code != BY_DISPATCH) {
+        ect_raw_own_signal(number, info, context);
+        return;
+    }
+    int error = errno;
+    bool of_system = ect_objects_pass(&objects, info->si_call_addr);
+    const ect_raw_call_t call = {.number = registers[REG_RAX],
+                                 .a = {registers[REG_RDI], registers[REG_RSI], registers[REG_RDX], registers[REG_R10],
+                                       registers[REG_R8], registers[REG_R9]}};
+    if (info->si_arch != AUDIT_ARCH_X86_64)
+        registers[REG_RAX] = let_go(at, of_system);
+    else if (concerns_handler(call.number))
+        registers[REG_RAX] = make_here(&call, at, of_system);
+    else
+        registers[REG_RAX] = of_system ? ect_raw_pass(&call) : route(&call);
+    errno = error;
+}
+
+/* --- on ------------------------------------------------------------------------------------------------------------
+ */
+
+/* Before 2.34 libpthread has a part of the C library's system calls. */
+static bool library_is_one(void)
+{
+    return strtol(strchr(gnu_get_libc_version(), '.') + 1, NULL, 10) >= 34;
+}
+
+/* By the function of the handler, so that the linker has found what that calls. */
+static bool find_restorer(void)
+{
+    kernel_action_t action = {0};
+    const ect_raw_call_t call = {.number = SYS_rt_sigaction, .a = {SIGSYS, 0, (long)&action, KERNEL_MASK}};
+    if (ect_raw_pass(&call) != 0)
+        return false;
+    restore = action.restorer;
+    return (uintptr_t)restore >= objects.c_library.begin && (uintptr_t)restore < objects.c_library.end;
+}
+
+static bool dispatch(void)
+{
+    return prctl(DISPATCH, DISPATCH_ON, objects.c_library.begin, objects.c_library.end - objects.c_library.begin,
+                 &selector) == 0;
+}
+
+void ect_raw_thread(void)
+{
+    if (on)
+        (void)dispatch();
+}
+
+static bool turn_on(void)
+{
+    if (!library_is_one() || objects.c_library.end == 0)
+        return false;
+    if (ect_raw_take_signal(on_call) != 0)
+        return false;
+    if (find_restorer() && dispatch())
+        return true;
+    ect_raw_leave_signal();
+    return false;
+}
+
+void ect_raw_look(void)
+{
+    int error = errno;
+    if (!on && !refused)
+        ect_objects_search(&objects);
+    if (objects.has_calls && !on && !refused) {
+        on = turn_on();
+        refused = !on;
+        if (on)
+            ect_raw_hide_vdso(vector);
+    }
+    errno = error;
+}
+
+void ect_raw_begin(ect_raw_route_t *its, int argc, char **argv)
+{
+    char **word = argv + argc + 1; /* the environment as the kernel has written it */
+    while (*word)
+        word++;
+    vector = (ElfW(auxv_t) *)(void *)(word + 1);
+    route = its;
+    (void)pthread_atfork(NULL, NULL, ect_raw_thread);
+    ect_raw_look();
+}
