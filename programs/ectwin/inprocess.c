@@ -10,11 +10,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "bus/inprocess/bus.h"
+#include "net_folder.h"
 
-enum { SEPARATOR = 0x1F };
+enum { SEPARATOR = 0x1F, MARK_PATH = 80 };
 
 /* Beside the program, as in a build; else in lib/ectwin beside its folder, as installed. */
 static const char *const places[] = {"", "../lib/ectwin/", "../" ECTWIN_LIBDIR "/ectwin/"};
@@ -147,17 +149,35 @@ static bool set_preload(const char *library)
     return done;
 }
 
-static bool make_mark(in_process_t *p)
+static bool make_folder(in_process_t *p)
 {
-    const char *folder = getenv("TMPDIR");
-    if (!folder || strlen(folder) > sizeof p->mark / 2)
-        folder = "/tmp";
-    snprintf(p->mark, sizeof p->mark, "%s/ectwin-XXXXXX", folder);
-    int fd = mkostemp(p->mark, O_CLOEXEC);
+    const char *parent = getenv("TMPDIR");
+    if (!parent || strlen(parent) > sizeof p->folder / 2)
+        parent = "/tmp";
+    snprintf(p->folder, sizeof p->folder, "%s/ectwin-XXXXXX", parent);
+    return mkdtemp(p->folder) && chmod(p->folder, 0755) == 0;
+}
+
+static void mark_of(const in_process_t *p, char path[MARK_PATH])
+{
+    snprintf(path, MARK_PATH, "%s/mark", p->folder);
+}
+
+static bool make_mark(const in_process_t *p)
+{
+    char path[MARK_PATH];
+    mark_of(p, path);
+    int fd = open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
     if (fd < 0)
         return false;
     close(fd);
-    return setenv("ECTWIN_INPROCESS_MARK", p->mark, 1) == 0;
+    return setenv("ECTWIN_INPROCESS_MARK", path, 1) == 0;
+}
+
+static bool make_files(in_process_t *p)
+{
+    return make_folder(p) && make_mark(p) && net_folder_make(p->folder, p->interfaces, p->interface_count) &&
+           setenv("ECTWIN_INPROCESS_NET", p->folder, 1) == 0;
 }
 
 bool in_process_prepare(in_process_t *p, char *message)
@@ -171,17 +191,20 @@ bool in_process_prepare(in_process_t *p, char *message)
         snprintf(message, INPROCESS_MESSAGE, "%s is not where ectwin is installed: install ectwin again", name);
         return false;
     }
-    if (set_words(p) && set_preload(path) && make_mark(p) && getcwd(here, sizeof here) &&
+    if (set_words(p) && set_preload(path) && make_files(p) && getcwd(here, sizeof here) &&
         setenv("ECTWIN_INPROCESS_CWD", here, 1) == 0)
         return true;
     snprintf(message, INPROCESS_MESSAGE, "the environment of CMD cannot be made: %s", strerror(errno));
+    net_folder_remove(p->folder);
     return false;
 }
 
 bool in_process_finish(in_process_t *p, bool *met)
 {
     char marks[4096] = "";
-    int fd = open(p->mark, O_RDONLY | O_CLOEXEC);
+    char path[MARK_PATH];
+    mark_of(p, path);
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
     ssize_t length = fd >= 0 ? read(fd, marks, sizeof marks) : 0;
     int opened = 0, good = 0;
     for (ssize_t i = 0; i < length; i++) {
@@ -190,7 +213,7 @@ bool in_process_finish(in_process_t *p, bool *met)
     }
     if (fd >= 0)
         close(fd);
-    (void)unlink(p->mark);
+    net_folder_remove(p->folder);
     *met = *met || (opened > 0 && good == opened);
     return opened > 0;
 }

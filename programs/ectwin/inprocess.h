@@ -16,8 +16,10 @@ typedef struct in_process {
     bool virtual_time;  /**< of the two libraries, the one on the virtual clock */
     char *const *words; /**< options and devices, as the library takes them (bus/library.h) */
     int word_count;
-    const char *command; /**< the program that will run */
-    char mark[64];       /**< private: file that a bus marks when it starts */
+    const char *command;           /**< the program that will run */
+    const char *const *interfaces; /**< names */
+    size_t interface_count;
+    char folder[64]; /**< private: a folder for `mark`, the file that a bus marks when it starts, and for interfaces */
 } in_process_t;
 
 /**
@@ -29,7 +31,7 @@ typedef struct in_process {
 bool in_process_prepare(in_process_t *p, char *message);
 
 /**
- * Removes the marks.
+ * Removes the marks and files.
  * @param[in,out] met  set to true if each process with a bus has ended with all expectations of its scenario met
  * @return whether a process of CMD has had a bus
  */

@@ -401,10 +401,13 @@ static int wait_in_process(const with_args_t *args, int signal_fd)
 static int serve_in_process(with_args_t *args)
 {
     char message[INPROCESS_MESSAGE];
+    const char *const interfaces[] = {args->masters[0], args->masters[1]};
     in_process_t twins = {.virtual_time = args->virtual_time,
                           .words = args->twins.words,
                           .word_count = args->twins.word_count,
-                          .command = args->command[0]};
+                          .command = args->command[0],
+                          .interfaces = interfaces,
+                          .interface_count = args->masters[1] ? 2 : 1};
     int signal_fd = open_signals();
     (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
     int status = try_power_on(args);

@@ -116,6 +116,8 @@ check "Relative paths start where ectwin was started" relative_files
 if [ -n "$slaveinfo" ]; then
   foreign_master() { with --virtual-time vr-bu-ect-map7 -- "$slaveinfo" {} >"$work/out" && grep -q 'Name:VR-BU-ECT-Map7' "$work/out"; }
   check "SOEM's own slaveinfo finds the twin" foreign_master
+  adapters() { with --iface ecat7 fzm1 -- "$slaveinfo" >"$work/out" 2>"$work/err"; grep -q ecat7 "$work/out" && return; cat "$work/out" "$work/err"; return 1; }
+  check "SOEM lists the interface among its adapters" adapters
   equal_runs() {
     for _ in 1 2 3 4 5; do
       with --virtual-time --fault "drop 1%" fzm1,vr-bu-ect-map7 -- "$slaveinfo" {} -sdo 2>/dev/null | md5sum
@@ -138,6 +140,24 @@ assert '2.5' in out.stdout
 "
 }
 [ "${ECTWIN_NO_PYTHON:-}" ] || check "The control socket of a bus in a process is that of any bus" control
+
+listed() {
+  with --iface ecat7,ecat8 fzm1,fzm1 -- python3 -c "
+import os, socket
+for name, index in (('ecat7', 1001), ('ecat8', 1002)):
+    assert (index, name) in socket.if_nameindex()
+    assert name in os.listdir('/sys/class/net')
+    assert os.path.isdir('/sys/class/net/' + name)
+    with open('/sys/class/net/%s/ifindex' % name) as file:
+        assert file.read() == '%d\\n' % index
+assert open('/sys/class/net/lo/mtu').read() != ''"
+}
+[ "${ECTWIN_NO_PYTHON:-}" ] || check "Python lists both interfaces, and reads their files" listed
+gone() {
+  mkdir -p "$work/tmp"
+  TMPDIR=$work/tmp with fzm1 -- sh -c 'cat /sys/class/net/ecat0/operstate' >"$work/out" && [ "$(cat "$work/out")" = up ] && [ -z "$(ls -A "$work/tmp")" ]
+}
+check "The files of the interface are gone when CMD has ended" gone
 
 # CMD starts the master and gives it a time, as timeout(1) and test runners do.
 runner() {

@@ -113,7 +113,7 @@ static bool load(library_t *library)
 static void leave_mark(char mark)
 {
     const char *path = getenv("ECTWIN_INPROCESS_MARK");
-    int fd = path ? open(path, O_WRONLY | O_APPEND | O_CLOEXEC) : -1;
+    int fd = path ? REAL(open)(path, O_WRONLY | O_APPEND | O_CLOEXEC) : -1;
     if (fd < 0)
         return;
     (void)!REAL(write)(fd, &mark, 1);
@@ -128,7 +128,7 @@ static ectwin_bus_t *open_bus(char *words, uint64_t now_ns)
     for (char *word = strsep(&words, separators); word && count < WORDS_MOST; word = strsep(&words, separators))
         list[count++] = word;
     const char *folder = getenv("ECTWIN_INPROCESS_CWD");
-    int here = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC);
+    int here = REAL(open)(".", O_PATH | O_DIRECTORY | O_CLOEXEC);
     bool moved = folder && here >= 0 && chdir(folder) == 0;
     char why[ECTWIN_MESSAGE];
     ectwin_bus_t *bus = state.library.open(count, list, now_ns, why);

@@ -8,7 +8,8 @@
  *   ECTWIN_INPROCESS       options and devices, separated by the character 1Fh
  *   ECTWIN_INPROCESS_CWD   folder that relative paths in them start from
  *   ECTWIN_INPROCESS_MARK  file that gets a byte when a bus starts
- *   ECTWIN_IFACE, ECTWIN_IFACE2   names of the interfaces
+ *   ECTWIN_INPROCESS_NET   folder with `up` and `down`, each /sys/class/net with the interfaces of the bus in this
+ * state ECTWIN_IFACE, ECTWIN_IFACE2   names of the interfaces
  */
 #ifndef ECT_BUS_INPROCESS_BUS_H
 #define ECT_BUS_INPROCESS_BUS_H

@@ -5,6 +5,7 @@
 #include <stdint.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/uio.h>
 #include <unistd.h>
@@ -129,6 +130,26 @@ static long make_fcntl(const long *a)
     return ect_raw_result(fcntl((int)a[0], (int)a[1], a[2]));
 }
 
+static long make_open(const long *a)
+{
+    return ect_raw_result(open((const char *)a[0], (int)a[1], (mode_t)a[2]));
+}
+
+static long make_openat(const long *a)
+{
+    return ect_raw_result(openat((int)a[0], (const char *)a[1], (int)a[2], (mode_t)a[3]));
+}
+
+static long make_newfstatat(const long *a)
+{
+    return ect_raw_result(fstatat((int)a[0], (const char *)a[1], (struct stat *)a[2], (int)a[3]));
+}
+
+static long make_readlinkat(const long *a)
+{
+    return ect_raw_result(readlinkat((int)a[0], (const char *)a[1], (char *)a[2], (size_t)a[3]));
+}
+
 static const ect_raw_entry_t table[] = {{SYS_socket, make_socket},
                                         {SYS_bind, make_bind},
                                         {SYS_setsockopt, make_setsockopt},
@@ -151,7 +172,11 @@ static const ect_raw_entry_t table[] = {{SYS_socket, make_socket},
                                         {SYS_dup, make_dup},
                                         {SYS_dup2, make_dup2},
                                         {SYS_dup3, make_dup3},
-                                        {SYS_fcntl, make_fcntl}};
+                                        {SYS_fcntl, make_fcntl},
+                                        {SYS_open, make_open},
+                                        {SYS_openat, make_openat},
+                                        {SYS_newfstatat, make_newfstatat},
+                                        {SYS_readlinkat, make_readlinkat}};
 
 static long make(const ect_raw_call_t *call)
 {

@@ -211,7 +211,7 @@ static long open_vector(long flags)
 {
     enum { MOST = 64 };
     ElfW(auxv_t) vector[MOST + 1] = {{0}};
-    int fd = open(vector_path, O_RDONLY | O_CLOEXEC);
+    int fd = REAL(open)(vector_path, O_RDONLY | O_CLOEXEC);
     ssize_t length = fd >= 0 ? REAL(read)(fd, vector, MOST * sizeof *vector) : -1;
     if (fd >= 0)
         REAL(close)(fd);

@@ -5,17 +5,14 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <net/if.h>
-#include <netpacket/packet.h>
 #include <stdarg.h>
 #include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/uio.h>
 #include <unistd.h>
 
-#include "bus/inprocess/bus.h"
+#include "bus/inprocess/interfaces.h"
 #include "bus/inprocess/ports.h"
 #include "bus/inprocess/raw.h"
 #include "bus/inprocess/real.h"
@@ -58,42 +55,8 @@ REPLACES int getsockname(int fd, __SOCKADDR_ARG address, socklen_t *restrict len
     return port ? ect_port_name(port, address.__sockaddr__, length) : REAL(getsockname)(fd, address, length);
 }
 
-/* --- interfaces ----------------------------------------------------------------------------------------------------
+/* --- requests ------------------------------------------------------------------------------------------------------
  */
-
-/* A request about an interface of the bus. @return 0; -1 (errno) */
-static int about_interface(unsigned long request, struct ifreq *its, int end)
-{
-    static const unsigned char address[] = {2, 0, 0, 0, 0, 1};
-    switch (request) {
-    case SIOCGIFINDEX:
-        its->ifr_ifindex = ECT_BUS_INDEX + end;
-        return 0;
-    case SIOCGIFFLAGS:
-        its->ifr_flags = IFF_BROADCAST | IFF_PROMISC | IFF_MULTICAST;
-        if (ect_port_is_up((unsigned int)end))
-            its->ifr_flags |= IFF_UP | IFF_RUNNING;
-        return 0;
-    case SIOCSIFFLAGS:
-        ect_port_take((unsigned int)end, (its->ifr_flags & IFF_UP) != 0);
-        return 0;
-    case SIOCGIFMTU:
-        its->ifr_mtu = 1500;
-        return 0;
-    case SIOCGIFHWADDR:
-        its->ifr_hwaddr.sa_family = 1;
-        memcpy(its->ifr_hwaddr.sa_data, address, sizeof address);
-        return 0;
-    default: /* SIOCSIFMTU */
-        return 0;
-    }
-}
-
-static bool is_about_interface(unsigned long request)
-{
-    return request == SIOCGIFINDEX || request == SIOCGIFFLAGS || request == SIOCGIFMTU || request == SIOCGIFHWADDR ||
-           request == SIOCSIFFLAGS || request == SIOCSIFMTU;
-}
 
 static int on_port(int fd, unsigned long request, void *argument)
 {
@@ -104,16 +67,12 @@ static int on_port(int fd, unsigned long request, void *argument)
     }
     if (request == FIOCLEX || request == FIONCLEX)
         return REAL(ioctl)(fd, request);
-    if (!is_about_interface(request)) { /* its argument, if there is one, may be of any type */
-        errno = request >> 8 == SIOCGIFINDEX >> 8 ? EOPNOTSUPP : ENOTTY;
-        return -1;
-    }
-    int end = argument ? ect_bus_end_of_name(((const struct ifreq *)argument)->ifr_name) : -1;
-    if (end < 0) {
-        errno = ENODEV;
-        return -1;
-    }
-    return about_interface(request, argument, end);
+    int result;
+    if (ect_interface_request(fd, request, argument, &result))
+        return result;
+    /* The argument of other requests, if there is one, may be of any type. */
+    errno = ect_interface_has(request) ? ENODEV : request >> 8 == SIOCGIFINDEX >> 8 ? EOPNOTSUPP : ENOTTY;
+    return -1;
 }
 
 REPLACES int ioctl(int fd, unsigned long request, ...)
@@ -125,52 +84,9 @@ REPLACES int ioctl(int fd, unsigned long request, ...)
     if (ours(fd))
         return on_port(fd, request, argument);
     /* A master may put such a question to a socket of any kind. */
-    bool interface = ect_inside == 0 && is_about_interface(request);
-    int end = interface ? ect_bus_end_of_name(((const struct ifreq *)argument)->ifr_name) : -1;
-    return end >= 0 ? about_interface(request, argument, end) : REAL(ioctl)(fd, request, argument);
-}
-
-REPLACES unsigned int if_nametoindex(const char *name)
-{
-    int end = ect_inside > 0 ? -1 : ect_bus_end_of_name(name);
-    return end >= 0 ? (unsigned int)(ECT_BUS_INDEX + end) : REAL(if_nametoindex)(name);
-}
-
-REPLACES char *if_indextoname(unsigned int index, char name[IF_NAMESIZE])
-{
-    int end = ect_inside > 0 ? -1 : ect_bus_end_of_index((int)index);
-    if (end < 0)
-        return REAL(if_indextoname)(index, name);
-    strncpy(name, ect_bus_name((unsigned int)end), IF_NAMESIZE - 1);
-    name[IF_NAMESIZE - 1] = 0;
-    return name;
-}
-
-/* The interfaces of the bus come behind those of the machine. if_freenameindex frees each name and the list. */
-REPLACES struct if_nameindex *if_nameindex(void)
-{
-    struct if_nameindex *real = REAL(if_nameindex)();
-    size_t count = 0;
-    while (real && real[count].if_index != 0)
-        count++;
-    struct if_nameindex *all = calloc(count + ECT_BUS_ENDS + 1, sizeof *all);
-    for (size_t i = 0; all && i < count; i++)
-        all[i] = (struct if_nameindex){.if_index = real[i].if_index, .if_name = strdup(real[i].if_name)};
-    if (real)
-        REAL(if_freenameindex)(real);
-    for (unsigned int end = 0; all && end < ECT_BUS_ENDS; end++) {
-        const char *name = ect_bus_name(end);
-        if (name)
-            all[count++] = (struct if_nameindex){.if_index = ECT_BUS_INDEX + end, .if_name = strdup(name)};
-    }
-    return all;
-}
-
-REPLACES void if_freenameindex(struct if_nameindex *list)
-{
-    for (struct if_nameindex *one = list; one && one->if_index != 0; one++)
-        free(one->if_name);
-    free(list);
+    int result;
+    bool interface = ect_inside == 0 && ect_interface_request(fd, request, argument, &result);
+    return interface ? result : REAL(ioctl)(fd, request, argument);
 }
 
 /* --- sending -------------------------------------------------------------------------------------------------------

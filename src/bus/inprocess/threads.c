@@ -357,7 +357,7 @@ static bool read_about(pid_t id, const char *file, char *text, size_t room)
 {
     char path[64];
     snprintf(path, sizeof path, "/proc/self/task/%d/%s", (int)id, file);
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    int fd = REAL(open)(path, O_RDONLY | O_CLOEXEC);
     ssize_t length = fd >= 0 ? REAL(read)(fd, text, room - 1) : -1;
     if (fd >= 0)
         REAL(close)(fd);
