@@ -200,6 +200,12 @@ static void many_until_one_fails(void **state)
     assert_int_equal(sendmmsg(fd, messages, 3, 0), 2);
     assert_int_equal(sendmmsg(fd, messages + 2, 1, 0), -1);
     assert_int_equal(errno, EINVAL);
+    assert_int_equal(sendmmsg(fd, messages + 1, 2, 0), 1);
+    assert_int_equal(recvmmsg(fd, messages, 2, MSG_WAITFORONE, NULL), 2);
+    assert_int_equal(recvmmsg(fd, messages, 3, MSG_WAITFORONE, NULL), 1);
+    frame_of(frames[0], 0);
+    frame_of(frames[1], 1);
+    assert_int_equal(sendmmsg(fd, messages, 2, 0), 2);
     pieces[2].iov_len = FRAME;
     assert_int_equal(recvmmsg(fd, messages, 3, MSG_DONTWAIT, NULL), 2);
     assert_reply(frames[0], messages[0].msg_len, 0);

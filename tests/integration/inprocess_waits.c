@@ -765,6 +765,42 @@ static void waits_for_processes(void **state)
         close(pipe_fds[i]);
 }
 
+/* A handler of a signal, which another process sends, ends each wait for a process. */
+static void interrupted_waits_for_processes(void **state)
+{
+    struct sigaction action = {.sa_handler = on_signal};
+    int status = -1, pipe_fds[2];
+    siginfo_t info;
+    (void)state;
+    assert_int_equal(pipe(pipe_fds), 0);
+    assert_int_equal(sigaction(SIGUSR2, &action, NULL), 0);
+    const pid_t parent = getpid(), child = fork();
+    if (child == 0) { /* until the parent closes the pipe */
+        struct pollfd one = {.fd = pipe_fds[0], .events = POLLIN};
+        close(pipe_fds[1]);
+        while (poll(&one, 1, 1) == 0)
+            kill(parent, SIGUSR2);
+        _exit(0);
+    }
+    for (unsigned int i = 0; i < 4; i++) {
+        pid_t ended = i == 0   ? wait(&status)
+                      : i == 1 ? waitpid(child, &status, 0)
+                      : i == 2 ? wait4(child, &status, 0, NULL)
+                               : waitid(P_PID, (id_t)child, &info, WEXITED);
+        const int error = errno;
+        assert_int_equal(ended, -1);
+        assert_int_equal(error, EINTR);
+    }
+    close(pipe_fds[1]);
+    pid_t ended = -1;
+    while (ended < 0)
+        ended = waitpid(child, &status, 0);
+    assert_int_equal(ended, child);
+    assert_true(WIFEXITED(status));
+    close(pipe_fds[0]);
+    signal(SIGUSR2, SIG_DFL);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -787,6 +823,7 @@ int main(int argc, char **argv)
         {"futex waits, times out and wakes as many as asked", futexes, NULL, NULL, NULL},
         {"Threads end in any order, and their places are used again", ends_of_threads, NULL, NULL, NULL},
         {"Barriers side by side, and one that is destroyed at once", barriers, NULL, NULL, NULL},
+        {"A handler of a signal ends each wait for a process", interrupted_waits_for_processes, NULL, NULL, NULL},
         {"waitpid and waitid see stopped, continued and ended processes", waits_for_processes, NULL, NULL, NULL},
     };
     if (!is_started(argc, argv))
