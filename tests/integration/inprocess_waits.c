@@ -90,8 +90,7 @@ static void times_of_the_day(void **state)
     assert_in_range(day.tv_usec, 0, 999999);
     const time_t now = time(&stored);
     assert_int_equal(now, stored);
-    assert_in_range(now - real.tv_sec, 0, 1);
-    assert_in_range((uint64_t)day.tv_sec * S + (uint64_t)day.tv_usec * 1000 + 1000 - ns_of(&real), 0, S);
+    assert_true(now >= real.tv_sec && day.tv_sec >= real.tv_sec);
     if (!is_virtual)
         return;
     assert_true(monotonic.tv_sec >= 1000); /* each run begins there, at the first moment of 2026 */
@@ -290,7 +289,7 @@ static void masks_of_waits(void **state)
         assert_int_equal(result, -1);
         assert_int_equal(errno, EINTR);
         assert_int_equal(handled, SIGUSR2);
-        assert_true(now_ns() - since_ns < (uint64_t)S);
+        assert_took(since_ns, 0);
         pthread_sigmask(SIG_BLOCK, NULL, &now);
         assert_int_equal(sigismember(&now, SIGUSR2), 1);
     }
@@ -347,7 +346,7 @@ static void timer_descriptors(void **state)
     assert_int_equal(ns_of(&left.it_value) + ns_of(&left.it_interval), 0);
     assert_int_equal(timerfd_settime(fd, 0, &once, NULL), 0);
     assert_int_equal(timerfd_settime(fd, 0, &every, &left), 0);
-    assert_in_range(ns_of(&left.it_value), 1, 5 * MS);
+    assert_in_range(ns_of(&left.it_value), is_virtual, 5 * MS);
     assert_int_equal(ns_of(&left.it_interval), 0);
     usleep(8000); /* at 3, 5 and 7 ms */
     assert_int_equal(read(fd, &expiries, sizeof expiries), sizeof expiries);
@@ -368,7 +367,8 @@ static void timer_descriptors(void **state)
     uint64_t since_ns = now_ns();
     assert_int_equal(timerfd_settime(fd, TFD_TIMER_ABSTIME, &absolute, NULL), 0);
     assert_int_equal(poll(&(struct pollfd){.fd = fd, .events = POLLIN}, 1, 1000), 1);
-    assert_true(now_ns() - since_ns >= 4 * MS - 1000 && now_ns() - since_ns < (uint64_t)S);
+    if (is_virtual)
+        assert_took(since_ns, 4 * MS - 1000);
     close(fd);
     fd = timerfd_create(CLOCK_REALTIME, 0);
     assert_int_equal(fcntl(fd, F_GETFD), 0);
@@ -377,7 +377,8 @@ static void timer_descriptors(void **state)
     assert_int_equal(timerfd_settime(fd, TFD_TIMER_ABSTIME, &day, NULL), 0);
     assert_int_equal(read(fd, &expiries, sizeof expiries), sizeof expiries);
     assert_int_equal(expiries, 1);
-    assert_true(now_ns() - since_ns >= 2 * MS && now_ns() - since_ns < (uint64_t)S);
+    if (is_virtual)
+        assert_took(since_ns, 3 * MS - 1000);
     close(fd);
     assert_int_equal(timerfd_gettime(STDERR_FILENO, &left), -1);
     assert_int_equal(timerfd_settime(STDERR_FILENO, 0, &once, NULL), -1);
@@ -453,14 +454,14 @@ static void a_timer_without_a_description(void **state)
     uint64_t since_ns = now_ns();
     assert_int_equal(sigwaitinfo(&set, &info), SIGALRM);
     assert_int_equal(info.si_code, SI_TIMER);
-    assert_true(now_ns() - since_ns < (uint64_t)S);
+    assert_took(since_ns, is_virtual ? 2 * MS - 1000 : 0);
     assert_int_equal(timer_delete(timer), 0);
     struct itimerval value = {.it_value = {.tv_usec = 900000}, .it_interval = {.tv_sec = 2}}, was;
     assert_int_equal(setitimer(ITIMER_REAL, &value, NULL), 0);
     value = (struct itimerval){.it_value.tv_usec = 2000};
     assert_int_equal(setitimer(ITIMER_REAL, &value, &was), 0);
     assert_int_equal(was.it_interval.tv_sec, 2);
-    assert_in_range(was.it_value.tv_usec, 1, 900000);
+    assert_in_range(was.it_value.tv_usec, is_virtual, 900000);
     assert_int_equal(sigwaitinfo(&set, &info), SIGALRM);
     assert_int_equal(getitimer(ITIMER_REAL, &was), 0);
     assert_int_equal(was.it_value.tv_sec + was.it_value.tv_usec + was.it_interval.tv_usec, 0);
@@ -529,7 +530,6 @@ static void deadlines(void **state)
         assert_int_equal(pthread_mutex_unlock(&own), 0);
         if (error != ETIMEDOUT)
             fail_msg("wait %u: %s", i, strerror(error));
-        assert_true(now_ns() - since_ns >= 3 * MS - 10000 && now_ns() - since_ns < (uint64_t)S);
         if (is_virtual)
             assert_in_range(now_ns() - since_ns, 3 * MS - 10000, 3 * MS + 10000);
     }
@@ -602,7 +602,11 @@ static void signals_of_conditions(void **state)
     its.word = 1;
     pthread_cond_signal(&its.condition);
     pthread_mutex_unlock(&its.mutex);
-    usleep(20000);
+    do {
+        usleep(20000);
+        pthread_mutex_lock(&its.mutex);
+        pthread_mutex_unlock(&its.mutex);
+    } while (its.woken == 0);
     pthread_mutex_lock(&its.mutex);
     assert_int_equal(its.woken, 1);
     its.word = THREADS - 1;
@@ -653,8 +657,14 @@ static void futexes(void **state)
         assert_int_equal(sem_wait(&its.ready), 0);
     }
     usleep(20000);
-    assert_int_equal(futex(&its.word, FUTEX_WAKE, 1, NULL), 1);
-    assert_int_equal(futex(&its.word, FUTEX_WAKE_BITSET, 5, NULL), 2);
+    long woken = 0;
+    while (woken < 1) /* on the real clock a thread may not wait yet */
+        woken = futex(&its.word, FUTEX_WAKE, 1, NULL);
+    assert_int_equal(woken, 1);
+    if (is_virtual)
+        assert_int_equal(futex(&its.word, FUTEX_WAKE_BITSET, 5, NULL), 2);
+    while (!is_virtual && woken < 3)
+        woken += futex(&its.word, FUTEX_WAKE_BITSET, 5, NULL);
     assert_int_equal(futex(&its.word, FUTEX_WAKE, 5, NULL), 0);
     for (unsigned int i = 0; i < 3; i++) {
         void *result = NULL;

@@ -119,12 +119,20 @@ REPLACES int pthread_timedjoin_np(pthread_t thread, void **result, const struct 
 /* --- mutexes -------------------------------------------------------------------------------------------------------
  */
 
-static int lock_until(pthread_mutex_t *mutex, uint64_t until_ns)
+/* A thread may have tried before it has the turn: an unlock since then has found no thread to wake. The timed lock
+ * returns EDEADLK if this thread holds the mutex, which no try shows. */
+static int lock_with_turn(pthread_mutex_t *mutex)
 {
     static const struct timespec over = {.tv_sec = -1};
+    (void)ect_virtual_now();
+    return REAL(pthread_mutex_timedlock)(mutex, &over);
+}
+
+static int lock_until(pthread_mutex_t *mutex, uint64_t until_ns)
+{
     int error = REAL(pthread_mutex_trylock)(mutex);
     if (error == EBUSY)
-        error = REAL(pthread_mutex_timedlock)(mutex, &over); /* EDEADLK: this thread holds it, which no try shows */
+        error = lock_with_turn(mutex);
     while (error == EBUSY || error == ETIMEDOUT) {
         if (ect_virtual_wait(mutex, until_ns) == ECT_WAIT_TIMED_OUT)
             return ETIMEDOUT;
@@ -185,6 +193,7 @@ static void relock(pthread_mutex_t *mutex)
 
 static int wait_until(const pthread_cond_t *condition, pthread_mutex_t *mutex, uint64_t until_ns)
 {
+    (void)ect_virtual_now(); /* takes the turn: no signal comes between unlock and wait */
     int error = REAL(pthread_mutex_unlock)(mutex);
     if (error != 0)
         return error;
@@ -240,8 +249,10 @@ REPLACES int pthread_cond_broadcast(pthread_cond_t *condition)
 
 static int lock_to_read(pthread_rwlock_t *lock, uint64_t until_ns)
 {
-    int error;
-    while ((error = REAL(pthread_rwlock_tryrdlock)(lock)) == EBUSY) {
+    int error = REAL(pthread_rwlock_tryrdlock)(lock);
+    if (error == EBUSY)
+        (void)ect_virtual_now(); /* as in lock_with_turn() */
+    while (error == EBUSY && (error = REAL(pthread_rwlock_tryrdlock)(lock)) == EBUSY) {
         if (ect_virtual_wait(lock, until_ns) == ECT_WAIT_TIMED_OUT)
             return ETIMEDOUT;
     }
@@ -250,8 +261,10 @@ static int lock_to_read(pthread_rwlock_t *lock, uint64_t until_ns)
 
 static int lock_to_write(pthread_rwlock_t *lock, uint64_t until_ns)
 {
-    int error;
-    while ((error = REAL(pthread_rwlock_trywrlock)(lock)) == EBUSY) {
+    int error = REAL(pthread_rwlock_trywrlock)(lock);
+    if (error == EBUSY)
+        (void)ect_virtual_now(); /* as in lock_with_turn() */
+    while (error == EBUSY && (error = REAL(pthread_rwlock_trywrlock)(lock)) == EBUSY) {
         if (ect_virtual_wait(lock, until_ns) == ECT_WAIT_TIMED_OUT)
             return ETIMEDOUT;
     }
@@ -295,6 +308,9 @@ REPLACES int pthread_rwlock_unlock(pthread_rwlock_t *lock)
 
 static int wait_semaphore(sem_t *semaphore, uint64_t until_ns)
 {
+    if (REAL(sem_trywait)(semaphore) == 0)
+        return 0;
+    (void)ect_virtual_now(); /* as in lock_with_turn() */
     while (REAL(sem_trywait)(semaphore) != 0) {
         if (errno != EAGAIN)
             return -1;
@@ -425,6 +441,7 @@ static long wait_futex(const int *word, int operation, int expected, const struc
     bool absolute = (operation & FUTEX_CMD_MASK) == FUTEX_WAIT_BITSET;
     clockid_t clock = (operation & FUTEX_CLOCK_REALTIME) != 0 ? CLOCK_REALTIME : CLOCK_MONOTONIC;
     uint64_t until_ns = absolute && timeout ? ect_deadline_on(clock, timeout) : ect_deadline_in(timeout);
+    (void)ect_virtual_now(); /* takes the turn: no wake comes between this comparison and the wait */
     if (__atomic_load_n(word, __ATOMIC_SEQ_CST) != expected) {
         errno = EAGAIN;
         return -1;
