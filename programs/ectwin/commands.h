@@ -34,6 +34,7 @@ int command_verify(int argc, char **argv);
 int command_lint(int argc, char **argv);
 int command_clone(int argc, char **argv);
 int command_check(int argc, char **argv);
+int command_save_bus(int argc, char **argv);
 int command_esi(int argc, char **argv);
 int command_doc(int argc, char **argv);
 int command_objects(int argc, char **argv);
@@ -78,10 +79,19 @@ typedef struct twin_behaviour {
     ect_behaviour_t behaviour;
 } twin_behaviour_t;
 
+/** An option that may name a twin, until the names are known. */
+typedef struct twin_later {
+    int key;
+    const char *text;
+} twin_later_t;
+
 /** The twins that a command line asks for: devices and the options that shape them. */
 typedef struct twin_args {
     ect_twin_config_t *twins;
     size_t count;
+    ect_names_t *names; /* of the twins */
+    twin_later_t *later;
+    size_t later_count;
     bool given; /* an option of theirs was, those of the wiring aside */
     identity_setting_t *identities;
     size_t identity_count;
@@ -107,6 +117,7 @@ typedef struct twin_args {
     const char *record; /* file for a replay, NULL: none */
     char *const *words; /* the command line, as a record needs it */
     int word_count;
+    char *joined; /* the same behind their folder, for the control socket */
     uint64_t power_on_ns;
     content_t content;     /* of --store and --files at the start, for a record or of one */
     bool replayed;         /* by a replay: --store is not opened, its content is that of the record */
@@ -133,7 +144,7 @@ extern const struct argp twin_argp;
 void twin_args_report(const twin_args_t *args, const char *who, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/** Takes "DEVICE[,DEVICE...]"; an unknown name ends the program with a line that lists the known ones. */
+/** Takes "[NAME=]DEVICE[*N][,...]"; an unknown name ends the program with a line that lists the known ones. */
 void twin_args_devices(twin_args_t *args, const struct argp_state *state, const char *list);
 /** Whether the command line has options for twins. */
 bool twin_args_given(const twin_args_t *args);
@@ -150,6 +161,8 @@ int twin_args_power_on(twin_args_t *args, const char *who, uint64_t now_ns, ect_
  * @return EXIT_CLEAN, or what to exit with
  */
 int twin_args_trace(twin_args_t *args, const char *who, ect_trace_t **trace);
+/** Puts the folder of this process and the words into `about`, for 'ectwin save-bus'. Without memory there are none. */
+void twin_args_describe(twin_args_t *args);
 /** Closes a trace; a file that lacks its end is reported. @return whether the files are complete. NULL: no effect
  */
 bool twin_args_end_trace(const twin_args_t *args, const char *who, ect_trace_t *trace, uint64_t now_ns);

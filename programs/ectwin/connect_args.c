@@ -11,14 +11,17 @@
 
 enum { TEXT = 300, MESSAGE = 500 };
 
-/* "2.name": a twin, counted from 1, and a signal of it. */
+/* "2.name", "gripper.name": a twin, counted from 1 or by its name, and a signal of it. */
 static bool read_end(const ect_chain_t *chain, const char *text, size_t *position, ect_signal_ref_t *ref, char *message)
 {
     uint64_t number = 0;
-    const char *dot = ect_number_begins(text, 1, UINT16_MAX, &number);
+    const char *dot = text + strcspn(text, ".");
+    number = ect_names_find(ect_chain_names(chain), text, (size_t)(dot - text));
+    if (number == 0)
+        dot = ect_number_begins(text, 1, UINT16_MAX, &number);
     if (!dot || *dot != '.') {
-        (void)snprintf(message, MESSAGE, "'%.80s' is no signal of a twin: write its number first, as in 2.position",
-                       text);
+        (void)snprintf(message, MESSAGE,
+                       "'%.80s' is no signal of a twin: write its number or name first, as in 2.position", text);
         return false;
     }
     if (number > ect_chain_count(chain)) {

@@ -16,8 +16,10 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "bus/chain/names.h"
 #include "bus/control/endpoint.h"
 #include "commands.h"
+#include "text/number.h"
 
 enum { LINE_ROOM = 2048 };
 
@@ -490,6 +492,32 @@ pid_t connection_process(const connection_t *connection)
     socklen_t size = sizeof peer;
     (void)getsockopt(connection->fd, SOL_SOCKET, SO_PEERCRED, &peer, &size);
     return peer.pid;
+}
+
+const char *connection_slave(const struct argp_state *state, const char *text, unsigned int minimum)
+{
+    uint64_t number = 0;
+    size_t length = ect_name_begins(text);
+    if (!ect_number(text, minimum, UINT16_MAX, &number) && (length == 0 || text[length] != 0))
+        argp_error(state, "--slave takes a number from %u to %d or the name of a twin, not '%s'", minimum, UINT16_MAX,
+                   text);
+    return text;
+}
+
+void connection_add_slave(cJSON *request, const char *slave)
+{
+    uint64_t number = 0;
+    if (ect_number(slave, 0, UINT16_MAX, &number))
+        cJSON_AddNumberToObject(request, "slave", (double)number);
+    else
+        cJSON_AddStringToObject(request, "slave", slave);
+}
+
+void connection_full_name(const cJSON *line, char name[CONNECTION_NAME])
+{
+    char room[32];
+    const char *twin = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(line, "twin"));
+    snprintf(name, CONNECTION_NAME, "%s%s%s", twin ? twin : "", twin ? "." : "", connection_text(line, "name", room));
 }
 
 static error_t parse(int key, char *text, struct argp_state *state)

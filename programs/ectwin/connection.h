@@ -61,6 +61,20 @@ extern const struct argp_child connection_children[];
  */
 int connection_request(connection_t *connection, cJSON *request, const char *who, void (*print)(const cJSON *line));
 
+/**
+ * Checks what -n takes: a number from `minimum` on, or the name of a twin. Any other text ends the program with a line.
+ * @return the text
+ */
+const char *connection_slave(const struct argp_state *state, const char *text, unsigned int minimum);
+
+/** Adds the member "slave" to a request. @param slave  a number or a name */
+void connection_add_slave(cJSON *request, const char *slave);
+
+enum { CONNECTION_NAME = 96 };
+
+/** Name of the signal of a line with the name of its twin, "gripper.data1"; without one as it is. */
+void connection_full_name(const cJSON *line, char name[CONNECTION_NAME]);
+
 /** How the changes of watched signals are followed. */
 typedef struct follow {
     bool quiet;                                /**< nothing is printed */

@@ -396,7 +396,7 @@ int ectwin_bus_fault(ectwin_bus_t *bus, const char *fault, uint64_t now_ns, char
     advance(bus, now_ns);
     (void)ect_exchange_touch(&bus->exchange);
     note_fault(bus, fault);
-    bool done = ect_fault_parse(fault, &read, why) &&
+    bool done = ect_fault_parse_named(fault, ect_chain_names(bus->exchange.chain), &read, why) &&
                 ect_scenario_set(bus->exchange.scenario, bus->exchange.chain, &read, bus->now_ns, why);
     (void)ect_exchange_run(&bus->exchange);
     if (!done && room > 0)
@@ -443,6 +443,8 @@ int ectwin_bus_control(ectwin_bus_t *bus)
         about->ifaces[ECT_END_IN] = getenv("ECTWIN_IFACE");
         about->ifaces[ECT_END_OUT] = getenv("ECTWIN_IFACE2");
         about->name = name_is_free(about->name) ? about->name : NULL;
+        if (!about->words)
+            twin_args_describe(&bus->twins);
         (void)open_control("ectwin", about, &bus->exchange.control);
         if (bus->exchange.control)
             ect_exchange_show(&bus->exchange);

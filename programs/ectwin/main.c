@@ -15,20 +15,35 @@ static const struct command {
     const char *name;
     int (*run)(int argc, char **argv);
 } commands[] = {
-    {"list", command_list},         {"run", command_run},
-    {"with", command_with},         {"sii", command_sii},
-    {"get", command_get},           {"set", command_set},
-    {"watch", command_watch},       {"list-signals", command_list_signals},
-    {"command", command_command},   {"stats", command_stats},
-    {"periodic", command_periodic}, {"verify", command_verify},
-    {"esi", command_esi},           {"doc", command_doc},
-    {"objects", command_objects},   {"unplug", command_unplug},
-    {"plug", command_plug},         {"cut", command_cut},
-    {"mend", command_mend},         {"fault", command_fault},
-    {"lint", command_lint},         {"check", command_check},
-    {"clone", command_clone},       {"ps", command_ps},
-    {"enter", command_enter},       {"wait", command_wait},
-    {"veth", command_veth},         {"replay", command_replay},
+    {"list", command_list},
+    {"run", command_run},
+    {"with", command_with},
+    {"sii", command_sii},
+    {"get", command_get},
+    {"set", command_set},
+    {"watch", command_watch},
+    {"list-signals", command_list_signals},
+    {"command", command_command},
+    {"stats", command_stats},
+    {"periodic", command_periodic},
+    {"verify", command_verify},
+    {"esi", command_esi},
+    {"doc", command_doc},
+    {"objects", command_objects},
+    {"unplug", command_unplug},
+    {"plug", command_plug},
+    {"cut", command_cut},
+    {"mend", command_mend},
+    {"fault", command_fault},
+    {"lint", command_lint},
+    {"check", command_check},
+    {"save-bus", command_save_bus},
+    {"clone", command_clone},
+    {"ps", command_ps},
+    {"enter", command_enter},
+    {"wait", command_wait},
+    {"veth", command_veth},
+    {"replay", command_replay},
     {"complete", command_complete},
 };
 
@@ -55,6 +70,7 @@ static int usage(FILE *stream, int status)
         "       ectwin sii  DEVICE [-o FILE]                  write the SII (EEPROM) image\n"
         "       ectwin verify A B...                          compare ESI files, EEPROM images, devices, "
         "slaves\n"
+        "       ectwin save-bus [-o FILE]                     write the running bus as a bus file\n"
         "       ectwin clone -i IFACE -o DIR                  write every slave of a live bus as a twin, and a bus "
         "file\n"
         "       ectwin lint FILE.xml[#TYPE]                   list mistakes of an ESI file\n"

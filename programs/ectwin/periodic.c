@@ -7,18 +7,17 @@
 #include "commands.h"
 #include "connection.h"
 #include "output.h"
-#include "text/argument.h"
 
 enum { MOST_BYTES = 51200, MOST_TRIES = 100 };
 
 typedef struct periodic_args {
     connection_choice_t twin;
-    unsigned int slave;
+    const char *slave;
     const char *output;
 } periodic_args_t;
 
 static const struct argp_option options[] = {
-    {"slave", 'n', "N", 0, "Slave of the chain, counted from 1 (default 1)", 0},
+    {"slave", 'n', "N", 0, "Slave of the chain, counted from 1 or by its name (default 1)", 0},
     {"output", 'o', "FILE", 0, "Write the bytes to FILE, -: standard output (default: print a hexadecimal dump)", 0},
     {0},
 };
@@ -31,7 +30,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         state->child_inputs[0] = &args->twin;
         return 0;
     case 'n':
-        args->slave = (unsigned int)ect_argument_number(state, "--slave", text, 1, UINT16_MAX);
+        args->slave = connection_slave(state, text, 1);
         return 0;
     case 'o':
         args->output = text;
@@ -79,14 +78,14 @@ static void take_piece(const cJSON *line)
         take_hex(connection_text(line, "data", room));
 }
 
-static int fetch(connection_t *connection, unsigned int slave, const char *who)
+static int fetch(connection_t *connection, const char *slave, const char *who)
 {
     int status = EXIT_CLEAN;
     double serial = -1;
     for (unsigned int tries = 0; status == EXIT_CLEAN && tries < MOST_TRIES;) {
         cJSON *request = cJSON_CreateObject();
         cJSON_AddStringToObject(request, "op", "data");
-        cJSON_AddNumberToObject(request, "slave", slave);
+        connection_add_slave(request, slave);
         cJSON_AddNumberToObject(request, "offset", (double)set.have);
         status = connection_request(connection, request, who, take_piece);
         if (status != EXIT_CLEAN || (set.known && set.have == set.size))
@@ -123,7 +122,7 @@ int command_periodic(int argc, char **argv)
         .parser = parse,
         .children = connection_children,
         .doc = "Prints the last complete set of periodic data that the controller has sent to a base unit."};
-    periodic_args_t args = {.slave = 1};
+    periodic_args_t args = {.slave = "1"};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     connection_t *connection = connection_open(&args.twin, argv[0]);
     if (!connection)

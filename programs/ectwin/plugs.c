@@ -14,8 +14,8 @@ static const char *const plugs[PORTS] = {"ecat.plug_in", "ecat.plug_out", "ecat.
 typedef struct plug_args {
     connection_choice_t twin;
     const char *what;
-    bool wire; /* N.PORT, not N */
-    uint64_t slave;
+    bool wire;      /* N.PORT, not N */
+    char slave[64]; /* number or name */
     unsigned int port;
 } plug_args_t;
 
@@ -24,11 +24,14 @@ static void take_what(plug_args_t *args, const struct argp_state *state, const c
     if (args->what)
         argp_error(state, "one is enough: '%s'", args->what);
     args->what = text;
-    const char *rest = ect_number_begins(text, 1, UINT16_MAX, &args->slave);
+    uint64_t number = 0;
+    size_t length = ect_name_begins(text);
+    const char *rest = length > 0 ? text + length : ect_number_begins(text, 1, UINT16_MAX, &number);
     if (!args->wire && (!rest || *rest != 0))
-        argp_error(state, "name the slave, from 1, not '%s'", text);
+        argp_error(state, "name the slave, from 1 or by its name, not '%s'", text);
     if (args->wire && (!rest || rest[0] != '.' || rest[1] < '0' || rest[1] >= '0' + PORTS || rest[2] != 0))
-        argp_error(state, "name the slave, from 1, and its port, as in 2.1, not '%s'", text);
+        argp_error(state, "name the slave, from 1 or by its name, and its port, as in 2.1, not '%s'", text);
+    snprintf(args->slave, sizeof args->slave, "%.*s", (int)(rest - text), text);
     args->port = args->wire ? (unsigned int)(rest[1] - '0') : 0;
 }
 
@@ -44,8 +47,10 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_END:
         if (!args->what)
-            argp_error(state, args->wire ? "name the slave, from 1, and its port: 2.1 is the output of the second"
-                                         : "name the slave, from 1");
+            argp_error(state,
+                       args->wire
+                           ? "name the slave, from 1 or by its name, and its port: 2.1 is the output of the second"
+                           : "name the slave, from 1 or by its name");
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -60,7 +65,7 @@ static int set_plugs(const plug_args_t *args, const char *who, bool in)
     cJSON *request = cJSON_CreateObject();
     cJSON *values = cJSON_AddObjectToObject(request, "values");
     cJSON_AddStringToObject(request, "op", "set");
-    cJSON_AddNumberToObject(request, "slave", (double)args->slave);
+    connection_add_slave(request, args->slave);
     for (unsigned int port = 0; port < PORTS; port++) {
         if (!args->wire || port == args->port)
             cJSON_AddNumberToObject(values, plugs[port], in ? 1 : 0);
@@ -72,8 +77,10 @@ static int set_plugs(const plug_args_t *args, const char *who, bool in)
 
 static int command(int argc, char **argv, const char *doc, bool wire, bool in)
 {
-    const struct argp argp = {
-        .parser = parse, .children = connection_children, .args_doc = wire ? "N.PORT" : "N", .doc = doc};
+    const struct argp argp = {.parser = parse,
+                              .children = connection_children,
+                              .args_doc = wire ? "N.PORT\nNAME.PORT" : "N\nNAME",
+                              .doc = doc};
     plug_args_t args = {.wire = wire};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     return set_plugs(&args, argv[0], in);

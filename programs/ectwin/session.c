@@ -175,6 +175,7 @@ int session_open_control(session_t *s, char *const ifaces[ECT_ENDS])
     for (unsigned int end = 0; end < ECT_ENDS; end++)
         s->twins->about.ifaces[end] = ifaces[end];
     s->runner.client_pause_ns = ECT_RUNNER_REST_NS;
+    twin_args_describe(s->twins);
     return open_control(s->who, &s->twins->about, &s->runner.exchange.control);
 }
 

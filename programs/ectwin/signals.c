@@ -17,12 +17,12 @@
 #include "connection.h"
 #include "csv.h"
 #include "products.h"
-#include "text/argument.h"
+#include "text/number.h"
 #include "until.h"
 
 typedef struct client_args {
     connection_choice_t twin;
-    unsigned int slave;
+    const char *slave; /* number or name */
     const char *csv;
     bool every;
     const char *until;  /* of watch */
@@ -33,7 +33,13 @@ typedef struct client_args {
 } client_args_t;
 
 #define SLAVE_OPTION                                                                                                   \
-    {"slave", 'n', "N", 0, "Slave of the chain, counted from 1; 0: all slaves, but not for set (default 1)", 0}
+    {"slave",                                                                                                          \
+     'n',                                                                                                              \
+     "N",                                                                                                              \
+     0,                                                                                                                \
+     "Slave of the chain, counted from 1 or by its name; 0: all slaves, but not for set (default 1). The name of a "   \
+     "twin in front of a signal, as in gripper.data1, is another way",                                                 \
+     0}
 
 static const struct argp_option options[] = {SLAVE_OPTION, {0}};
 static const struct argp_option set_options[] = {
@@ -58,7 +64,7 @@ static const struct argp_option watch_options[] = {
      "End when a signal fulfils it: NAME=VALUE, NAME!=VALUE, NAME<VALUE, NAME>VALUE (default: at Ctrl-C)", 0},
     {0}};
 static const struct argp_option wait_options[] = {
-    {"slave", 'n', "N", 0, "Slave of the chain, counted from 1 (default 1)", 0},
+    {"slave", 'n', "N", 0, "Slave of the chain, counted from 1 or by its name (default 1)", 0},
     {"timeout", 't', "SECONDS", 0, "Give up after this time, with status 3 (default 10; 0: never)", 0},
     {0}};
 
@@ -88,7 +94,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         state->child_inputs[0] = &args->twin;
         return 0;
     case 'n':
-        args->slave = (unsigned int)ect_argument_number(state, "--slave", text, 0, UINT16_MAX);
+        args->slave = connection_slave(state, text, 0);
         return 0;
     case 'c':
         args->csv = text;
@@ -115,23 +121,50 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
+static bool is_all(const client_args_t *args)
+{
+    uint64_t number = 1;
+    return ect_number(args->slave, 0, UINT16_MAX, &number) && number == 0;
+}
+
 /* --- get, list-signals, watch ------------------------------------------------------------------------------------- */
 
-static void print_value(const cJSON *line)
+/* The pattern of the request whose lines come. */
+static const char *requested = "";
+
+/* Whether the request has named the twin of a line. */
+static bool is_named(const cJSON *line)
 {
     char room[32];
-    print_text(stdout, connection_text(line, "name", room));
+    const char *twin = connection_text(line, "twin", room);
+    size_t length = strlen(twin);
+    return length > 0 && strncmp(requested, twin, length) == 0 && requested[length] == '.';
+}
+
+static void print_equation(const char *name, const cJSON *line)
+{
+    char room[32];
+    print_text(stdout, name);
     putchar('=');
     print_text(stdout, connection_text(line, "value", room));
     putchar('\n');
 }
 
-/* With the number of the slave, as --set takes it. */
+static void print_value(const cJSON *line)
+{
+    char name[CONNECTION_NAME], room[32];
+    connection_full_name(line, name);
+    print_equation(is_named(line) ? name : connection_text(line, "name", room), line);
+}
+
+/* With the name or the number of the slave, as --set takes it. */
 static void print_value_of_slave(const cJSON *line)
 {
-    char room[32];
-    printf("%s:", connection_text(line, "slave", room));
-    print_value(line);
+    char name[CONNECTION_NAME], room[32];
+    connection_full_name(line, name);
+    if (*connection_text(line, "twin", room) == 0)
+        printf("%s:", connection_text(line, "slave", room));
+    print_equation(name, line);
 }
 
 static void print_column(const char *text, int width)
@@ -168,7 +201,7 @@ static cJSON *make_request(const client_args_t *args, const char *op)
 {
     cJSON *request = cJSON_CreateObject();
     cJSON_AddStringToObject(request, "op", op);
-    cJSON_AddNumberToObject(request, "slave", args->slave);
+    connection_add_slave(request, args->slave);
     return request;
 }
 
@@ -176,6 +209,7 @@ static int request_one(connection_t *connection, const client_args_t *args, cons
                        const char *pattern, void (*print)(const cJSON *line))
 {
     cJSON *request = make_request(args, op);
+    requested = pattern;
     cJSON_AddStringToObject(request, "pattern", pattern);
     if (args->every)
         cJSON_AddTrueToObject(request, "every");
@@ -214,9 +248,9 @@ int command_get(int argc, char **argv)
         .children = connection_children,
         .args_doc = "[PATTERN...]",
         .doc = "Prints the signals of a running twin whose names match a shell pattern, by default all."};
-    client_args_t args = {.slave = 1};
+    client_args_t args = {.slave = "1"};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
-    return request_all(&args, 0, argv[0], "get", args.slave == 0 ? print_value_of_slave : print_value);
+    return request_all(&args, 0, argv[0], "get", is_all(&args) ? print_value_of_slave : print_value);
 }
 
 /* The condition of this process, and whether a first value has fulfilled it. */
@@ -239,7 +273,7 @@ static void print_and_check_line(const cJSON *line)
 static struct {
     FILE *file;
     size_t columns;
-    char names[CSV_CELLS][ECT_SIGNAL_NAME];
+    char headings[CSV_CELLS][CONNECTION_NAME], names[CSV_CELLS][CONNECTION_NAME];
     char *values[CSV_CELLS]; /* of the beginning */
     double start;
     const follow_t *follow;
@@ -253,12 +287,14 @@ static double time_of(const cJSON *line)
 
 static void add_column(const cJSON *line)
 {
-    char room[32];
-    const char *name = connection_text(line, "name", room);
+    char room[32], name[CONNECTION_NAME];
+    connection_full_name(line, name);
     if (record.columns == 0)
         record.start = time_of(line);
     if (record.columns < CSV_CELLS - 1) {
-        snprintf(record.names[record.columns], ECT_SIGNAL_NAME, "%s", name);
+        memcpy(record.names[record.columns], name, sizeof name);
+        snprintf(record.headings[record.columns], CONNECTION_NAME, "%s",
+                 is_named(line) ? name : connection_text(line, "name", room));
         record.values[record.columns] = strdup(connection_text(line, "value", room));
     }
     record.columns++;
@@ -270,7 +306,7 @@ static void write_header(void)
 {
     fputs("time", record.file);
     for (size_t i = 0; i < record.columns; i++)
-        fprintf(record.file, ",%s", record.names[i]);
+        fprintf(record.file, ",%s", record.headings[i]);
     fputs("\n0.000000", record.file);
     for (size_t i = 0; i < record.columns; i++) {
         putc(',', record.file);
@@ -284,8 +320,8 @@ static void write_header(void)
 /* Each change is a line, complete at once: the end may come at any time. */
 static bool write_change(void *ctx, const cJSON *line)
 {
-    char room[32];
-    const char *name = connection_text(line, "name", room);
+    char room[32], name[CONNECTION_NAME];
+    connection_full_name(line, name);
     (void)ctx;
     for (size_t column = 0; column < record.columns; column++) {
         if (strcmp(record.names[column], name) != 0)
@@ -350,7 +386,7 @@ static int watch(const client_args_t *args, const char *who)
 }
 
 /* @return EXIT_CLEAN, or EXIT_USAGE with the reason printed */
-static int read_condition(const char *text, unsigned int slave, const char *who)
+static int read_condition(const char *text, const char *slave, const char *who)
 {
     const char *why = until_read(&condition, text);
     condition.slave = slave;
@@ -386,9 +422,9 @@ int command_wait(int argc, char **argv)
         .args_doc = "CONDITION",
         .doc = "Waits until a signal of a running twin fulfils CONDITION: NAME=VALUE, NAME!=VALUE, NAME<VALUE or "
                "NAME>VALUE, from a shell in quotes. A condition that was fulfilled for a moment only counts too."};
-    client_args_t args = {.slave = 1, .every = true, .timeout_ms = 10000};
+    client_args_t args = {.slave = "1", .every = true, .timeout_ms = 10000};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
-    if (args.count != 1 || args.slave == 0) {
+    if (args.count != 1 || is_all(&args)) {
         fprintf(stderr, "%s: name one condition, of one slave: ectwin wait ecat.state=8\n", argv[0]);
         return EXIT_USAGE;
     }
@@ -404,10 +440,11 @@ int command_watch(int argc, char **argv)
         .children = connection_children,
         .args_doc = "[PATTERN...]",
         .doc = "Prints one line of JSON a value, then one a change, until Ctrl-C or until nothing reads the output."};
-    client_args_t args = {.slave = 1};
+    client_args_t args = {.slave = "1"};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
-    if (args.csv && args.slave == 0) {
-        fprintf(stderr, "%s: --csv records one slave: -n 1, -n 2, ...\n", argv[0]);
+    if (args.csv && is_all(&args)) {
+        fprintf(stderr, "%s: --csv records one slave, or signals with the names of their twins: -n 1, -n 2, ...\n",
+                argv[0]);
         return EXIT_USAGE;
     }
     int status = args.until ? read_condition(args.until, args.slave, argv[0]) : EXIT_CLEAN;
@@ -477,7 +514,7 @@ int command_list_signals(int argc, char **argv)
         .children = connection_children,
         .args_doc = "[DEVICE] [PATTERN...]",
         .doc = "Lists the signals of a running twin, or of a device that need not run: name, r or rw, range, meaning."};
-    client_args_t args = {.slave = 1};
+    client_args_t args = {.slave = "1"};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     char message[PRODUCT_MESSAGE];
     bool from_file = args.count > 0 && product_file(args.arguments[0]);
@@ -594,9 +631,9 @@ int command_set(int argc, char **argv)
         .children = connection_children,
         .args_doc = "NAME=VALUE...",
         .doc = "Sets signals of a running twin: all of them or none, in any order; --csv sets line by line."};
-    client_args_t args = {.slave = 1, .at_s = -1};
+    client_args_t args = {.slave = "1", .at_s = -1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
-    if (args.slave == 0) {
+    if (is_all(&args)) {
         fprintf(stderr, "%s: set works on one slave: -n 1, -n 2, ...\n", argv[0]);
         return EXIT_USAGE;
     }
@@ -626,7 +663,7 @@ int command_command(int argc, char **argv)
         .children = connection_children,
         .args_doc = "ruN HEX16",
         .doc = "Sends an operator's command of 16 bytes, 32 hexadecimal digits, from a remote unit."};
-    client_args_t args = {.slave = 1, .at_s = -1};
+    client_args_t args = {.slave = "1", .at_s = -1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     if (args.count != 2) {
         fprintf(stderr,

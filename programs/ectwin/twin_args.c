@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
-#include <cjson/cJSON.h>
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -18,6 +17,7 @@
 #include "products.h"
 #include "sii_file.h"
 #include "text/argument.h"
+#include "twin_names.h"
 #include "wire/bytes.h"
 #include "wire/sii.h"
 
@@ -188,21 +188,10 @@ static void add_connection(twin_args_t *args, const struct argp_state *state, co
     args->connections[args->connection_count++] = text;
 }
 
-/* "N:" in front of a setting names a twin; without it the setting is for the first. Sets `text` to the rest. */
-static size_t twin_of(const char **text)
-{
-    uint64_t number = 0;
-    const char *end = ect_number_begins(*text, 0, UINT64_MAX, &number);
-    if (!end || *end != ':')
-        return 1;
-    *text = end + 1;
-    return number <= UINT16_MAX ? (size_t)number : 0;
-}
-
 static void add_module(twin_args_t *args, const struct argp_state *state, const char *text)
 {
     const char *rest = text;
-    twin_module_t module = {.twin = twin_of(&rest)};
+    twin_module_t module = {.twin = twin_of(args->names, &rest, 1)};
     if (module.twin == 0 || !product_parse_module(rest, &module.choice))
         argp_error(state, "--module takes SLOT=IDENT, as in 1=0x00000120, not '%s'", text);
     args->modules = grow(state, args->modules, args->module_count, sizeof *args->modules);
@@ -211,11 +200,10 @@ static void add_module(twin_args_t *args, const struct argp_state *state, const 
 
 static void add_behaviour(twin_args_t *args, const struct argp_state *state, const char *text)
 {
-    const char *colon = strchr(text, ':');
     const char *word = text;
-    twin_behaviour_t one = {.twin = colon ? twin_of(&word) : 0};
+    twin_behaviour_t one = {.twin = twin_of(args->names, &word, 0)};
     bool drive = strcmp(word, "cia402") == 0;
-    if ((colon && one.twin == 0) || (!drive && strcmp(word, "none") != 0))
+    if ((word != text && one.twin == 0) || (!drive && strcmp(word, "none") != 0))
         argp_error(state, "--behaviour takes cia402 or none, or one of them for a twin, as 2:none, not '%s'", text);
     one.behaviour = drive ? ECT_BEHAVIOUR_CIA402 : ECT_BEHAVIOUR_NONE;
     args->behaviours = grow(state, args->behaviours, args->behaviour_count, sizeof *args->behaviours);
@@ -262,16 +250,16 @@ static void add_identity(twin_args_t *args, const struct argp_state *state, int 
 {
     const identity_option_t *option = identity_option(key);
     const char *colon = strchr(text, ':');
+    const char *value = text;
     args->identities = grow(state, args->identities, args->identity_count, sizeof *args->identities);
     identity_setting_t *setting = &args->identities[args->identity_count++];
-    *setting = (identity_setting_t){.key = key};
-    if (colon) {
+    *setting = (identity_setting_t){.key = key, .twin = twin_of(args->names, &value, 0)};
+    if (colon && (value == text || setting->twin == 0)) { /* no such name, or a number outside its range */
         char number[16];
         snprintf(number, sizeof number, "%.*s", (int)(colon - text), text);
         setting->twin = (size_t)ect_argument_number(state, "N in N:VALUE", number, 1, UINT16_MAX);
     }
-    setting->value =
-        (uint32_t)ect_argument_number(state, option->name, colon ? colon + 1 : text, option->minimum, option->maximum);
+    setting->value = (uint32_t)ect_argument_number(state, option->name, value, option->minimum, option->maximum);
 }
 
 static void apply_identity(const identity_setting_t *setting, ect_twin_config_t *twin, uint32_t value)
@@ -423,7 +411,7 @@ static ect_table_t *open_table(csv_t *csv, uint16_t slave, bool loop, uint64_t e
 static void add_table(twin_args_t *args, const struct argp_state *state, const char *text)
 {
     const char *rest = text;
-    size_t slave = twin_of(&rest);
+    size_t slave = twin_of(args->names, &rest, 1);
     char *path = strdup(rest);
     csv_t *csv = calloc(1, sizeof *csv);
     ect_table_t **last = &args->scenario.tables;
@@ -462,11 +450,54 @@ static void choose_defect(twin_args_t *args, const struct argp_state *state, con
     args->filter = (ect_filter_t){.before = defect_before, .after = defect_after, .ctx = &args->defect};
 }
 
+/* Options that may name a twin are read when the names are known. */
+static bool is_for_later(int key)
+{
+    static const int keys[] = {KEY_FAULT, KEY_FAULTS, KEY_SCENARIO, KEY_PLAY, KEY_MODULE, KEY_BEHAVIOUR};
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
+        if (keys[i] == key)
+            return true;
+    }
+    return identity_option(key) != NULL;
+}
+
+static void keep_for_later(twin_args_t *args, const struct argp_state *state, int key, const char *text)
+{
+    args->later = grow(state, args->later, args->later_count, sizeof *args->later);
+    args->later[args->later_count++] = (twin_later_t){.key = key, .text = text};
+}
+
+static void read_later(twin_args_t *args, const struct argp_state *state, const twin_later_t *one)
+{
+    switch (one->key) {
+    case KEY_FAULT:
+        add_fault(args, state, one->text, "--fault");
+        return;
+    case KEY_FAULTS:
+        read_faults(args, state, "--faults", one->text);
+        return;
+    case KEY_SCENARIO:
+        read_faults(args, state, "--scenario", one->text);
+        return;
+    case KEY_PLAY:
+        add_table(args, state, one->text);
+        return;
+    case KEY_MODULE:
+        add_module(args, state, one->text);
+        return;
+    case KEY_BEHAVIOUR:
+        add_behaviour(args, state, one->text);
+        return;
+    default:
+        add_identity(args, state, one->key, one->text);
+    }
+}
+
 static error_t parse_option(int key, char *text, struct argp_state *state)
 {
     twin_args_t *args = state->input;
-    if (identity_option(key)) {
-        add_identity(args, state, key, text);
+    if (is_for_later(key)) {
+        keep_for_later(args, state, key, text);
         return 0;
     }
     switch (key) {
@@ -478,18 +509,6 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_DELAY_US:
         args->delay_us = parse_number(state, "--delay-us", text, 10000000);
-        return 0;
-    case KEY_FAULT:
-        add_fault(args, state, text, "--fault");
-        return 0;
-    case KEY_FAULTS:
-        read_faults(args, state, "--faults", text);
-        return 0;
-    case KEY_SCENARIO:
-        read_faults(args, state, "--scenario", text);
-        return 0;
-    case KEY_PLAY:
-        add_table(args, state, text);
         return 0;
     case KEY_SEED:
         args->scenario.seed = parse_number(state, "--seed", text, UINT32_MAX);
@@ -535,14 +554,8 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
     case KEY_BUSY_POLL:
         args->busy_poll = true;
         return 0;
-    case KEY_MODULE:
-        add_module(args, state, text);
-        return 0;
     case KEY_CONNECT:
         add_connection(args, state, text);
-        return 0;
-    case KEY_BEHAVIOUR:
-        add_behaviour(args, state, text);
         return 0;
     case KEY_SET:
         add_setting(args, state, text);
@@ -553,9 +566,6 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
         args->delay_us = 3000;
         args->scenario.seed = 1;
         args->pcap_size = PCAP_SIZE;
-        return 0;
-    case ARGP_KEY_END:
-        add_short_faults(args, state);
         return 0;
     case KEY_KEEP_MAC:
         args->keep_source_mac = true;
@@ -598,17 +608,6 @@ static const ect_product_t *find_product(const twin_args_t *args, const char *na
     return product;
 }
 
-/* Takes "*N" off the end of a device. @return N, 1 without; 0: not a number of twins */
-static size_t take_count(char *name)
-{
-    uint64_t count = 0;
-    char *star = strrchr(name, '*');
-    if (!star)
-        return 1;
-    *star = 0;
-    return ect_number(star + 1, 1, UINT16_MAX, &count) ? (size_t)count : 0;
-}
-
 static void add_twin(twin_args_t *args, const struct argp_state *state, const char *name)
 {
     char message[PRODUCT_MESSAGE] = "out of memory";
@@ -629,15 +628,18 @@ static void keep_image(ect_twin_config_t *twin)
 
 void twin_args_devices(twin_args_t *args, const struct argp_state *state, const char *list)
 {
-    char *copy = strdup(list);
+    listed_device_t one;
     args->about.devices = list;
+    args->names = names_of_devices(state, list);
+    args->wiring.names = args->scenario.names = args->names;
+    for (size_t i = 0; i < args->later_count; i++)
+        read_later(args, state, &args->later[i]);
+    add_short_faults(args, state);
+    char *copy = strdup(list);
     char *rest = copy;
-    for (char *name = strsep(&rest, ","); name; name = strsep(&rest, ",")) {
-        size_t count = take_count(name);
-        if (count == 0 || args->count + count > UINT16_MAX)
-            argp_error(state, "'%s*...': a count is 1 to %d twins in all, as in fzm1*3", name, UINT16_MAX);
-        for (size_t i = 0; i < count; i++)
-            add_twin(args, state, name);
+    while (listed_device_next(state, &rest, &one)) {
+        for (size_t i = 0; i < one.count; i++)
+            add_twin(args, state, one.device);
     }
     free(copy);
     for (size_t i = 0; i < args->count; i++) {
@@ -788,9 +790,9 @@ typedef struct named {
 } named_t;
 
 /* Splits a setting. @return false: it is for another twin */
-static bool take_apart(const char *setting, size_t slave, named_t *named)
+static bool take_apart(const twin_args_t *args, const char *setting, size_t slave, named_t *named)
 {
-    if (twin_of(&setting) != slave)
+    if (twin_of(args->names, &setting, 1) != slave)
         return false;
     const char *value = strchr(setting, '=');
     snprintf(named->name, sizeof named->name, "%.*s", (int)(value - setting), setting);
@@ -814,7 +816,7 @@ static bool apply(const twin_args_t *args, ect_chain_t *chain, size_t slave, boo
     size_t count = 0;
     for (size_t i = 0; named && settings && i < args->setting_count; i++) {
         named_t *one = &named[count];
-        if (!take_apart(args->settings[i], slave, one) || (outside_only && !is_outside(chain, slave, one->name)))
+        if (!take_apart(args, args->settings[i], slave, one) || (outside_only && !is_outside(chain, slave, one->name)))
             continue;
         settings[count++] = (ect_setting_t){.name = one->name, .value = one->value};
     }
@@ -830,7 +832,7 @@ static bool all_for_a_twin(const twin_args_t *args, const char *who)
 {
     for (size_t i = 0; i < args->setting_count; i++) {
         const char *setting = args->settings[i];
-        size_t slave = twin_of(&setting);
+        size_t slave = twin_of(args->names, &setting, 1);
         if (slave < 1 || slave > args->count) {
             twin_args_report(args, who, "--set %.80s: twins are counted from 1 to the number of devices",
                              args->settings[i]);
@@ -860,6 +862,15 @@ static bool connect_all(const twin_args_t *args, ect_chain_t *chain, const char 
 {
     char message[CONNECT_MESSAGE];
     if (connect_args_apply(chain, args->connections, args->connection_count, message))
+        return true;
+    twin_args_report(args, who, "%s", message);
+    return false;
+}
+
+static bool name_all(const twin_args_t *args, ect_chain_t *chain, const char *who)
+{
+    char message[ECT_SIGNAL_MESSAGE];
+    if (ect_chain_set_names(chain, args->names, message))
         return true;
     twin_args_report(args, who, "%s", message);
     return false;
@@ -897,7 +908,8 @@ int twin_args_power_on(twin_args_t *args, const char *who, uint64_t now_ns, ect_
         twin_args_report(args, who, "not enough memory for %zu twins", args->count);
         return EXIT_RUN;
     }
-    if (apply_all(args, *chain, who, now_ns) && connect_all(args, *chain, who) && check_scenario(args, *chain, who))
+    if (name_all(args, *chain, who) && apply_all(args, *chain, who, now_ns) && connect_all(args, *chain, who) &&
+        check_scenario(args, *chain, who))
         return EXIT_CLEAN;
     ect_chain_free(*chain);
     *chain = NULL;
@@ -918,6 +930,11 @@ void twin_args_free(twin_args_t *args)
     content_free(&args->content);
     ect_table_free(args->scenario.tables);
     args->scenario.tables = NULL;
+    ect_names_free(args->names);
+    args->names = NULL;
+    free(args->joined);
+    args->joined = NULL;
+    free(args->later);
     free(args->settings);
     free(args->identities);
     wiring_args_free(&args->wiring);
@@ -927,39 +944,4 @@ void twin_args_free(twin_args_t *args)
     free(args->connections);
     free(args->twins);
     args->twins = NULL;
-}
-
-bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves, const char *modbus)
-{
-    cJSON *line = cJSON_CreateObject();
-    cJSON_AddStringToObject(line, "event", "ready");
-    if (ifaces[ECT_END_IN])
-        cJSON_AddStringToObject(line, "iface", ifaces[ECT_END_IN]);
-    if (ifaces[ECT_END_OUT])
-        cJSON_AddStringToObject(line, "iface2", ifaces[ECT_END_OUT]);
-    if (modbus)
-        cJSON_AddStringToObject(line, "modbus", modbus);
-    cJSON_AddNumberToObject(line, "slaves", (double)slaves);
-    char *text = cJSON_PrintUnformatted(line);
-    bool written = fprintf(stream, "%s\n", text ? text : "") > 0 && fflush(stream) == 0;
-    cJSON_free(text);
-    cJSON_Delete(line);
-    if (written || errno == EPIPE) /* a reader that has ended does not need it */
-        return true;
-    fprintf(stderr, "ectwin: the ready line cannot be written: %s\n", strerror(errno));
-    clearerr(stream); /* the failure was reported */
-    return false;
-}
-
-int open_control(const char *who, const ect_about_t *about, ect_control_t **control)
-{
-    char message[ECT_ENDPOINT_MESSAGE];
-    *control = ect_control_open(about->name, message);
-    if (*control) {
-        ect_control_describe(*control, about);
-        return EXIT_CLEAN;
-    }
-    bool taken = about->name && errno == EADDRINUSE;
-    fprintf(stderr, "%s: %s%s\n", who, message, taken ? "" : "; 'ectwin get' and 'ectwin set' cannot reach this twin");
-    return taken ? EXIT_OPEN : EXIT_CLEAN;
 }

@@ -40,15 +40,25 @@ static bool compare_number(const until_t *until, double number)
     }
 }
 
+/* "gripper.data1", or "data1" of the slave. */
+static bool is_of_signal(const until_t *until, const cJSON *line)
+{
+    char name[CONNECTION_NAME], room[32];
+    connection_full_name(line, name);
+    if (cJSON_GetObjectItemCaseSensitive(line, "twin") && strcmp(name, until->name) == 0)
+        return true;
+    if (strcmp(connection_text(line, "name", room), until->name) != 0)
+        return false;
+    return strcmp(until->slave, "0") == 0 || strcmp(connection_text(line, "slave", room), until->slave) == 0 ||
+           strcmp(connection_text(line, "twin", room), until->slave) == 0;
+}
+
 bool until_met(void *ctx, const cJSON *line)
 {
     until_t *until = ctx;
     char room[32];
     const cJSON *value = cJSON_GetObjectItemCaseSensitive(line, "value");
-    const cJSON *slave = cJSON_GetObjectItemCaseSensitive(line, "slave");
-    if (!value || strcmp(connection_text(line, "name", room), until->name) != 0)
-        return false;
-    if (until->slave != 0 && cJSON_IsNumber(slave) && (unsigned int)slave->valueint != until->slave)
+    if (!value || !is_of_signal(until, line))
         return false;
     const char *text = connection_text(line, "value", room);
     snprintf(until->current, sizeof until->current, "%s", text);

@@ -13,8 +13,8 @@ typedef struct until {
     const char *value; /**< of the text that was read */
     bool has_number;
     double number;
-    unsigned int slave; /**< 0: any */
-    char current[256];  /**< last value that ::until_met has seen */
+    const char *slave; /**< number or name of the twin; "0": any. A name in `name` counts before it */
+    char current[256]; /**< last value that ::until_met has seen */
 } until_t;
 
 /** Reads a condition. @return NULL; else why not, a line for the user */

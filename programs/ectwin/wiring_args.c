@@ -13,6 +13,7 @@
 #include "sii/fit.h"
 #include "text/argument.h"
 #include "text/number.h"
+#include "twin_names.h"
 
 enum {
     KEY_ESC = 0x200,
@@ -89,26 +90,11 @@ static void list_boards(void)
     exit(EXIT_CLEAN);
 }
 
-/* "N:" in front names a twin. @return the rest */
-static const char *twin_of(const struct argp_state *state, const char *text, size_t *twin)
-{
-    uint64_t number = 0;
-    const char *end = ect_number_begins(text, 0, UINT64_MAX, &number);
-    *twin = 0;
-    if (!end || *end != ':')
-        return text;
-    if (number == 0 || number > UINT16_MAX)
-        argp_error(state, "%s: twins are counted from 1", text);
-    *twin = (size_t)number;
-    return end + 1;
-}
-
 static void add(wiring_args_t *args, const struct argp_state *state, int key, const char *text)
 {
     args->settings = grow(state, args->settings, args->count, sizeof *args->settings);
     wiring_setting_t *setting = &args->settings[args->count++];
-    setting->key = key;
-    setting->text = twin_of(state, text, &setting->twin);
+    *setting = (wiring_setting_t){.key = key, .text = text};
 }
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -189,10 +175,11 @@ static void set_eeprom(const struct argp_state *state, ect_twin_config_t *twin, 
     twin->eeprom_ns = chip ? (uint32_t)ECT_ESC_SII_I2C : (uint32_t)ECT_TWIN_EEPROM_NS;
 }
 
-static void set_wire(const struct argp_state *state, ect_twin_config_t *twin, const wiring_setting_t *setting)
+static void set_wire(const ect_names_t *names, const struct argp_state *state, ect_twin_config_t *twin,
+                     const wiring_setting_t *setting)
 {
-    uint64_t up = 0;
-    const char *end = ect_number_begins(setting->text, 1, UINT16_MAX, &up);
+    uint64_t up = ect_names_find(names, setting->text, strcspn(setting->text, "."));
+    const char *end = up != 0 ? strchr(setting->text, '.') : ect_number_begins(setting->text, 1, UINT16_MAX, &up);
     if (!end || setting->twin < 2 || end[0] != '.' || end[1] < '1' || end[1] > '3' || end[2] != 0)
         argp_error(state, "--wire takes N:M.PORT, as in 3:1.2 for twin 3 at port 2 of twin 1, not '%s'", setting->text);
     twin->up = (size_t)up - 1;
@@ -286,15 +273,24 @@ static void apply_setting(wiring_args_t *args, const wiring_setting_t *setting, 
         set_cable(state, &twins[i], setting->text);
         return;
     default:
-        set_wire(state, &twins[i], setting);
+        set_wire(args->names, state, &twins[i], setting);
     }
+}
+
+static void take_twin(const ect_names_t *names, const struct argp_state *state, wiring_setting_t *setting)
+{
+    const char *text = setting->text;
+    setting->twin = twin_of(names, &setting->text, 0);
+    if (setting->text != text && setting->twin == 0)
+        argp_error(state, "%s: twins are counted from 1", text);
 }
 
 void wiring_args_apply(wiring_args_t *args, const struct argp_state *state, ect_twin_config_t *twins, size_t count,
                        uint32_t seed)
 {
     for (size_t w = 0; w < args->count; w++) {
-        const wiring_setting_t *setting = &args->settings[w];
+        wiring_setting_t *setting = &args->settings[w];
+        take_twin(args->names, state, setting);
         if (setting->twin > count || (setting->key == KEY_WIRE && setting->twin == 0))
             argp_error(state, "%zu:%s: twins are counted from 1 to %zu", setting->twin, setting->text, count);
         for (size_t i = 0; i < count; i++) {

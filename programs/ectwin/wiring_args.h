@@ -15,14 +15,15 @@
 /** "[N:]VALUE" of such an option. */
 typedef struct wiring_setting {
     int key;          /**< of the option */
+    const char *text; /**< the value; until ::wiring_args_apply with the twin in front */
     size_t twin;      /**< from 1; 0: all */
-    const char *text; /**< the value */
 } wiring_setting_t;
 
 typedef struct wiring_args {
     wiring_setting_t *settings;
     size_t count;
-    ect_device_t **fitted; /**< descriptions of twins on a board, for --like; in use as long as the twins */
+    const ect_names_t *names; /**< of the twins, NULL: none */
+    ect_device_t **fitted;    /**< descriptions of twins on a board, for --like; in use as long as the twins */
     size_t fitted_count;
 } wiring_args_t;
 

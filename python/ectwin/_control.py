@@ -17,15 +17,17 @@ from ._errors import Error, Refused
 PATIENCE = 5.0  # seconds for a twin to answer
 
 Value = Union[int, float, str]
+Slave = Union[int, str]  # number, from 1, or name
 
 
 class Change(NamedTuple):
-    """A change of a watched signal; `time` is the twin's clock in seconds."""
+    """A change of a watched signal; `time` is the twin's clock in seconds, `twin` the name of the slave, if it has one."""
 
     time: float
     slave: int
     name: str
     value: Value
+    twin: Optional[str] = None
 
 
 class Signal(NamedTuple):
@@ -37,6 +39,7 @@ class Signal(NamedTuple):
     access: str
     range: str
     meaning: str
+    twin: Optional[str] = None
 
 
 # --- finding twins -----------------------------------------------------------------------------------------------------
@@ -205,7 +208,7 @@ class Watch:
             return None
         if "ok" in line:
             raise Error(line.get("message", "the twin has ended this watch"))
-        return Change(line["time"], line["slave"], line["name"], line["value"])
+        return Change(line["time"], line["slave"], line["name"], line["value"], line.get("twin"))
 
     def __iter__(self) -> Iterator[Change]:
         return self

@@ -14,7 +14,7 @@ import time
 from typing import IO, Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, TypeVar, Union
 
 from . import _network, programs
-from ._control import PATIENCE, Connection, Signal, Value, Watch, each, find, open_named, path_of
+from ._control import PATIENCE, Connection, Signal, Slave, Value, Watch, each, find, open_named, path_of
 from ._errors import Error, Refused
 
 Result = TypeVar("Result")
@@ -37,7 +37,8 @@ def _option(value: Union[Value, bool, bytes]) -> str:
 
 
 class Twin:
-    """A chain of running twins. `slave` counts from 1; 0 where several may be meant: all of them.
+    """A chain of running twins. `slave` counts from 1, or is the name of a twin; 0 where several may be meant: all of them.
+    The name of a signal may begin with that of its twin: get("gripper.data1").
 
     A value is an int, a float, or a str (texts, and bytes as hexadecimal digits). A Twin is a context manager: at the
     end of its block the connection is closed, and twins that were started here end.
@@ -75,41 +76,41 @@ class Twin:
 
     # --- signals --------------------------------------------------------------------------------------------------
 
-    def get(self, name: str, slave: int = 1) -> Value:
+    def get(self, name: str, slave: Slave = 1) -> Value:
         """The value of one signal."""
         values = self._values(name, slave)
         if len(values) != 1:
             raise Error(f"'{name}' is not one signal, but {len(values)}: values() gives several")
         return next(iter(values.values()))
 
-    def _values(self, pattern: str, slave: int) -> Dict[Tuple[int, str], Value]:
+    def _values(self, pattern: str, slave: Slave) -> Dict[Tuple[int, str], Value]:
         lines = self._ask({"op": "get", "pattern": pattern, "slave": slave})
         return {(line["slave"], line["name"]): line["value"] for line in lines}
 
-    def values(self, pattern: str = "*", slave: int = 1) -> Dict[Any, Value]:
+    def values(self, pattern: str = "*", slave: Slave = 1) -> Dict[Any, Value]:
         """The signals that match a shell pattern: {name: value}, of all slaves {(slave, name): value}."""
         values = self._values(pattern, slave)
         return dict(values) if slave == 0 else {name: value for (_, name), value in values.items()}
 
-    def signals(self, pattern: str = "*", slave: int = 1) -> List[Signal]:
+    def signals(self, pattern: str = "*", slave: Slave = 1) -> List[Signal]:
         """The signals of a slave, with range and meaning."""
         lines = self._ask({"op": "list", "pattern": pattern, "slave": slave})
-        return [Signal(*(line[field] for field in Signal._fields)) for line in lines]
+        return [Signal(*(line.get(field) for field in Signal._fields)) for line in lines]
 
-    def set(self, values: Settings, slave: int = 1) -> None:
+    def set(self, values: Settings, slave: Slave = 1) -> None:
         """Sets {name: value}: all of them or none. A value that is bytes is sent as hexadecimal digits."""
         self._ask({"op": "set", "values": {name: _text(value) for name, value in values.items()}, "slave": slave})
 
-    def command(self, remote: str, data: Union[bytes, bytearray], slave: int = 1) -> None:
+    def command(self, remote: str, data: Union[bytes, bytearray], slave: Slave = 1) -> None:
         """An operator's command of 16 bytes from a remote unit of a base unit: command("ru1", bytes(16))."""
         self.set({f"{remote}.command": bytes(data)}, slave)
 
-    def watch(self, pattern: str = "*", slave: int = 1, every: bool = False) -> Watch:
+    def watch(self, pattern: str = "*", slave: Slave = 1, every: bool = False) -> Watch:
         """A Watch on what matches, on a connection of its own; `every`: every change, with its time."""
         return Watch(self._open(), {"op": "watch", "pattern": pattern, "slave": slave, "every": every})
 
     def wait(
-        self, name: str, value: Union[Value, Callable[[Value], bool]], timeout: float = 10.0, slave: int = 1
+        self, name: str, value: Union[Value, Callable[[Value], bool]], timeout: float = 10.0, slave: Slave = 1
     ) -> Value:
         """Waits until a signal has a value, or fulfils a condition: wait("temperature", lambda t: t > 40).
 
@@ -118,9 +119,9 @@ class Twin:
         end = time.monotonic() + timeout
         wanted = value if callable(value) else lambda current: bool(current == value)
         with self.watch(name, slave, every=True) as watch:
-            if (slave, name) not in watch.values:
+            if len(watch.values) != 1:
                 raise Error(f"'{name}' is not the name of one signal")
-            current = watch.values[slave, name]
+            (current,) = watch.values.values()
             while not wanted(current):
                 change = watch.next(max(0.0, end - time.monotonic()))
                 if change is None:
@@ -129,11 +130,11 @@ class Twin:
                 current = change.value
         return current
 
-    def wait_for(self, name: str, value: Value, timeout: float = 10.0, slave: int = 1) -> None:
+    def wait_for(self, name: str, value: Value, timeout: float = 10.0, slave: Slave = 1) -> None:
         """As `wait`; the older name."""
         self.wait(name, value, timeout, slave)
 
-    def periodic(self, slave: int = 1) -> bytes:
+    def periodic(self, slave: Slave = 1) -> bytes:
         """The last complete set of periodic data of a base unit; b"": none has come yet."""
         for _ in range(100):
             data, serial, size = b"", None, 1
@@ -158,22 +159,22 @@ class Twin:
         """The faults of frames that are set."""
         return [line["fault"] for line in self._ask({"op": "fault"})]
 
-    def _plug(self, slave: int, ports: Iterable[int], plugged: int) -> None:
+    def _plug(self, slave: Slave, ports: Iterable[int], plugged: int) -> None:
         self.set({_PLUGS[port]: plugged for port in ports}, slave)
 
-    def cut(self, slave: int, port: int) -> None:
+    def cut(self, slave: Slave, port: int) -> None:
         """Cuts the wire at a port of a slave: 0 input, 1 output, 2 and 3 ports of a junction."""
         self._plug(slave, [port], 0)
 
-    def mend(self, slave: int, port: int) -> None:
+    def mend(self, slave: Slave, port: int) -> None:
         """Mends a wire that `cut` has cut."""
         self._plug(slave, [port], 1)
 
-    def unplug(self, slave: int) -> None:
+    def unplug(self, slave: Slave) -> None:
         """Pulls all plugs of a slave: it leaves the bus, with all slaves behind it."""
         self._plug(slave, range(len(_PLUGS)), 0)
 
-    def plug(self, slave: int) -> None:
+    def plug(self, slave: Slave) -> None:
         """Inserts all plugs of a slave again."""
         self._plug(slave, range(len(_PLUGS)), 1)
 

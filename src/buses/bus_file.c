@@ -99,14 +99,15 @@ static void add_word(reader_t *r, char *word)
         file->words[file->count++] = word;
 }
 
-static void add_device(reader_t *r, const char *device, size_t count)
+static void add_device(reader_t *r, const char *name, const char *device, size_t count)
 {
     ect_bus_file_t *file = r->file;
     char *before = file->devices;
     char number[24] = "";
     if (count > 1)
         (void)snprintf(number, sizeof number, "*%zu", count);
-    file->devices = print(r, "%s%s%s%s", before ? before : "", before ? "," : "", device, number);
+    file->devices = print(r, "%s%s%s%s%s%s", before ? before : "", before ? "," : "", name ? name : "", name ? "=" : "",
+                          device, number);
     free(before);
 }
 
@@ -188,49 +189,36 @@ static size_t number_of(const reader_t *r, const char *text, size_t length)
     return number;
 }
 
-/* Replaces the name that `text` begins with by the number of its twin; *rest is what follows. */
-static char *name_to_number(reader_t *r, const yaml_node_t *node, const char *text, const char *end, const char **rest)
+/* Checks that `text` begins with the name or the number of a twin; *rest is what follows. */
+static void check_twin(reader_t *r, const yaml_node_t *node, const char *text, const char *end, const char **rest)
 {
     size_t length = strcspn(text, end);
-    size_t number = number_of(r, text, length);
     *rest = text + length;
-    if (number > 0)
-        return print(r, "%zu", number);
-    if (*text < '0' || *text > '9')
+    if (number_of(r, text, length) == 0 && (*text < '0' || *text > '9'))
         fail(r, node, "there is no twin with the name '%.*s'", (int)(length < 60 ? length : 60), text);
-    return print(r, "%.*s", (int)length, text);
 }
 
-/* "axis.home=distance.data1,factor=2" */
-static char *connection_by_number(reader_t *r, const yaml_node_t *node, const char *text)
-{
-    const char *rest, *end;
-    char *target = name_to_number(r, node, text, ".=", &rest);
-    const char *equals = strchr(rest, '=');
-    if (!equals) {
-        free(target);
-        return print(r, "%s", text); /* the option reports it */
-    }
-    char *source = name_to_number(r, node, equals + 1, ".,", &end);
-    char *word = target && source ? print(r, "%s%.*s%s%s", target, (int)(equals + 1 - rest), rest, source, end) : NULL;
-    free(target);
-    free(source);
-    return word;
-}
-
-/* "at 2.5s hang slave gripper": a name behind the word is a number there. */
-static char *fault_by_number(reader_t *r, const yaml_node_t *node, const char *text)
+/* "axis.home=distance.data1,factor=2"; without '=' the option reports it. */
+static void check_connection(reader_t *r, const yaml_node_t *node, const char *text)
 {
     const char *rest;
-    const char *word = strstr(text, "slave ");
-    if (!word || (word != text && word[-1] != ' '))
-        return print(r, "%s", text);
-    word += strlen("slave ");
-    word += strspn(word, " ");
-    char *number = name_to_number(r, node, word, " ", &rest);
-    char *changed = number ? print(r, "%.*s%s%s", (int)(word - text), text, number, rest) : NULL;
-    free(number);
-    return changed;
+    check_twin(r, node, text, ".=", &rest);
+    const char *equals = strchr(rest, '=');
+    if (equals)
+        check_twin(r, node, equals + 1, ".,", &rest);
+}
+
+/* "at 2.5s hang slave gripper" */
+static void check_fault(reader_t *r, const yaml_node_t *node, const char *text)
+{
+    static const char place[] = "slave ";
+    for (const char *word = strstr(text, place); word && !r->failed; word = strstr(word, place)) {
+        bool begins = word == text || word[-1] == ' ';
+        word += strlen(place);
+        word += strspn(word, " ");
+        if (begins)
+            check_twin(r, node, word, " ", &word);
+    }
 }
 
 /* --- paths -------------------------------------------------------------------------------------------------------- */
@@ -262,9 +250,9 @@ static char *value_of(reader_t *r, const yaml_node_t *node, const char *key, uns
     if (r->failed)
         return NULL;
     if (strcmp(key, "connect") == 0)
-        return connection_by_number(r, node, text);
+        check_connection(r, node, text);
     if (strcmp(key, "fault") == 0)
-        return fault_by_number(r, node, text);
+        check_fault(r, node, text);
     return (option & ECT_BUS_OPTION_PATH) != 0 ? path_of(r, "", text) : print(r, "%s", text);
 }
 
@@ -328,12 +316,9 @@ static void take_connection(reader_t *r, const entry_t *entry, const char *key, 
 {
     const char *rest;
     const char *text = scalar(r, value, key);
-    for (size_t i = 0; i < entry->count && !r->failed; i++) {
-        char *source = name_to_number(r, value, text, ".,", &rest);
-        if (source)
-            add_word(r, print(r, "--connect=%zu.%s=%s%s", entry->first + i, key, source, rest));
-        free(source);
-    }
+    check_twin(r, value, text, ".,", &rest);
+    for (size_t i = 0; i < entry->count && !r->failed; i++)
+        add_word(r, print(r, "--connect=%zu.%s=%s", entry->first + i, key, text));
 }
 
 static void take_twin_key(reader_t *r, const entry_t *entry, const char *key, const yaml_node_t *value)
@@ -398,7 +383,7 @@ static void add_entry(reader_t *r, const yaml_node_t *twin)
     if (r->file->twins > ECT_BUS_FILE_TWINS)
         fail(r, twin, "more than %d twins", (int)ECT_BUS_FILE_TWINS);
     if (word && !r->failed)
-        add_device(r, word, entry.count);
+        add_device(r, entry.name, word, entry.count);
     free(word);
     r->entries[r->entry_count++] = entry;
 }

@@ -19,8 +19,8 @@
  * ```
  *
  * The keys are the long options of the command, so that a file can describe every bus that the command line can. Paths
- * are relative to the file. A name of a twin stands for its number in `connect`, and behind the word `slave` of a
- * fault; of several twins by `count` the names are gripper1, gripper2, gripper3.
+ * are relative to the file. A name of a twin stands for its number; of several twins by `count` the names are
+ * gripper1, gripper2, gripper3. The list of devices has the names, and the words refer to them.
  *
  * A file is refused with one line `FILE:LINE: ERROR`. Neither a file that it names nor a network is opened. Anchors,
  * aliases, tags and a second document are refused: no content of a file grows beyond its own size, but for `count`.
@@ -64,7 +64,7 @@ typedef struct ect_bus_options {
 typedef struct ect_bus_file {
     char **words;  /**< options, "--seed=7" */
     size_t count;  /**< of words */
-    char *devices; /**< "esi:/a/drives/servo.xml#SERVO,fzm1*3" */
+    char *devices; /**< "axis=esi:/a/drives/servo.xml#SERVO,gripper=fzm1*3" */
     size_t twins;
 } ect_bus_file_t;
 

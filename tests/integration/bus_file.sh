@@ -41,11 +41,11 @@ check "the ready line" '{"event":"ready","iface":"ecat0","slaves":4}' "$(grep re
 check "signals, connections and the drive of the file" "temperature=1 data1=1.5 judgement=1 axis1.enable=1" "$(xargs <<<"$said")"
 check "the store lies beside the file" 1 "$([ -d "$work/kept" ] && echo 1)"
 said=$("$ectwin" with --set 2:data1=2.5 "$work/bus.yaml" --set 3:data1=3.5 -- "$ectwin" get -n 0 data1 2>>"$work/err" | xargs)
-check "options of the command line replace those of the file, before and behind it" "2:data1=2.5 3:data1=3.5" "$said"
+check "options of the command line replace those of the file, before and behind it" "camera1.data1=2.5 camera2.data1=3.5" "$said"
 "$ectwin" with --in-process --virtual-time "$work/bus.yaml" -- "$conform" -i {} --only CF-095 >"$work/out" 2>>"$work/err"
 check "a bus in the master's process goes to OP (CF-095)" 1 "$(grep -c 'pass CF-095' "$work/out")"
 
-check "check: a bus that can run" "4 twins: optoncdt2300,fzm1*2,esi:$work/drives/drives.xml#SERVO 0" \
+check "check: a bus that can run" "4 twins: ranger=optoncdt2300,camera=fzm1*2,axis=esi:$work/drives/drives.xml#SERVO 0" \
   "$("$ectwin" check "$work/bus.yaml" 2>"$work/err" | tr '\n' ' '; echo "${PIPESTATUS[0]}")"
 sed 's/temperature: 1/warmth: 1/' "$work/bus.yaml" >"$work/wrong.yaml"
 rm -rf "$work/kept"
@@ -60,6 +60,82 @@ check "a wrong key" "ectwin with: $work/wrong.yaml:4: 'colour' is no key of a tw
 "$ectwin" run -i nosuch0 "$work/nothing.yaml" 2>"$work/err"
 check "no such file: exit code" 2 $?
 check "no such file" "ectwin run: $work/nothing.yaml: No such file or directory" "$(cat "$work/err")"
+
+# Names of twins, of a bus file or of the command line, in every command that takes a number.
+cat >"$work/script" <<'END'
+at 0s set camera2.data1=9
+expect camera2.data1=9 within 1s
+expect camera1:data1=1.5 within 1s
+END
+cat >"$work/ask" <<END
+e='$ectwin'
+"\$e" wait camera2.data1=9
+"\$e" get camera2.data1
+"\$e" get -n camera1 data1
+"\$e" get -n 0 data1
+"\$e" get -n 0 'camera?.data2'
+"\$e" set camera1.data1=3 ranger.temperature=4
+"\$e" set camera1.data1=5 ranger.temperature=warm
+"\$e" get camera1.data1 ranger.temperature
+"\$e" wait -t 5 'camera1.data1>2'; echo "wait \$?"
+"\$e" wait -t 5 -n camera1 'data1>2'; echo "wait \$?"
+"\$e" fault drop 0% wire ranger; "\$e" fault; "\$e" fault off
+"\$e" fault hang slave camera2; "\$e" fault hang slave nobody
+"\$e" get -n nobody data1
+"\$e" unplug axis; "\$e" get axis.ecat.plug_in; "\$e" plug axis
+"\$e" cut camera2.1; "\$e" get camera2.ecat.plug_out; "\$e" mend camera2.1
+"\$e" list-signals camera1.data1 | tr -s ' '
+printf 'camera1.data1,ranger.temperature\n7,8\n' | "\$e" set --csv -
+"\$e" watch --until 'camera1.data1=7' --csv - camera1.data1 ranger.temperature
+"\$e" watch --until 'camera1.data1=7' camera1.data1 | sed 's/,"time.*//'
+END
+cat >"$work/wanted" <<'END'
+camera2.data1=9
+data1=1.5
+camera1.data1=1.5
+camera2.data1=9
+camera1.data2=0
+camera2.data2=0
+ectwin set: temperature takes -55..127 degC, not 'warm'
+camera1.data1=3
+ranger.temperature=4
+wait 0
+wait 0
+drop 0% wire ranger
+ectwin fault: expected the number or the name of a twin, not 'nobody'
+ectwin get: there is no such slave in this chain
+axis.ecat.plug_in=0
+camera2.ecat.plug_out=0
+data1 rw -999999999..999999999 measured value D1 of the scene
+time,camera1.data1,ranger.temperature
+0.000000,7,8
+{"slave":2,"twin":"camera1","name":"data1","value":7
+END
+sed '/^connect/d' "$work/bus.yaml" >"$work/named.yaml"
+said=$("$ectwin" with --quiet --scenario "$work/script" "$work/named.yaml" -- sh -c "sh '$work/ask' 2>&1" 2>"$work/err")
+check "names of a bus file in every command" "" "$(diff "$work/wanted" - <<<"$said")"
+check "names in a scenario" "ectwin with: 2 of 2 expectations are met" "$(tail -1 "$work/err")"
+said=$("$ectwin" with --set b.data1=2 --set c2:data1=3 --connect b.data2=c2.data1 --alias b:17 --wire c1:b.2 --drift c2:5 --cable c1:7 \
+  --esc b:et1100 fzm1,b=fzm1,c=fzm1*2 -- sh -c "'$ectwin' wait b.data2=3; '$ectwin' get b.data1 c2.data1 b.data2" 2>"$work/err" | xargs)
+check "names of the command line in its options" "b.data1=2 c2.data1=3 b.data2=3" "$said"
+said=$("$ectwin" with --in-process --virtual-time --fault 'expect b.data1=2' --set b:data1=2 b=fzm1 -- "$conform" -i {} --only CF-001 2>&1 >"$work/out")
+check "names of twins in the master's process" 1 "$(grep -c '1 of 1 expectations are met' <<<"$said")"
+printf 'time,b.data1,c.data1\n0,3,4\n' >"$work/table.csv"
+"$ectwin" with --play "$work/table.csv" b=fzm1,c=fzm1 -- "$ectwin" wait -t 5 c.data1=4 2>"$work/err"
+check "names in the columns of a table" 0 $?
+while IFS='|' read -r devices line; do
+  "$ectwin" check "$devices" >"$work/out" 2>"$work/err"
+  check "$devices: exit code" 1 $?
+  check "$devices" "ectwin check: $line" "$(head -1 "$work/err")"
+done <<'END'
+a=fzm1,a=fzm1|two twins have the name 'a'
+a=fzm1*2,a1=fzm1|two twins have the name 'a1'
+2=fzm1|'2=fzm1': a name is a letter a to z, then letters, digits, _ and -, at most 31 characters, as in gripper=fzm1
+Arm=fzm1|'Arm=fzm1': a name is a letter a to z, then letters, digits, _ and -, at most 31 characters, as in gripper=fzm1
+abcdefghijklmnopqrstuvwxyz-0123=fzm1*2|the name 'abcdefghijklmnopqrstuvwxyz-01231' is longer than 31 characters
+scenario=fzm1|the name 'scenario' hides the signals of a scenario: choose another name
+ru1=vr-bu-ect-map1|the name 'ru1' of twin 1 hides the signal 'ru1.id' of twin 1: choose another name
+END
 
 {
   printf 'ectwin: 1\ntwins:\n'

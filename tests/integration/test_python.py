@@ -117,6 +117,26 @@ class Start(unittest.TestCase):
             self.assertEqual(twin.get("bu.state"), twin.values("bu.*")["bu.state"])
         self.assertFalse(os.path.lexists(path))
 
+    def test_names_of_twins(self):
+        with ectwin.start("a=fzm1,b=fzm1", program=self.program) as twin:
+            twin.set({"a.data1": 1, "b.data1": 2})
+            twin.set({"data2": 3}, slave="b")
+            self.assertEqual((twin.get("a.data1"), twin.get("b.data1"), twin.get("data2", slave="b")), (1, 2, 3))
+            self.assertEqual(twin.values("b.data[12]"), {"data1": 2, "data2": 3})
+            self.assertEqual(twin.wait("b.data1", 2), 2)
+            (signal,) = twin.signals("b.data1")
+            self.assertEqual((signal.slave, signal.name, signal.twin), (2, "data1", "b"))
+            with twin.watch("b.data1", every=True) as watch:
+                twin.set({"b.data1": 5})
+                self.assertEqual(next(watch)[1:], (2, "data1", 5, "b"))
+            twin.unplug("b")
+            self.assertEqual(twin.get("b.ecat.plug_in"), 0)
+            twin.cut("a", 0)
+            twin.fault("drop 0% wire b")
+            self.assertEqual(twin.faults(), ["drop 0% wire b"])
+            with self.assertRaisesRegex(ectwin.Refused, "no such slave"):
+                twin.get("data1", slave="c")
+
     def test_options_and_several_devices(self):
         options = ["--set", "2:data1=5"]
         with ectwin.start(["fzm1", "fzm1"], self.interface, options, self.program) as twin:

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "bus/chain/chain.h"
 
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "bus/chain/bits.h"
 #include "bus/chain/cabling.h"
@@ -33,8 +35,9 @@ struct ect_chain {
     uint64_t fast_frame_ns; /* time of the last frame that took the fast path through the first `fast_reach` twins */
     size_t fast_reach;
     uint8_t *pool; /* memory of all ESCs and buffers in one block: the system provides pages when they are written to */
-    ect_twin_snapshot_t kept;
-    const ect_plant_t *shown; /* signals of the bus; NULL: none */
+    ect_twin_snapshot_t *kept; /* one a twin; NULL: none was kept yet */
+    const ect_names_t *names;  /* NULL: none */
+    const ect_plant_t *shown;  /* signals of the bus; NULL: none */
     void *shown_instance;
     ect_connections_t *connections; /* NULL: none */
     size_t connection_count;
@@ -152,8 +155,10 @@ void ect_chain_free(ect_chain_t *chain)
         ect_twin_free(&chain->twins[i]);
     ect_fast_free(chain->fast);
     ect_deadlines_free(chain->deadlines);
+    for (size_t i = 0; chain->kept && i < chain->cabling.count; i++)
+        ect_twin_snapshot_free(&chain->kept[i]);
+    free(chain->kept);
     ect_cabling_free(&chain->cabling);
-    ect_twin_snapshot_free(&chain->kept);
     ect_connections_free(chain->connections);
     free(chain->ready);
     free(chain->pool);
@@ -451,18 +456,77 @@ bool ect_chain_next_signal(const ect_chain_t *chain, size_t position, ect_chain_
 {
     const ect_twin_t *twin = twin_at(chain, position);
     ect_chain_show_lamps(chain, position);
-    return ect_signals_next(twin->config.plant, twin->slave.config.instance, &cursor->device, ref) ||
-           ect_signals_next(twin->config.beside.plant, twin->config.beside.instance, &cursor->beside, ref) ||
-           ect_signals_next(&ect_lamps_plant, twin->lamps, &cursor->lamps, ref) ||
-           ect_signals_next(&ect_wiring_plant, twin->wiring, &cursor->wiring, ref) ||
-           (position == 0 && ect_signals_next(chain->shown, chain->shown_instance, &cursor->shown, ref));
+    bool found = ect_signals_next(twin->config.plant, twin->slave.config.instance, &cursor->device, ref) ||
+                 ect_signals_next(twin->config.beside.plant, twin->config.beside.instance, &cursor->beside, ref) ||
+                 ect_signals_next(&ect_lamps_plant, twin->lamps, &cursor->lamps, ref) ||
+                 ect_signals_next(&ect_wiring_plant, twin->wiring, &cursor->wiring, ref) ||
+                 (position == 0 && ect_signals_next(chain->shown, chain->shown_instance, &cursor->shown, ref));
+    if (found)
+        ref->twin = ect_names_at(chain->names, position);
+    return found;
+}
+
+/* The name of a signal whose first part is the name of a twin. */
+static bool is_hidden(const ect_chain_t *chain, const ect_names_t *names, size_t position, char *message)
+{
+    ect_chain_cursor_t cursor = {0};
+    ect_signal_ref_t ref;
+    while (ect_chain_next_signal(chain, position, &cursor, &ref)) {
+        size_t length = strcspn(ref.name, ".");
+        size_t number = ref.name[length] == '.' ? ect_names_find(names, ref.name, length) : 0;
+        if (number == 0)
+            continue;
+        (void)snprintf(message, ECT_SIGNAL_MESSAGE,
+                       "the name '%.*s' of twin %zu hides the signal '%s' of twin %zu: choose another name",
+                       (int)length, ref.name, number, ref.name, position + 1);
+        return true;
+    }
+    return false;
+}
+
+bool ect_chain_set_names(ect_chain_t *chain, const ect_names_t *names, char *message)
+{
+    const char scenario[] = "scenario"; /* signals that are shown later (ect_chain_show) */
+    if (ect_names_find(names, scenario, strlen(scenario)) != 0) {
+        (void)snprintf(message, ECT_SIGNAL_MESSAGE,
+                       "the name 'scenario' hides the signals of a scenario: choose another name");
+        return false;
+    }
+    for (size_t i = 0; names && i < chain->cabling.count; i++) {
+        const ect_twin_config_t *twin = &chain->twins[i].config, *before = &chain->twins[i > 0 ? i - 1 : 0].config;
+        bool known = i > 0 && twin->plant == before->plant && twin->beside.plant == before->beside.plant;
+        if (!known && is_hidden(chain, names, i, message))
+            return false;
+    }
+    chain->names = names;
+    return true;
+}
+
+const ect_names_t *ect_chain_names(const ect_chain_t *chain)
+{
+    return chain->names;
+}
+
+bool ect_chain_resolve(const ect_chain_t *chain, size_t *position, const char **name)
+{
+    size_t length = strcspn(*name, ".");
+    size_t number = (*name)[length] == '.' ? ect_names_find(chain->names, *name, length) : 0;
+    if (number == 0)
+        return false;
+    *position = number - 1;
+    *name += length + 1;
+    return true;
 }
 
 bool ect_chain_signal(const ect_chain_t *chain, size_t position, const char *name, ect_signal_ref_t *ref)
 {
+    (void)ect_chain_resolve(chain, &position, &name);
     ect_chain_show_lamps(chain, position);
-    return ect_twin_signal(twin_at(chain, position), name, ref) ||
-           (position == 0 && ect_signal_find(chain->shown, chain->shown_instance, name, ref));
+    bool found = ect_twin_signal(twin_at(chain, position), name, ref) ||
+                 (position == 0 && ect_signal_find(chain->shown, chain->shown_instance, name, ref));
+    if (found)
+        ref->twin = ect_names_at(chain->names, position);
+    return found;
 }
 
 void ect_chain_show(ect_chain_t *chain, const ect_plant_t *plant, void *instance)
@@ -487,13 +551,15 @@ ect_bulk_t ect_chain_bulk(const ect_chain_t *chain, size_t position)
 
 bool ect_chain_keep(ect_chain_t *chain, size_t position)
 {
-    return ect_twin_save(twin_at(chain, position), &chain->kept);
+    if (!chain->kept)
+        chain->kept = calloc(chain->cabling.count, sizeof *chain->kept);
+    return chain->kept && ect_twin_save(twin_at(chain, position), &chain->kept[position]);
 }
 
 void ect_chain_put_back(ect_chain_t *chain, size_t position)
 {
-    ECT_ASSERT(position < chain->cabling.count);
-    ect_twin_restore(&chain->twins[position], &chain->kept);
+    ECT_ASSERT(position < chain->cabling.count && chain->kept);
+    ect_twin_restore(&chain->twins[position], &chain->kept[position]);
 }
 
 void ect_chain_wake(ect_chain_t *chain, size_t position)

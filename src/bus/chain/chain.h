@@ -14,7 +14,7 @@
  *
  * There are no sockets and no clock in here. Frames and times are arguments; times are nanoseconds of any clock that
  * never goes back, real or virtual. Context: one thread at a time for a chain; chains are independent of each other.
- * Memory comes from the heap in ::ect_chain_new, a copy of one twin's state in ::ect_chain_keep; ::ect_chain_set_link
+ * Memory comes from the heap in ::ect_chain_new, a copy of a twin's state in ::ect_chain_keep; ::ect_chain_set_link
  * and ::ect_chain_poll allocate a byte a twin for the time of the call when a link changes. `position` is that of a
  * twin on the wire, 0..::ect_chain_count - 1; any other one is a mistake of the caller.
  */
@@ -28,6 +28,7 @@
 #include "bus/chain/connect.h"
 #include "bus/chain/crossing.h"
 #include "bus/chain/fault.h"
+#include "bus/chain/names.h"
 #include "bus/chain/signals.h"
 #include "bus/chain/twin_config.h"
 #include "esc/esc.h"
@@ -140,6 +141,25 @@ size_t ect_chain_count(const ect_chain_t *chain);
  */
 void ect_chain_show_lamps(const ect_chain_t *chain, size_t position);
 
+/**
+ * Names the twins. No name is the first part of a name of a signal, as `ru1` is of `ru1.on`: it would hide the signal.
+ * @param names         must outlive the chain; NULL: no twin has a name
+ * @param[out] message  on failure the reason, one line; ECT_SIGNAL_MESSAGE bytes
+ * @return false: a name hides a signal; the names are as before
+ */
+bool ect_chain_set_names(ect_chain_t *chain, const ect_names_t *names, char *message);
+
+/** The names of the twins; NULL: no twin has one. */
+const ect_names_t *ect_chain_names(const ect_chain_t *chain);
+
+/**
+ * Takes the name of a twin off the name of a signal: "gripper.data1" is "data1" of the twin "gripper".
+ * @param[in,out] position  set to that of the twin
+ * @param[in,out] name      set to the text behind the dot
+ * @return whether the text begins with the name of a twin and a dot; if not, nothing has changed
+ */
+bool ect_chain_resolve(const ect_chain_t *chain, size_t *position, const char **name);
+
 /** Position in the list of a twin's signals. Zeroed: before the first. */
 typedef struct ect_chain_cursor {
     ect_signal_cursor_t device, beside, lamps, wiring, shown;
@@ -158,7 +178,10 @@ void ect_chain_show(ect_chain_t *chain, const ect_plant_t *plant, void *instance
 bool ect_chain_next_signal(const ect_chain_t *chain, size_t position, ect_chain_cursor_t *cursor,
                            ect_signal_ref_t *ref);
 
-/** Finds a signal of a twin by its exact name. @return whether there is one; then sets *ref, valid with the chain */
+/**
+ * Finds a signal of a twin by its exact name; "gripper.data1" is found whatever the position is (::ect_chain_resolve).
+ * @return whether there is one; then sets *ref, valid with the chain
+ */
 bool ect_chain_signal(const ect_chain_t *chain, size_t position, const char *name, ect_signal_ref_t *ref);
 
 /**
@@ -174,7 +197,7 @@ ect_bulk_t ect_chain_bulk(const ect_chain_t *chain, size_t position);
 /** Saves what signals can change in a twin, for ::ect_chain_put_back. @return false: out of memory */
 bool ect_chain_keep(ect_chain_t *chain, size_t position);
 
-/** Restores the state saved by the last ::ect_chain_keep, of the same position. No poll in between. */
+/** Restores the state saved by the last ::ect_chain_keep of this position. No poll in between. */
 void ect_chain_put_back(ect_chain_t *chain, size_t position);
 
 /**

@@ -216,7 +216,13 @@ static bool read_place(ect_words_t *r, ect_fault_t *fault, bool *good)
     bool of_slave = !ect_fault_is_of_frames(fault) && fault->kind != ECT_FAULT_OFF;
     if (!(of_slave ? ect_words_take(r, "slave") : (kinds[fault->kind].parts & WIRE) != 0 && ect_words_take(r, "wire")))
         return false;
-    *good = number(r, "", 1, UINT16_MAX, &slave);
+    fault->slave = ect_words_take_twin(r);
+    if (fault->slave != 0)
+        return true;
+    const char *word = ect_words_next(r);
+    bool named = word && ect_name_begins(word) > 0;
+    *good = named ? ect_words_wrong(r, "expected the number or the name of a twin", word)
+                  : number(r, "", 1, UINT16_MAX, &slave);
     fault->slave = (uint16_t)slave;
     return true;
 }
@@ -372,9 +378,9 @@ static bool is_complete(ect_words_t *r, const ect_fault_t *fault, const parts_t 
     return !fault->back || parts->place || ect_words_wrong(r, "expected 'wire N' with 'back'", "back");
 }
 
-bool ect_fault_parse(const char *text, ect_fault_t *fault, char *message)
+bool ect_fault_parse_named(const char *text, const ect_names_t *names, ect_fault_t *fault, char *message)
 {
-    ect_words_t reader = {.message = message};
+    ect_words_t reader = {.message = message, .names = names};
     parts_t parts = {0};
     *fault = (ect_fault_t){0};
     if (!ect_words_cut(&reader, &limits, text) || !read_kind(&reader, fault))
@@ -384,6 +390,11 @@ bool ect_fault_parse(const char *text, ect_fault_t *fault, char *message)
             return false;
     }
     return is_complete(&reader, fault, &parts);
+}
+
+bool ect_fault_parse(const char *text, ect_fault_t *fault, char *message)
+{
+    return ect_fault_parse_named(text, NULL, fault, message);
 }
 
 /* --- words -------------------------------------------------------------------------------------------------------- */
@@ -486,6 +497,7 @@ bool ect_fault_applies(const ect_fault_t *fault, uint64_t count, uint32_t *seed)
 typedef struct writer {
     char *text;
     size_t used;
+    const ect_names_t *names;
 } writer_t;
 
 static void put(writer_t *w, const char *word)
@@ -575,16 +587,25 @@ static void put_place(writer_t *w, const ect_fault_t *fault)
     if (fault->slave == 0)
         return;
     put(w, ect_fault_is_of_frames(fault) ? "wire" : "slave");
-    put_number(w, fault->slave, "");
+    const char *name = ect_names_at(w->names, fault->slave - 1u);
+    if (name && w->used + strlen(name) + sizeof " back" < ECT_FAULT_TEXT)
+        put(w, name);
+    else
+        put_number(w, fault->slave, "");
     if (fault->back)
         put(w, "back");
 }
 
 void ect_fault_print(const ect_fault_t *fault, char *text)
 {
+    ect_fault_print_named(fault, NULL, text);
+}
+
+void ect_fault_print_named(const ect_fault_t *fault, const ect_names_t *names, char *text)
+{
     ECT_ASSERT(fault->kind < ECT_FAULT_KINDS);
     const kind_t *kind = &kinds[fault->kind];
-    writer_t w = {.text = text};
+    writer_t w = {.text = text, .names = names};
     put(&w, kind->name);
     if (kind->second)
         put(&w, kind->second);

@@ -40,6 +40,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "bus/chain/names.h"
 #include "wire/linkage.h"
 
 ECT_C_BEGIN
@@ -125,6 +126,12 @@ typedef struct ect_fault {
 } ect_fault_t;
 
 /**
+ * Reads a fault that may name twins: "hang slave gripper".
+ * @param names  NULL: no twin has a name. The rest is as of ::ect_fault_parse
+ */
+bool ect_fault_parse_named(const char *text, const ect_names_t *names, ect_fault_t *fault, char *message);
+
+/**
  * Reads a fault.
  * @param text  words between spaces, at most 95 characters
  * @param[out] fault  set on true, else undefined
@@ -157,6 +164,9 @@ const char *ect_fault_word(size_t kind);
 
 /** Writes a fault as text. @param[out] text  ECT_FAULT_TEXT bytes */
 void ect_fault_print(const ect_fault_t *fault, char *text);
+
+/** The same with the name of the twin, where it has one and there is room. @param names  NULL: none */
+void ect_fault_print_named(const ect_fault_t *fault, const ect_names_t *names, char *text);
 
 /** @return whether the fault concerns frames. It lasts then */
 static inline bool ect_fault_is_of_frames(const ect_fault_t *fault)

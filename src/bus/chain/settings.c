@@ -7,6 +7,7 @@
 
 typedef struct step {
     ect_signal_ref_t ref;
+    size_t position;
     const char *value;
     bool waits; /* refused so far, because of another perhaps */
 } step_t;
@@ -55,6 +56,7 @@ static bool find_nearest(const ect_chain_t *chain, size_t position, const char *
 static void report_unknown(const ect_chain_t *chain, size_t position, const char *wrong, char *message)
 {
     char name[ECT_SIGNAL_NAME];
+    (void)ect_chain_resolve(chain, &position, &wrong);
     int used = snprintf(message, ECT_SIGNAL_MESSAGE, "slave %zu has no signal '%.60s'", position + 1, wrong);
     size_t at = used > 0 ? (size_t)used : 0;
     if (find_nearest(chain, position, wrong, name))
@@ -69,10 +71,13 @@ static bool prepare(const ect_chain_t *chain, size_t position, const ect_setting
                     step_t *steps, char *message)
 {
     for (size_t i = 0; i < count; i++) {
-        if (!ect_chain_signal(chain, position, settings[i].name, &steps[i].ref)) {
-            report_unknown(chain, position, settings[i].name, message);
+        const char *name = settings[i].name;
+        steps[i].position = position;
+        if (!ect_chain_signal(chain, position, name, &steps[i].ref)) {
+            report_unknown(chain, position, name, message);
             return false;
         }
+        (void)ect_chain_resolve(chain, &steps[i].position, &name);
         if (!ect_signal_check(&steps[i].ref, settings[i].value, message))
             return false;
         steps[i].value = settings[i].value;
@@ -129,20 +134,46 @@ static bool write_all(step_t *steps, size_t count, uint64_t now_ns, char *messag
     return waiting == 0;
 }
 
+/* Calls `act` for each twin of the steps once. @return false: as soon as it does */
+static bool each_twin(ect_chain_t *chain, const step_t *steps, size_t count,
+                      bool (*act)(ect_chain_t *chain, size_t position))
+{
+    for (size_t i = 0; i < count; i++) {
+        size_t first = 0;
+        while (steps[first].position != steps[i].position)
+            first++;
+        if (first == i && !act(chain, steps[i].position))
+            return false;
+    }
+    return true;
+}
+
+static bool wake(ect_chain_t *chain, size_t position)
+{
+    ect_chain_wake(chain, position);
+    return true;
+}
+
+static bool put_back(ect_chain_t *chain, size_t position)
+{
+    ect_chain_put_back(chain, position);
+    return true;
+}
+
 bool ect_settings_apply(ect_chain_t *chain, size_t position, const ect_setting_t *settings, size_t count,
                         uint64_t now_ns, char *message)
 {
     step_t *steps = calloc(count > 0 ? count : 1, sizeof *steps);
-    bool kept = steps && (count <= 1 || ect_chain_keep(chain, position));
     bool done = false;
     snprintf(message, ECT_SIGNAL_MESSAGE, "not enough memory");
-    if (kept && prepare(chain, position, settings, count, steps, message)) {
+    if (steps && prepare(chain, position, settings, count, steps, message) &&
+        (count <= 1 || each_twin(chain, steps, count, ect_chain_keep))) {
         sort(steps, count);
         done = write_all(steps, count, now_ns, message);
         if (done)
-            ect_chain_wake(chain, position);
+            (void)each_twin(chain, steps, count, wake);
         else if (count > 1)
-            ect_chain_put_back(chain, position);
+            (void)each_twin(chain, steps, count, put_back);
     }
     free(steps);
     return done;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Sets several signals of one twin: all of them, or none.
+ * Sets several signals, of one twin or by the names of twins: all of them, or none.
  */
 #ifndef ECT_BUS_CHAIN_SETTINGS_H
 #define ECT_BUS_CHAIN_SETTINGS_H
@@ -16,19 +16,19 @@
 ECT_C_BEGIN
 
 typedef struct ect_setting {
-    const char *name;
+    const char *name;  /**< "data1"; "gripper.data1" with the name of a twin (::ect_chain_resolve) */
     const char *value; /**< as ::ect_signal_write takes it */
 } ect_setting_t;
 
 /**
- * Sets signals of the twin at a position and wakes the twin: those with a turn (ect_signal_t) first, the others in the
- * order given. A refused setting is tried again after each that follows, so limits that depend on each other come in
- * any order.
- * Cost: one write a setting and try; with more than one, the twin's instance is copied first.
+ * Sets signals and wakes their twins: those with a turn (ect_signal_t) first, the others in the order given. A setting
+ * without the name of a twin is for the twin at a position. A refused setting is tried again after each that follows,
+ * so limits that depend on each other come in any order. Cost: one write a setting and try; with more than one, the
+ * instance of each twin is copied first.
  * @param position      0..::ect_chain_count - 1
  * @param settings      `count` of them; 0: none
  * @param[out] message  on failure the reason for the first refusal; ECT_SIGNAL_MESSAGE bytes
- * @return whether all were set; if not, the twin is unchanged, but for effects that a setting has already started (a
+ * @return whether all were set; if not, the twins are unchanged, but for effects that a setting has already started (a
  *         save, a restart): give those last
  */
 bool ect_settings_apply(ect_chain_t *chain, size_t position, const ect_setting_t *settings, size_t count,

@@ -28,6 +28,7 @@ typedef struct ect_signal_ref {
     uint16_t number; /**< of the structure in an array, from 1; 0 none */
     uint8_t *value;
     char name[ECT_SIGNAL_NAME];
+    const char *twin; /**< name of the twin in its chain; NULL: none */
 } ect_signal_ref_t;
 
 /** Position in the list of a device's signals. Zeroed: before the first. */

@@ -39,6 +39,14 @@ bool ect_words_cut(ect_words_t *w, const ect_words_limits_t *limits, const char 
     return true;
 }
 
+uint16_t ect_words_take_twin(ect_words_t *w)
+{
+    const char *word = ect_words_next(w);
+    size_t number = word ? ect_names_find(w->names, word, strlen(word)) : 0;
+    w->at += number > 0;
+    return (uint16_t)number;
+}
+
 bool ect_words_take(ect_words_t *w, const char *word)
 {
     if (!ect_words_next(w) || strcmp(ect_words_next(w), word) != 0)

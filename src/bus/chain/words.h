@@ -10,7 +10,9 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
+#include "bus/chain/names.h"
 #include "wire/linkage.h"
 
 ECT_C_BEGIN
@@ -18,12 +20,13 @@ ECT_C_BEGIN
 /** Most words of a line; room of a line, and of a message about one, terminators included. */
 enum { ECT_WORDS_MOST = 40, ECT_WORDS_ROOM = 256, ECT_WORDS_MESSAGE = 256 };
 
-/** The words of a line, and the next one to read. Zeroed but for `message` before ::ect_words_cut. */
+/** The words of a line, and the next one to read. Zeroed but for `message` and `names` before ::ect_words_cut. */
 typedef struct ect_words {
     char room[ECT_WORDS_ROOM];
     const char *word[ECT_WORDS_MOST + 1]; /**< NULL behind the last one */
     size_t at;                            /**< index of the next one */
     char *message;                        /**< ECT_WORDS_MESSAGE bytes of the caller: the reason of a failure */
+    const ect_names_t *names;             /**< of twins; NULL: none */
 } ect_words_t;
 
 /** A kind of line. */
@@ -45,6 +48,9 @@ static inline const char *ect_words_next(const ect_words_t *words)
 
 /** Takes the next word if it is this one. @return whether it is */
 bool ect_words_take(ect_words_t *words, const char *word);
+
+/** Takes the next word if it is the name of a twin. @return the number of the twin, from 1; 0: it is none */
+uint16_t ect_words_take_twin(ect_words_t *words);
 
 /**
  * Writes the message "EXPECTED, not 'FOUND'".

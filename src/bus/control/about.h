@@ -6,6 +6,8 @@
 #ifndef ECT_BUS_CONTROL_ABOUT_H
 #define ECT_BUS_CONTROL_ABOUT_H
 
+#include <stddef.h>
+
 #include "bus/chain/crossing.h"
 #include "wire/linkage.h"
 
@@ -15,6 +17,8 @@ ECT_C_BEGIN
 typedef struct ect_about {
     const char *name;             /**< given by the user */
     const char *devices;          /**< as they were named at the start */
+    const char *words;            /**< folder of the start, then its command line: texts, each with its terminator */
+    size_t words_length;          /**< bytes of `words` */
     const char *ifaces[ECT_ENDS]; /**< by end: the interface of the master, or the one on which the twins answer */
 } ect_about_t;
 

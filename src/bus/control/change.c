@@ -22,6 +22,10 @@ bool ect_change_is(const char *op)
 long ect_change_slave(const cJSON *request, const ect_chain_t *chain)
 {
     const cJSON *number = cJSON_GetObjectItemCaseSensitive(request, "slave");
+    const char *name = cJSON_GetStringValue(number);
+    size_t named = name ? ect_names_find(ect_chain_names(chain), name, strlen(name)) : 0;
+    if (name)
+        return named > 0 ? (long)named : -1;
     double slave = !number ? 1 : cJSON_IsNumber(number) ? number->valuedouble : -1;
     bool exists = slave >= 0 && slave <= (double)ect_chain_count(chain) && (double)(long)slave == slave;
     return exists ? (long)slave : -1;
@@ -80,7 +84,7 @@ static const char *set_fault(ect_scenario_t *scenario, ect_chain_t *chain, const
         return "no faults can be set here";
     if (!cJSON_IsString(text))
         return "\"fault\" is a text, as in {\"op\":\"fault\",\"fault\":\"drop 5%\"}";
-    bool done = ect_fault_parse(text->valuestring, &fault, message) &&
+    bool done = ect_fault_parse_named(text->valuestring, ect_chain_names(chain), &fault, message) &&
                 ect_scenario_set(scenario, chain, &fault, now_ns, message);
     return done ? NULL : message;
 }

@@ -24,7 +24,7 @@ const char *ect_change_op(const cJSON *request);
 /** @return whether an operation changes the chain */
 bool ect_change_is(const char *op);
 
-/** @return the slave that a request is for, from 1 (default 1); 0: all of them; -1: there is no such slave */
+/** @return the slave that a request is for by its number or its name, from 1 (default 1); 0: all; -1: there is none */
 long ect_change_slave(const cJSON *request, const ect_chain_t *chain);
 
 /**

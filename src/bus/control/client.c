@@ -130,14 +130,27 @@ static void end_search(ect_client_t *client, const ect_chain_t *chain)
     end_visit(client, v->matched > 0 ? NULL : message);
 }
 
+/* A pattern for all slaves may include the names of twins: "camera?.judgement". */
+static bool is_match(const ect_visit_t *v, const ect_signal_ref_t *ref)
+{
+    char name[ECT_NAME_ROOM + ECT_SIGNAL_NAME];
+    if (fnmatch(v->pattern, ref->name, 0) == 0)
+        return true;
+    if (!v->all || !ref->twin)
+        return false;
+    (void)snprintf(name, sizeof name, "%s.%s", ref->twin, ref->name);
+    return fnmatch(v->pattern, name, 0) == 0;
+}
+
 static void continue_visit(ect_client_t *client, const ect_chain_t *chain, uint64_t now_ns)
 {
     ect_visit_t *v = &client->visit;
     unsigned int lines = 0;
-    for (unsigned int matches = 0; matches < ECT_CLIENT_MATCHES && lines < ECT_CLIENT_LINES; matches++) {
+    const unsigned int cost = v->all && ect_chain_names(chain) ? 2 : 1; /* comparisons of a name */
+    for (unsigned int matches = 0; matches < ECT_CLIENT_MATCHES && lines < ECT_CLIENT_LINES; matches += cost) {
         ect_signal_ref_t ref;
         if (next_signal(v, chain, &ref)) {
-            if (!v->literal && fnmatch(v->pattern, ref.name, 0) != 0)
+            if (!v->literal && !is_match(v, &ref))
                 continue;
             if (v->op == ECT_VISIT_WATCH && !watch_one(client, &ref))
                 return;
@@ -178,9 +191,9 @@ static const char *begin(ect_client_t *client, const ect_chain_t *chain, size_t 
         return "\"pattern\" is a text of at most 127 characters";
     v->cursor = (ect_chain_cursor_t){0};
     v->matched = 0;
-    v->all = slave == 0;
     v->slave = slave > 0 ? slave - 1 : 0;
-    v->last = slave > 0 ? slave - 1 : ect_chain_count(chain) - 1;
+    v->all = !ect_chain_resolve(chain, &v->slave, &pattern) && slave == 0;
+    v->last = v->all ? ect_chain_count(chain) - 1 : v->slave;
     v->literal = strpbrk(pattern, "*?[\\") == NULL;
     strcpy(v->pattern, pattern);
     return v->op == ECT_VISIT_WATCH ? begin_watch(client, request) : NULL;
@@ -215,32 +228,65 @@ static const char *plan(ect_client_t *client, const ect_chain_t *chain, const cJ
 
 /* --- data --------------------------------------------------------------------------------------------------------- */
 
-/* One piece of what is too large for a signal; all pieces with the same serial belong together. @return why not, NULL
- */
-static const char *reply_piece(ect_client_t *client, const ect_chain_t *chain, size_t slave, const cJSON *request)
+/* @return why not, NULL with *offset in bytes of the data */
+static const char *read_offset(const cJSON *request, size_t size, size_t *offset)
+{
+    const cJSON *json = cJSON_GetObjectItemCaseSensitive(request, "offset");
+    double value = json ? json->valuedouble : 0;
+    if ((json && !cJSON_IsNumber(json)) || !(value >= 0 && value <= (double)size))
+        return "\"offset\" is a number from 0 to the size of the data";
+    *offset = (size_t)value;
+    return NULL;
+}
+
+/* The members "size", "offset" and "data": a piece of the bytes, from `at` on. */
+static void put_bytes(ect_line_t *line, const uint8_t *bytes, size_t size, size_t at)
 {
     enum { PIECE = 400 };
     static const char digits[] = "0123456789abcdef";
     char hex[2 * PIECE + 1] = "";
+    for (size_t i = 0; i < PIECE && at + i < size; i++) {
+        hex[2 * i] = digits[bytes[at + i] >> 4];
+        hex[2 * i + 1] = digits[bytes[at + i] & 15];
+    }
+    ect_line_number(line, "size", size);
+    ect_line_number(line, "offset", at);
+    ect_line_string(line, "data", hex);
+}
+
+/* One piece of the words of the start. @return why not, NULL */
+static const char *reply_words(ect_client_t *client, const cJSON *request)
+{
+    size_t at;
+    if (!client->about || !client->about->words)
+        return "this chain has no command line";
+    const char *why = read_offset(request, client->about->words_length, &at);
+    if (why)
+        return why;
+    ect_line_t line;
+    ect_line_begin(&line);
+    put_bytes(&line, (const uint8_t *)client->about->words, client->about->words_length, at);
+    ect_line_end(&line);
+    put(client, &line);
+    return NULL;
+}
+
+/* One piece of what is too large for a signal; all pieces with the same serial belong together. @return why not, NULL
+ */
+static const char *reply_piece(ect_client_t *client, const ect_chain_t *chain, size_t slave, const cJSON *request)
+{
     ect_bulk_t bulk = ect_chain_bulk(chain, slave - 1);
-    const cJSON *json = cJSON_GetObjectItemCaseSensitive(request, "offset");
-    double offset = json ? json->valuedouble : 0;
+    size_t at;
     if (!bulk.data)
         return "this slave has no data for this request; a base unit with periodic data has";
-    if ((json && !cJSON_IsNumber(json)) || !(offset >= 0 && offset <= bulk.size))
-        return "\"offset\" is a number from 0 to the size of the data";
-    uint32_t at = (uint32_t)offset;
-    for (unsigned int i = 0; i < PIECE && at + i < bulk.size; i++) {
-        hex[2 * i] = digits[bulk.data[at + i] >> 4];
-        hex[2 * i + 1] = digits[bulk.data[at + i] & 15];
-    }
+    const char *why = read_offset(request, bulk.size, &at);
+    if (why)
+        return why;
     ect_line_t line;
     ect_line_begin(&line);
     ect_line_number(&line, "slave", slave);
     ect_line_number(&line, "serial", bulk.serial);
-    ect_line_number(&line, "size", bulk.size);
-    ect_line_number(&line, "offset", at);
-    ect_line_string(&line, "data", hex);
+    put_bytes(&line, bulk.data, bulk.size, at);
     ect_line_end(&line);
     put(client, &line);
     return NULL;
@@ -396,9 +442,27 @@ static const char *list_faults(ect_client_t *client, const ect_chain_t *chain)
     return NULL;
 }
 
+/* Lines of a script that sets the same faults again, from a number on. @return why not, NULL */
+static const char *list_script(ect_client_t *client, const ect_chain_t *chain, const cJSON *request)
+{
+    size_t at = 0;
+    char text[ECT_STEP_ACTION];
+    if (!client->scenario)
+        return "no faults can be set here";
+    const char *why = read_offset(request, SIZE_MAX / 2, &at);
+    for (size_t i = 0; !why && i < ECT_CLIENT_LINES && ect_scenario_left(client->scenario, chain, at + i, text); i++) {
+        ect_line_t line;
+        ect_line_begin(&line);
+        ect_line_string(&line, "line", text);
+        ect_line_end(&line);
+        put(client, &line);
+    }
+    return why;
+}
+
 static bool has_immediate_reply(const char *op)
 {
-    static const char *const names[] = {"set", "data", "stats", "fault", "about"};
+    static const char *const names[] = {"set", "data", "stats", "fault", "about", "words", "script"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         if (strcmp(op, names[i]) == 0)
             return true;
@@ -420,6 +484,10 @@ static const char *answer(ect_client_t *client, ect_chain_t *chain, const char *
         return reply_piece(client, chain, slave, request);
     if (strcmp(op, "about") == 0)
         return reply_about(client, chain);
+    if (strcmp(op, "words") == 0)
+        return reply_words(client, request);
+    if (strcmp(op, "script") == 0)
+        return list_script(client, chain, request);
     return reply_stats(client, now_ns);
 }
 
@@ -438,7 +506,7 @@ static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request
     const char *why;
     tell_observer(client, op, request);
     if (!visit && !has_immediate_reply(op))
-        why = "a request is a line {\"op\":\"get|list|set|watch|data|stats|fault|about\",...}";
+        why = "a request is a line {\"op\":\"get|list|set|watch|data|stats|fault|about|words|script\",...}";
     else if (slave < 0 || (!visit && slave == 0))
         why = "there is no such slave in this chain";
     else if (visit)

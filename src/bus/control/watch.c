@@ -218,6 +218,8 @@ void ect_watch_describe(ect_line_t *line, const ect_signal_ref_t *ref, size_t sl
     char text[ECT_SIGNAL_TEXT_ROOM];
     ect_signal_text(ref, value, text);
     ect_line_number(line, "slave", slave + 1);
+    if (ref->twin)
+        ect_line_string(line, "twin", ref->twin);
     ect_line_string(line, "name", ref->name);
     if (ect_signal_is_number(ref->signal))
         ect_line_plain(line, "value", strpbrk(text, "in") ? "null" : text); /* JSON has no inf and no nan */

@@ -70,7 +70,8 @@ bool ect_watch_lost(const ect_watch_t *watch);
  */
 bool ect_watch_next(ect_watch_t *watch, unsigned int *budget, uint64_t now_ns, ect_line_t *line);
 
-/** Writes the members "slave", "name" and "value" of a signal. @param value  ect_signal_size() bytes */
+/** Writes the members "slave", "twin" (where it has a name), "name" and "value" of a signal. @param value
+ * ect_signal_size() bytes */
 void ect_watch_describe(ect_line_t *line, const ect_signal_ref_t *ref, size_t slave, const void *value);
 
 ECT_C_END

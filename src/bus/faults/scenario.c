@@ -46,7 +46,7 @@ bool ect_scenario_read(ect_scenario_t *s, const char *line, char *message)
     trim(line, text, sizeof text);
     if (*text == 0 || read_name(s, text))
         return true;
-    if (!ect_step_read(text, &step.plan, message))
+    if (!ect_step_read(text, s->names, &step.plan, message))
         return false;
     if (s->step_count == ECT_SCENARIO_STEPS) {
         snprintf(message, ECT_FAULT_MESSAGE, "a script has at most %d faults", ECT_SCENARIO_STEPS);
@@ -176,16 +176,50 @@ bool ect_scenario_set(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *
     char text[ECT_FAULT_TEXT];
     if (!set(s, chain, fault, now_ns, message))
         return false;
-    ect_fault_print(fault, text);
+    ect_fault_print_named(fault, ect_chain_names(chain), text);
     note(s, text);
     return true;
 }
 
+/* Whether a step that is not over has set the fault. */
+static bool is_of_step(const ect_scenario_t *s, const ect_fault_t *fault)
+{
+    size_t step = fault->tag > 0 ? (fault->tag - 1u) / 2u : s->step_count;
+    return step < s->step_count && s->steps[step].progress != ECT_STEP_OVER;
+}
+
+/* The i-th fault that is set; NULL: there is none. */
+static const ect_fault_t *fault_at(const ect_scenario_t *s, const ect_chain_t *chain, size_t i)
+{
+    return i < s->set_count ? &s->set[i].fault : ect_chain_fault_at(chain, i - s->set_count);
+}
+
+bool ect_scenario_left(const ect_scenario_t *s, const ect_chain_t *chain, size_t i, char *text)
+{
+    _Static_assert((int)ECT_FAULT_TEXT <= (int)ECT_STEP_ACTION, "a fault has room");
+    const ect_fault_t *fault;
+    for (size_t n = 0; (fault = fault_at(s, chain, n)) != NULL; n++) {
+        if (fault->kind == ECT_FAULT_COUNT || is_of_step(s, fault))
+            continue;
+        if (i-- == 0) {
+            ect_fault_print_named(fault, ect_chain_names(chain), text);
+            return true;
+        }
+    }
+    for (size_t n = 0; n < s->step_count; n++) {
+        if (s->steps[n].progress != ECT_STEP_OVER && i-- == 0) {
+            memcpy(text, s->steps[n].text, ECT_STEP_ACTION);
+            return true;
+        }
+    }
+    return false;
+}
+
 bool ect_scenario_show(const ect_scenario_t *s, const ect_chain_t *chain, size_t i, char *text)
 {
-    const ect_fault_t *fault = i < s->set_count ? &s->set[i].fault : ect_chain_fault_at(chain, i - s->set_count);
+    const ect_fault_t *fault = fault_at(s, chain, i);
     if (fault)
-        ect_fault_print(fault, text);
+        ect_fault_print_named(fault, ect_chain_names(chain), text);
     return fault != NULL;
 }
 
@@ -219,7 +253,7 @@ static void refuse(const ect_scenario_t *s, const ect_scenario_step_t *step, con
     if (!s->refused)
         return;
     if (step->plan.action == ECT_ACTION_FAULT)
-        ect_fault_print(&step->plan.fault, text);
+        ect_fault_print_named(&step->plan.fault, s->names, text);
     s->refused(s->ctx, step->plan.action == ECT_ACTION_FAULT ? text : step->text, why);
 }
 

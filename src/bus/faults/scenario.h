@@ -51,10 +51,11 @@ typedef struct ect_verdict {
     unsigned int all, met, failed;
 } ect_verdict_t;
 
-/** All zero but the seed: no faults. Members from `start_ns` on but `verdict`, `name`, `tables`
+/** All zero but the seed and the names: no faults. Members from `start_ns` on but `verdict`, `name`, `tables`
  * and `wires` are private. */
 typedef struct ect_scenario {
     uint32_t seed;
+    const ect_names_t *names; /**< of twins, for the lines of the script; they outlive the scenario. NULL: none */
     /** Called when a step of the script cannot be done at its time; `why` is one line. NULL: not called. */
     void (*refused)(void *ctx, const char *fault, const char *why);
     /** Called when an expectation is met or has failed. NULL: not called. */
@@ -157,6 +158,13 @@ static inline bool ect_scenario_rests(const ect_scenario_t *scenario)
 /** Writes the i-th fault that is set, from 0, those of frames first, as text (ECT_FAULT_TEXT bytes). @return false: no
  * such fault */
 bool ect_scenario_show(const ect_scenario_t *s, const ect_chain_t *chain, size_t i, char *text);
+
+/**
+ * Writes the i-th line, from 0, of a script that sets the same faults again and does what is still to come: faults that
+ * last, without those of a step that will end them, and steps that are not over.
+ * @param[out] text  ECT_STEP_ACTION bytes. @return false: there is no such line
+ */
+bool ect_scenario_left(const ect_scenario_t *s, const ect_chain_t *chain, size_t i, char *text);
 
 ECT_C_END
 

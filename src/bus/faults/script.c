@@ -47,8 +47,11 @@ static bool take_duration(ect_words_t *w, uint64_t *ns)
 static bool take_state(ect_words_t *w, ect_milestone_t *m)
 {
     uint64_t slave = 0;
-    if (ect_words_take(w, "slave") && !take_number(w, 1, UINT16_MAX, &slave))
-        return false;
+    if (ect_words_take(w, "slave")) {
+        slave = ect_words_take_twin(w);
+        if (slave == 0 && !take_number(w, 1, UINT16_MAX, &slave))
+            return false;
+    }
     (void)ect_words_take(w, "in");
     uint8_t state = ect_words_next(w) ? ect_fault_state(ect_words_next(w)) : 0;
     if (state == 0)
@@ -202,15 +205,21 @@ bool ect_condition_met(const ect_condition_t *c, const char *value)
     return equal == (c->relation == '=');
 }
 
-/* "2:" before the name of a signal. */
-static const char *read_slave(const char *text, ect_step_t *step)
+/* "2:", "gripper:" or "gripper." before the name of a signal. */
+static const char *read_slave(const ect_names_t *names, const char *text, uint16_t *slave)
 {
-    uint64_t slave = 0;
-    const char *end = ect_number_begins(text, 1, UINT16_MAX, &slave);
-    if (!end || *end != ':')
+    uint64_t number = 0;
+    const char *end = ect_number_begins(text, 1, UINT16_MAX, &number);
+    if (end && *end == ':') {
+        *slave = (uint16_t)number;
+        return end + 1;
+    }
+    size_t length = strcspn(text, ".:=!<>");
+    number = text[length] == '.' || text[length] == ':' ? ect_names_find(names, text, length) : 0;
+    if (number == 0)
         return text;
-    step->slave = (uint16_t)slave;
-    return end + 1;
+    *slave = (uint16_t)number;
+    return text + length + 1;
 }
 
 static bool is_signal(const ect_step_t *step, const char *text)
@@ -220,18 +229,29 @@ static bool is_signal(const ect_step_t *step, const char *text)
     return is_one && (step->action == ECT_ACTION_EXPECT || condition.relation == '=');
 }
 
+/* The number or the name of a twin. */
+static bool is_twin(const ect_names_t *names, const char *word, uint16_t *slave)
+{
+    uint64_t number = ect_names_find(names, word, strlen(word));
+    bool is_one = number != 0 || ect_number_begins(word, 1, UINT16_MAX, &number);
+    *slave = is_one ? (uint16_t)number : *slave;
+    return is_one;
+}
+
 static bool read_signals(ect_words_t *w, const char *const *word, ect_step_t *step)
 {
     size_t used = 0, count = 0;
     step->slave = 1;
     for (; *word; word++) {
-        uint64_t slave = 0;
-        if (strcmp(*word, "slave") == 0 && word[1] && ect_number_begins(word[1], 1, UINT16_MAX, &slave)) {
-            step->slave = (uint16_t)slave;
+        if (strcmp(*word, "slave") == 0 && word[1] && is_twin(w->names, word[1], &step->slave)) {
             word++;
             continue;
         }
-        const char *signal = read_slave(*word, step);
+        uint16_t slave = step->slave;
+        const char *signal = read_slave(w->names, *word, &slave);
+        if (count > 0 && slave != step->slave)
+            return ect_words_wrong(w, "the signals of a line are of one slave: write a line for each slave", *word);
+        step->slave = slave;
         if (!is_signal(step, signal))
             return ect_words_wrong(w,
                                    step->action == ECT_ACTION_SET ? "expected 'set NAME=VALUE'"
@@ -264,7 +284,7 @@ static bool read_fault(ect_words_t *w, const char *const *word, ect_step_t *step
     text[0] = 0;
     for (; *word; word++)
         used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", used > 0 ? " " : "", *word);
-    if (!ect_fault_parse(text, &step->fault, w->message))
+    if (!ect_fault_parse_named(text, w->names, &step->fault, w->message))
         return false;
     return step->until.kind == ECT_MILESTONE_NONE || can_end(&step->fault) ||
            ect_words_wrong(w, "'while', 'until' and 'for' need a fault that lasts", text);
@@ -296,9 +316,9 @@ static void default_slave(ect_milestone_t *m, uint16_t slave)
         m->slave = slave == 0 && of_state ? 1 : slave;
 }
 
-bool ect_step_read(const char *line, ect_step_t *step, char *message)
+bool ect_step_read(const char *line, const ect_names_t *names, ect_step_t *step, char *message)
 {
-    ect_words_t w = {.message = message};
+    ect_words_t w = {.message = message, .names = names};
     const char *action[ECT_WORDS_MOST + 1] = {NULL};
     size_t count = 0;
     *step = (ect_step_t){0};

@@ -13,6 +13,7 @@
  *     hang slave 2 until 5s                 ends at a milestone; for 100ms: so long after its beginning
  *     set ru1.on=0 until OP again           ... when the slave has left OP and is back
  *     at 2.5s set 2:ru1.on=0 scene=5        signals, of slave 2
+ *     hang slave gripper, set gripper.data1=5  twins by name
  *     expect ecat.state=4 within 200ms      a condition on a signal: at once, within a time, for a time
  *
  * No clock in here. Context: any.
@@ -70,10 +71,11 @@ typedef struct ect_step {
 
 /**
  * Reads a line without comment.
+ * @param names         of twins, which stand for their numbers: "slave gripper", "set gripper.data1=1"; NULL: none
  * @param[out] step     set on true, else undefined
  * @param[out] message  on failure the reason, one line for the user; ECT_STEP_MESSAGE bytes
  */
-bool ect_step_read(const char *line, ect_step_t *step, char *message);
+bool ect_step_read(const char *line, const ect_names_t *names, ect_step_t *step, char *message);
 
 /** The highest slave that the step names; 0: none. */
 uint16_t ect_step_highest_slave(const ect_step_t *step);

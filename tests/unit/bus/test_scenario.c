@@ -223,6 +223,33 @@ static void ends(void **state)
     assert_int_equal(set_count(r), 1);
 }
 
+/* The lines of a script that does the same from now on, one behind the other. */
+static void expect_left(const rig_t *r, const char *want)
+{
+    char all[8 * ECT_STEP_ACTION] = "", text[ECT_STEP_ACTION];
+    for (size_t i = 0; ect_scenario_left(&r->s, r->w.chain, i, text); i++) {
+        strcat(all, text);
+        strcat(all, "; ");
+    }
+    assert_string_equal(all, want);
+}
+
+static void is_left(void **state)
+{
+    rig_t *r = *state;
+    ect_fault_t fault;
+    START(r, "drop 0%", "counter 0 for 50ms", "at 60ms corrupt 0%", "at 70ms hang slave 2",
+          "expect ecat.state=1 for 80ms");
+    expect_left(
+        r, "drop 0%; counter 0 for 50ms; at 60ms corrupt 0%; at 70ms hang slave 2; expect ecat.state=1 for 80ms; ");
+    assert_true(ect_fault_parse("al never slave 2", &fault, r->message));
+    assert_true(ect_scenario_set(&r->s, r->w.chain, &fault, r->w.now_ns, r->message));
+    advance(r, 60 * MS);
+    expect_left(r, "drop 0%; corrupt 0%; al never slave 2; at 70ms hang slave 2; expect ecat.state=1 for 80ms; ");
+    advance(r, 20 * MS);
+    expect_left(r, "drop 0%; corrupt 0%; al never slave 2; ");
+}
+
 static void hangs_for_a_time(void **state)
 {
     rig_t *r = *state;
@@ -602,6 +629,7 @@ static void refused_lines(void **state)
         {"set ru1.on", "expected 'set NAME=VALUE'"},
         {"set ru1.on>1", "expected 'set NAME=VALUE'"},
         {"set a=1 b=2 for 1s", "expected one signal"},
+        {"set a=1 2:b=2", "the signals of a line are of one slave: write a line for each slave"},
         {"expect", "expected 'expect NAME=VALUE'"},
         {"expect a=1 b=2", "expected one signal"},
         {"expect a<b", "expected 'expect NAME=VALUE'"},
@@ -625,17 +653,25 @@ static void any_order(void **state)
         {"hang slave 2 until slave 2 in OP again", "until OP again slave 2 hang"},
         {"expect 2:ecat.state=4 within 200ms", "within 0.2s expect ecat.state=4 slave 2"},
         {"set 2:a=1 b=2 at 1s", "at 1000ms set slave 2 a=1 b=2"},
+        {"hang slave arm until 5s", "hang slave 2 until 5s"},
+        {"off at slave arm OP", "at slave 2 in OP off"},
+        {"set arm.a=1 arm:b=2 at slave arm OP", "set 2:a=1 b=2 at slave 2 OP"},
+        {"expect arm.ecat.state=4", "expect ecat.state=4 slave arm"},
+        {"expect arm.ecat.state=4", "expect slave 2 ecat.state=4"},
     };
     rig_t *r = *state;
+    ect_names_t *names = ect_names_new(2);
+    assert_true(names && ect_names_add(names, 1, "arm"));
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         ect_step_t steps[2];
         for (unsigned int n = 0; n < 2; n++) {
-            if (!ect_step_read(rows[i][n], &steps[n], r->message))
+            if (!ect_step_read(rows[i][n], names, &steps[n], r->message))
                 fail_msg("'%s': %s", rows[i][n], r->message);
         }
         if (memcmp(&steps[0], &steps[1], sizeof steps[0]) != 0)
             fail_msg("'%s' and '%s' differ", rows[i][0], rows[i][1]);
     }
+    ect_names_free(names);
 }
 
 #define TEST(title, function) {title, function, setup, teardown, NULL}
@@ -648,6 +684,7 @@ int main(int argc, char **argv)
         TEST("a step waits for SDO transfers of the slave that it names", transfers),
         TEST("a step without a slave waits for SDO transfers of any", transfers_of_any),
         TEST("faults end after a time, at a time, in a state, and come again with it", ends),
+        TEST("a saved script has faults that last and steps that are not over", is_left),
         TEST("a slave hangs for a time", hangs_for_a_time),
         TEST("a step sets signals; their end sets the value from before", sets),
         TEST("a signal that is set takes effect for the first frame from its time on", in_its_cycle),

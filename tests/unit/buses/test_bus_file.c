@@ -68,7 +68,7 @@ static void a_file_stands_for_the_words_of_a_command_line(void **state)
         const char *title, *yaml, *words;
     } rows[] = {
         {"one device", BUS(ONE), "fzm1"},
-        {"several", BUS(TWO), "pmctendo-dd5,fzm1*3,esi:/m/d/e.xml#T"},
+        {"several", BUS(TWO), "axis=pmctendo-dd5,cam=fzm1*3,esi:/m/d/e.xml#T"},
         {"an absolute path stays", BUS("twins:\n- device: sii:/x/y.bin\n"), "sii:/x/y.bin"},
         {"options of the bus come before those of twins", BUS(ONE "  alias: 5\nseed: 7\n"),
          "--seed=7 --alias=1:5 fzm1"},
@@ -85,11 +85,12 @@ static void a_file_stands_for_the_words_of_a_command_line(void **state)
         {"signals", BUS(ONE "  set: {a.b: 1.5, c: text}\n"), "--set=1:a.b=1.5 --set=1:c=text fzm1"},
         {"modules", BUS(ONE "  module: {1: 0x120, 2: 0x121}\n"), "--module=1:1=0x120 --module=1:2=0x121 fzm1"},
         {"names in connections of the bus", BUS("connect: ['axis.home=cam2.run,factor=2', 2.trigger=axis.x]\n" TWO),
-         "--connect=1.home=3.run,factor=2 --connect=2.trigger=1.x pmctendo-dd5,fzm1*3,esi:/m/d/e.xml#T"},
+         "--connect=axis.home=cam2.run,factor=2 --connect=2.trigger=axis.x "
+         "axis=pmctendo-dd5,cam=fzm1*3,esi:/m/d/e.xml#T"},
         {"names in connections of a twin", BUS(TWO "  connect: {in: axis.out}\n"),
-         "--connect=5.in=1.out pmctendo-dd5,fzm1*3,esi:/m/d/e.xml#T"},
+         "--connect=5.in=axis.out axis=pmctendo-dd5,cam=fzm1*3,esi:/m/d/e.xml#T"},
         {"names in faults", BUS("fault: at 2s hang slave cam3 until 3s\n" TWO),
-         "--fault=at 2s hang slave 4 until 3s pmctendo-dd5,fzm1*3,esi:/m/d/e.xml#T"},
+         "--fault=at 2s hang slave cam3 until 3s axis=pmctendo-dd5,cam=fzm1*3,esi:/m/d/e.xml#T"},
         {"comments and quotes", BUS("# a bus\ntwins:\n- device: \"fzm1\" # one\n"), "fzm1"},
     };
     (void)state;

@@ -138,6 +138,74 @@ static void about_the_twins(void **state)
     close_bench(&b);
 }
 
+static void names_of_twins(void **state)
+{
+    static const struct {
+        const char *request, *want;
+    } rows[] = {
+        {"{\"op\":\"set\",\"values\":{\"a.data1\":1,\"b.data1\":2,\"data2\":3}}\n", OK},
+        {"{\"op\":\"get\",\"pattern\":\"b.data1\"}\n",
+         "{\"slave\":2,\"twin\":\"b\",\"name\":\"data1\",\"value\":2}\n" OK},
+        {"{\"op\":\"get\",\"pattern\":\"b.data1\",\"slave\":1}\n",
+         "{\"slave\":2,\"twin\":\"b\",\"name\":\"data1\",\"value\":2}\n" OK},
+        {"{\"op\":\"get\",\"pattern\":\"data[12]\",\"slave\":\"a\"}\n",
+         "{\"slave\":1,\"twin\":\"a\",\"name\":\"data1\",\"value\":1}\n"
+         "{\"slave\":1,\"twin\":\"a\",\"name\":\"data2\",\"value\":3}\n" OK},
+        {"{\"op\":\"get\",\"pattern\":\"[ab].data1\",\"slave\":0}\n",
+         "{\"slave\":1,\"twin\":\"a\",\"name\":\"data1\",\"value\":1}\n"
+         "{\"slave\":2,\"twin\":\"b\",\"name\":\"data1\",\"value\":2}\n" OK},
+        {"{\"op\":\"get\",\"pattern\":\"data1\",\"slave\":3}\n", "{\"slave\":3,\"name\":\"data1\",\"value\":0}\n" OK},
+        {"{\"op\":\"fault\",\"fault\":\"al never slave b\"}\n", OK},
+        {"{\"op\":\"fault\"}\n", "{\"fault\":\"al never slave b\"}\n" OK},
+        {"{\"op\":\"script\"}\n", "{\"line\":\"al never slave b\"}\n" OK},
+        {"{\"op\":\"script\",\"offset\":1}\n", OK},
+        {"{\"op\":\"get\",\"pattern\":\"data1\",\"slave\":\"c\"}\n",
+         "{\"ok\":false,\"message\":\"there is no such slave in this chain\"}\n"},
+        {"{\"op\":\"get\",\"pattern\":\"b.nosuch\"}\n",
+         "{\"ok\":false,\"message\":\"no signal of slave 2 matches 'nosuch': 'ectwin list-signals -n 2' lists them; -n "
+         "chooses one of 3 slaves\"}\n"},
+        {"{\"op\":\"set\",\"name\":\"b.data1\",\"value\":7,\"at\":5}\n", OK},
+        {"{\"op\":\"set\",\"name\":\"b.nosuch\",\"value\":7,\"at\":5}\n",
+         "{\"ok\":false,\"message\":\"slave 1 has no signal 'b.nosuch' that can be set: 'ectwin list-signals -n 1' "
+         "lists "
+         "them\"}\n"},
+    };
+    static const ect_stats_t stats = {.start_ns = 400 * MS};
+    static ect_scenario_t scenario;
+    bench_t b;
+    char message[ECT_SIGNAL_MESSAGE];
+    ect_names_t *names = ect_names_new(3);
+    (void)state;
+    open_bench(&b, "fzm1", 3);
+    ect_control_show(b.control, &stats, &scenario);
+    assert_true(names && ect_names_add(names, 0, "a") && ect_names_add(names, 1, "b"));
+    assert_true(ect_chain_set_names(b.wire.chain, names, message));
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        expect_answer(&b, rows[i].request, rows[i].want);
+    close_bench(&b);
+    ect_names_free(names);
+}
+
+static void words_of_the_start(void **state)
+{
+    static const ect_about_t about = {.words = "/m\0--seed=7\0fzm1", .words_length = 17};
+    static const ect_about_t none = {.devices = "fzm1"};
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    expect_part(&b, "{\"op\":\"script\"}\n", "no faults can be set here");
+    ect_control_describe(b.control, &none);
+    expect_part(&b, "{\"op\":\"words\"}\n", "this chain has no command line");
+    ect_control_describe(b.control, &about);
+    expect_answer(&b, "{\"op\":\"words\"}\n",
+                  "{\"size\":17,\"offset\":0,\"data\":\"2f6d002d2d736565643d3700667a6d3100\"}\n" OK);
+    expect_answer(&b, "{\"op\":\"words\",\"offset\":16}\n", "{\"size\":17,\"offset\":16,\"data\":\"00\"}\n" OK);
+    expect_answer(&b, "{\"op\":\"words\",\"offset\":17}\n", "{\"size\":17,\"offset\":17,\"data\":\"\"}\n" OK);
+    expect_part(&b, "{\"op\":\"words\",\"offset\":18}\n", "a number from 0 to the size of the data");
+    expect_part(&b, "{\"op\":\"words\",\"offset\":\"0\"}\n", "a number from 0 to the size of the data");
+    close_bench(&b);
+}
+
 /* After each step, over all three units: one that is off the bus counts as 0, and its error does not count. */
 static void states_of_the_twins(void **state)
 {
@@ -455,6 +523,8 @@ int main(int argc, char **argv)
         {"Requests get replies, refusals with the reason", requests_get_replies, NULL, NULL, NULL},
         {"Each counter and step of the histogram is in the reply to stats", statistics_are_in_the_reply, NULL, NULL,
          NULL},
+        {"Twins are chosen by their names", names_of_twins, NULL, NULL, NULL},
+        {"The words of the start come in pieces", words_of_the_start, NULL, NULL, NULL},
         {"The twins are described: name, devices, interfaces, AL states", about_the_twins, NULL, NULL, NULL},
         {"The lowest and highest AL state of all twins, and the number of errors", states_of_the_twins, NULL, NULL,
          NULL},

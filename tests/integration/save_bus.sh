@@ -1,0 +1,97 @@
+#!/usr/bin/env bash
+# `ectwin save-bus`: a bus that is saved, started from the file and saved again gives the same file.
+# usage: save_bus.sh ECTWIN ESI-FOLDER
+set -u
+ectwin=$1
+esi=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# shellcheck source=tests/support/check.sh
+. "$(dirname "$0")/../support/check.sh"
+
+mkdir "$work/machine" "$work/elsewhere"
+cp "$esi/drives.xml" "$work/machine"
+cd "$work/elsewhere" || exit 1
+cat >"$work/machine/bus.yaml" <<'END_OF_BUS'
+ectwin: 1
+seed: 7
+connect: [camera2.judgement=ranger.temperature]
+fault: [drop 0%, at 100s hang slave camera2, at 0s counter 0 for 200s]
+cable: 5
+twins:
+  - device: optoncdt2300
+    name: ranger
+    alias: 17
+    set: {temperature: 1}
+  - device: fzm1
+    name: camera
+    count: 2
+    set: {data1: 1.5}
+  - device: esi:drives.xml#SERVO
+    name: axis
+    drift: 12
+END_OF_BUS
+
+# saved, started from the file, saved again: $1 title, $2 changes of the running bus, then options and devices
+again() {
+  local title=$1 change=$2
+  shift 2
+  "$ectwin" with "$@" -- sh -c "$change; '$ectwin' save-bus -o '$work/machine/one.yaml'" >"$work/out" 2>"$work/err"
+  check "$title: the status of the first" 0 $?
+  "$ectwin" check "$work/machine/one.yaml" >"$work/out" 2>"$work/err"
+  check "$title: ectwin check" 0 $?
+  "$ectwin" with "$work/machine/one.yaml" -- "$ectwin" save-bus -o "$work/machine/two.yaml" >"$work/out" 2>"$work/err"
+  check "$title: the status of the second" 0 $?
+  check "$title: the same file" "" "$(diff "$work/machine/one.yaml" "$work/machine/two.yaml" 2>&1)"
+}
+
+again "a bus file" "'$ectwin' set camera1.data2=3.25 camera2.comment1='it: a \"#\" text'; '$ectwin' unplug axis
+  '$ectwin' fault abort 0x1018 0x06040043 slave camera1; '$ectwin' fault eeprom ok slave camera2" "$work/machine/bus.yaml"
+cat >"$work/wanted" <<'END_OF_BUS'
+ectwin: 1
+seed: 7
+connect: camera2.judgement=ranger.temperature
+cable: 5
+alias: 1:17
+drift: 4:12
+fault:
+  - 'drop 0%'
+  - 'abort 0x1018 0x06040043 slave camera1'
+  - 'at 100s hang slave camera2'
+  - 'at 0s counter 0 for 200s'
+set:
+  - 2:data1=1.5
+  - 2:data2=3.25
+  - 3:judgement=1
+  - 3:data1=1.5
+  - '3:comment1=it: a "#" text'
+twins:
+  - device: optoncdt2300
+    name: ranger
+    set:
+      temperature: 1
+  - device: fzm1
+    name: camera
+    count: 2
+  - device: esi:drives.xml#SERVO
+    name: axis
+    set:
+      ecat.plug_in: 0
+      ecat.plug_out: 0
+      ecat.plug_2: 0
+      ecat.plug_3: 0
+END_OF_BUS
+check "the file: names, counts, signals, plugs, faults, steps to come; a path below its folder" "" "$(diff "$work/wanted" "$work/machine/one.yaml")"
+
+again "a command line" "'$ectwin' set -n 2 ru1.on=1; '$ectwin' fault off" --alias 5 --serial=2:77 --drop 3 --set 3:data1=2 --wire 3:1.3 --esc 1:et1100 \
+  --name press --eeprom-times chip --keep-source-mac fzm1,vr-bu-ect-map7,fzm1
+check "the topology, the identity and a flag" "keep-source-mac: true|serial: 2:77|wire: 3:1.3" \
+  "$(grep -E '^(wire|serial|keep)' "$work/machine/one.yaml" | sort | paste -sd'|')"
+check "a signal that was changed back is not there" "" "$(grep -E 'drop|ru1.ready' "$work/machine/one.yaml")"
+said=$("$ectwin" with esi:"$work/machine/drives.xml"#SERVO -- "$ectwin" save-bus 2>"$work/err")
+check "standard output has whole paths" "  - device: esi:$work/machine/drives.xml#SERVO" "$(grep device <<<"$said")"
+env -u ECTWIN_SOCKET XDG_RUNTIME_DIR="$work" "$ectwin" save-bus >"$work/out" 2>"$work/err"
+check "no bus: exit code" 2 $?
+check "no bus" "ectwin save-bus: no twin of yours is running: start one with 'ectwin run' or 'ectwin with'" "$(head -1 "$work/err")"
+exit $failed
