@@ -424,8 +424,10 @@ static void sync_lost(cf_t *c)
     choose_sync0(c);
     uint64_t runs_ns = start_sync0(c, activate, sync0_cycle(c, cycle_ns));
     cf_go(c, CF_OP);
-    while (cf_get64(c, ECT_REG_DC_SYSTEM_TIME) < runs_ns)
+    while (cf_get64(c, ECT_REG_DC_SYSTEM_TIME) < runs_ns) {
         (void)cf_cycle(c, NULL, NULL);
+        cf_poll_pause(c);
+    }
     cf_expect(c, "AL status with SYNC0", CF_OP, cf_get16(c, ECT_REG_AL_STATUS) & 0x1F);
     cf_step(c, "SYNC0 stops, process data go on");
     cf_put8(c, ECT_REG_DC_ACTIVATION, 0);

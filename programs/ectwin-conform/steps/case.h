@@ -300,6 +300,9 @@ uint32_t cf_random(cf_t *c, uint32_t limit);
  * @param look  NULL: none, the state at the start of a case
  */
 void cf_while_waiting(cf_t *c, void (*look)(cf_t *c, void *ctx), void *ctx);
+/** Pause between two polls of a wait: the function of ::cf_while_waiting, or 200 us. A poll without it is a frame each
+ * microsecond. */
+void cf_poll_pause(cf_t *c);
 /** Adds a value to a histogram of the report. @param series  constant text; at most CF_SERIES_MOST different ones */
 void cf_measure(cf_t *c, const char *series, uint64_t ns);
 enum { CF_SERIES_MOST = 16 };

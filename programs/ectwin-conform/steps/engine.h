@@ -83,8 +83,6 @@ void cf_engine_free(cf_engine_t *e);
 void cf_forget_changes(cf_engine_t *e);
 /** Brings the slave back: plug, INIT, changes in reverse order, INIT. Leaves by the engine's jump when that fails. */
 void cf_put_back(cf_t *c);
-/** Pause of a waiting step between two polls: the case's function, or a short sleep. */
-void cf_poll_pause(cf_t *c);
 /** Leaves the case at the end of its time limit and on Ctrl-C. */
 void cf_check_time(cf_t *c);
 
