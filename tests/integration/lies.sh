@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# lies: ectwin-probe, ectwin verify and ectwin clone read slaves whose CoE lies. All end in time, with a line and an exit code, and the
-# file of the probe is JSON.
+# lies: ectwin-probe, ectwin verify and ectwin clone read slaves whose CoE lies, on the virtual clock. All end in time, with a line and an
+# exit code, and the file of the probe is JSON.
 # usage: lies.sh ECTWIN-OF-TESTS ECTWIN ECTWIN-PROBE
 set -u
 tests=$1
@@ -13,8 +13,12 @@ trap 'rm -rf "$work"' EXIT
 . "$(dirname "$0")/../support/check.sh"
 on_failure() { touch "$work/failed"; } # the cases run in processes of their own
 
-read_slave() { # DEVICE EXIT LINE: both programs at once, each with a slave of its own
-  timeout 60 "$tests" with "$1" -- "$probe" -i {} --limit 15 --sii "$work/$1.bin" --od "$work/$1.json" 2>"$work/$1.err" >/dev/null
+with_slave() { # DEVICE COMMAND...
+  timeout 60 "$tests" with --in-process --virtual-time "$1" -- "${@:2}"
+}
+
+read_slave() { # DEVICE EXIT LINE
+  with_slave "$1" "$probe" -i {} --limit 15 --sii "$work/$1.bin" --od "$work/$1.json" 2>"$work/$1.err" >/dev/null
   check "$1: exit code of the probe" "$2" $?
   check "$1: line of the probe" "$3" "$(sed -n "s/^ectwin-probe: slave 1 on 'ecat0': //p" "$work/$1.err")"
   check "$1: JSON" "$([ "$2" = 0 ] && echo True || echo False)" \
@@ -22,7 +26,7 @@ read_slave() { # DEVICE EXIT LINE: both programs at once, each with a slave of i
 }
 
 verify() { # DEVICE EXIT
-  timeout 100 "$tests" with "$1" -- "$ectwin" verify "$work/$1.bin" slave:{} >"$work/$1.out" 2>"$work/$1.err"
+  with_slave "$1" "$ectwin" verify "$work/$1.bin" slave:{} >"$work/$1.out" 2>"$work/$1.err"
   check "$1: exit code of verify" "$2" $?
 }
 
@@ -40,7 +44,7 @@ done
 wait
 
 clone() { # DEVICE EXIT: what could be read is a bus that runs
-  timeout 60 "$tests" with "$1" -- "$ectwin" clone -i {} --limit 15 -o "$work/$1.clone" >"$work/$1.out" 2>"$work/$1.err"
+  with_slave "$1" "$ectwin" clone -i {} --limit 15 -o "$work/$1.clone" >"$work/$1.out" 2>"$work/$1.err"
   check "$1: exit code of the clone" "$2" $?
   check "$1: a line of the clone" 1 "$(grep -c '^ectwin clone: slave 1: dictionary, read in part: ' "$work/$1.err")"
   timeout 20 "$ectwin" check "$work/$1.clone/bus.yaml" >/dev/null 2>"$work/$1.err"
