@@ -11,6 +11,10 @@ trap 'rm -rf "$work"' EXIT
 # shellcheck source=tests/support/check.sh
 . "$(dirname "$0")/../support/check.sh"
 
+on_virtual_time() { # BUS... -- COMMAND...: each command finds the bus as after power-on
+  "$ectwin" with --in-process --virtual-time "$@"
+}
+
 # clone_of BUS...: clones the bus to $work/one, its clone to $work/two, and verifies the first one against both buses.
 clone_of() {
   rm -rf "$work/one" "$work/two"
@@ -18,9 +22,9 @@ clone_of() {
     "'$ectwin' verify '$work/one' slave:\$1 2>&1 | grep -v '^ectwin: ' >'$work/differences'; true" >"$work/first"
   printf '%s\n' "'$ectwin' clone -i \"\$1\" -o '$work/two' >/dev/null 2>>'$work/err' || exit" \
     "'$ectwin' verify '$work/one' slave:\$1 2>&1 | grep -v '^ectwin: ' >>'$work/differences'; true" >"$work/second"
-  "$ectwin" with "$@" -- sh "$work/first" {} >"$work/out" 2>&1
+  on_virtual_time "$@" -- sh "$work/first" {} >"$work/out" 2>&1
   check "$*: clone: exit code" 0 $?
-  "$ectwin" with "$work/one/bus.yaml" -- sh "$work/second" {} >"$work/out" 2>&1
+  on_virtual_time "$work/one/bus.yaml" -- sh "$work/second" {} >"$work/out" 2>&1
   check "$*: clone of the clone: exit code" 0 $?
   check "$*: the clone and both buses (CLN-015)" "" "$(cat "$work/differences")"
   check "$*: clone and clone of the clone (CLN-015)" "" "$(diff -r "$work/one" "$work/two")"
