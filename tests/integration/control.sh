@@ -5,7 +5,6 @@ set -u
 ectwin=$1
 only=${2:-}
 here=$(cd "$(dirname "$0")" && pwd)
-ran=0
 
 # shellcheck source=tests/support/check.sh
 . "$(dirname "$0")/../support/check.sh"
@@ -330,15 +329,6 @@ python_module() {
 }
 
 work=$(mktemp -d)
-export XDG_RUNTIME_DIR=$work/runtime
-mkdir "$XDG_RUNTIME_DIR"
 trap 'rm -rf "$work"' EXIT
-for case_name in all_or_nothing tables tables_that_are_refused signals_of_a_device numbers_are_numbers watch_ends_with_its_reader odd_and_long_folders \
-  no_twin a_stopped_twin escapes squatters several_twins twins_of_another_user enter waits counts pair require_private python_module; do
-  [ -n "$only" ] && [ "$only" != "$case_name" ] && continue
-  $case_name
-  ran=$((ran + 1))
-done
-echo "$ran cases"
-[ $ran -gt 0 ] || failed=1
-exit $failed
+run_cases all_or_nothing tables tables_that_are_refused signals_of_a_device numbers_are_numbers watch_ends_with_its_reader odd_and_long_folders \
+  no_twin a_stopped_twin escapes squatters several_twins twins_of_another_user enter waits counts pair require_private python_module

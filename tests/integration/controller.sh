@@ -3,7 +3,6 @@
 set -u
 export ectwin=$1 controller=$2
 only=${3:-}
-ran=0
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export work
@@ -136,12 +135,4 @@ values_are_checked() {
   check "mode of the socket" 600 "$(cat "$work/mode")"
 }
 
-for case_name in all_signals_are_reported the_controller_is_safe_without_a_unit killed_and_back commands_go_both_ways the_display_follows_the_controller a_set_arrives_whole no_set_to_read values_are_checked; do
-  if [ -n "$only" ] && [ "$only" != "$case_name" ]; then continue; fi
-  ran=$((ran + 1))
-  rm -f "$work"/*
-  "$case_name"
-done
-echo "$ran cases"
-[ $ran -gt 0 ] && exit $failed
-exit 1
+run_cases all_signals_are_reported the_controller_is_safe_without_a_unit killed_and_back commands_go_both_ways the_display_follows_the_controller a_set_arrives_whole no_set_to_read values_are_checked

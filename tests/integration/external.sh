@@ -7,7 +7,6 @@ twin=$2
 own_loop=$3
 slaveinfo=$4
 only=${5:-}
-ran=0
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -85,10 +84,4 @@ an_eeprom_of_ones_own() {
   check "SyncManagers that are not those of ecat_options.h" "0 4" "$? $(grep -c 'ecat_options.h at' "$work/err")"
 }
 
-for case_name in a_master_finds_them it_is_told_when_they_are_ready who_ends_what wrong_usage an_eeprom_of_ones_own; do
-  [ -n "$only" ] && [ "$only" != "$case_name" ] && continue
-  $case_name
-  ran=$((ran + 1))
-done
-[ "$ran" -gt 0 ] || { echo "there is no case '$only'"; exit 1; }
-exit $failed
+run_cases a_master_finds_them it_is_told_when_they_are_ready who_ends_what wrong_usage an_eeprom_of_ones_own

@@ -5,7 +5,6 @@
 set -u
 ectwin=$1
 only=${2:-}
-ran=0
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -14,7 +13,8 @@ trap 'rm -rf "$work"' EXIT
 on_failure() { echo "  alone: $0 $ectwin $case_name"; }
 
 # ask.py HOST PORT: reads VLAPs, the upper half of input register 11; prints what came.
-cat >"$work/ask.py" <<'END'
+script=$work/ask.py
+cat >"$script" <<'END'
 import socket
 import sys
 
@@ -31,7 +31,7 @@ END
 
 # in_network SCRIPT: with loopback and 10.9.8.7; $ectwin and $work are there. start ARGUMENT...: runs a twin, $pid, until it is ready.
 in_network() {
-  ectwin=$ectwin work=$work XDG_RUNTIME_DIR=$work timeout 120 unshare -Urn bash -c '
+  ectwin=$ectwin work=$work script=$script XDG_RUNTIME_DIR=$work timeout 120 unshare -Urn bash -c '
     ip link set lo up && ip address add 10.9.8.7/32 dev lo || exit 9
     start() {
       : >"$work/ready"
@@ -39,7 +39,7 @@ in_network() {
       for _ in $(seq 600); do [ -s "$work/ready" ] && break; [ -e /proc/$pid ] || break; sleep 0.1; done
     }
     stop() { kill $pid; wait $pid; echo $?; }
-    ask() { for _ in $(seq 50); do answer=$(python3 "$work/ask.py" "$@"); [ "$answer" = "VLAPs 0" ] || break; sleep 0.1; done; echo "$answer"; }
+    ask() { for _ in $(seq 50); do answer=$(python3 "$script" "$@"); [ "$answer" = "VLAPs 0" ] || break; sleep 0.1; done; echo "$answer"; }
     '"$1"
 }
 
@@ -104,7 +104,7 @@ with_a_command() {
   # shellcheck disable=SC2016
   check "with: CMD reaches it" '{"event":"ready","iface":"ecat0","modbus":"127.0.0.1:502","slaves":1}
 127.0.0.1:502
-VLAPs 3' "$("$ectwin" with --modbus 502 vr-bu-ect-multiarm -- sh -c 'echo $ECTWIN_MODBUS; until python3 "$1/ask.py" 127.0.0.1 502 | grep 3; do :; done' sh "$work" 2>&1)"
+VLAPs 3' "$("$ectwin" with --modbus 502 vr-bu-ect-multiarm -- sh -c 'echo $ECTWIN_MODBUS; until python3 "$1" 127.0.0.1 502 | grep 3; do :; done' sh "$script" 2>&1)"
 }
 
 # Rights on the machine: no more than without --modbus.
@@ -130,11 +130,4 @@ idle_costs_nothing() {
   check "idle: at most 1 % processor (2 ticks of 10 ms in 2 s)" yes "$([ "$(cat "$work/out")" -le 2 ] && echo yes)"
 }
 
-for case_name in without_ethercat addresses what_is_refused with_a_command rights idle_costs_nothing; do
-  [ -z "$only" ] || [ "$only" = "$case_name" ] || continue
-  ran=$((ran + 1))
-  "$case_name"
-done
-[ "$ran" -gt 0 ] || { echo "there is no case '$only'"; exit 1; }
-[ "$failed" = 0 ] && echo "modbus: $ran cases passed"
-exit $failed
+run_cases without_ethercat addresses what_is_refused with_a_command rights idle_costs_nothing

@@ -5,7 +5,6 @@ set -u
 ectwin=$1 controller=$2 motion=$3 conform=$4
 only=${5:-}
 folder=$(cd "$(dirname "$0")/../../examples/scenarios" && pwd)
-ran=0
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -47,7 +46,7 @@ every_story_is_played() {
 
 # Twice the same story with a random fault: the same frames, at the same times, with the same seed alone.
 same_seed_same_frames() {
-  local run
+  local run number=0
   script 'corrupt 2%' 'at 5ms delay 300us 20%' 'at PREOP abort 0x1018 0x08000020 30% slave 1' 'mail late 2ms 10% slave 1'
   for run in 7 7 8; do
     "$ectwin" with --in-process --virtual-time --seed $run --scenario "$work/script.txt" fzm1 -- \
@@ -183,12 +182,5 @@ waves_and_scenes() {
   check "tables of scenes" "result1=41 result1=42 result1=61 result1=41" "$(xargs <"$work/out")"
 }
 
-number=0
-for case_name in every_story_is_played same_seed_same_frames the_verdict_is_in_the_exit_status its_progress_is_watched run_has_it_too \
-  mistakes_are_found_before_the_run recorded_and_played recorded_scenes set_in_time waves_and_scenes; do
-  if [ -n "$only" ] && [ "$only" != "$case_name" ]; then continue; fi
-  ran=$((ran + 1))
-  $case_name
-done
-[ "$ran" -gt 0 ] || { echo "there is no case '$only'"; exit 2; }
-exit $failed
+run_cases every_story_is_played same_seed_same_frames the_verdict_is_in_the_exit_status its_progress_is_watched run_has_it_too \
+  mistakes_are_found_before_the_run recorded_and_played recorded_scenes set_in_time waves_and_scenes

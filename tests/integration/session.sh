@@ -6,7 +6,6 @@ set -u
 ectwin=$1
 only=${2:-}
 here=$(cd "$(dirname "$0")" && pwd)
-ran=0
 
 # shellcheck source=tests/support/check.sh
 . "$(dirname "$0")/../support/check.sh"
@@ -394,12 +393,5 @@ END
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-for case_name in its_version closed_streams output_that_cannot_be_written ignored_interrupt wrong_options late_answers_are_late_and_nothing_else \
-  faults_on_wires two_ends_that_answer names_of_the_private_network each_twin_its_identity what_a_master_writes_to_the_eeprom what_was_counted example_masters_at_the_wrong_place children_of_the_command killed_at_once signals_reach_the_command rights_of_a_running_twin root_is_contained before_others looking_without_a_rest; do
-  [ -n "$only" ] && [ "$only" != "$case_name" ] && continue
-  $case_name
-  ran=$((ran + 1))
-done
-echo "$ran cases"
-[ $ran -gt 0 ] || failed=1
-exit $failed
+run_cases its_version closed_streams output_that_cannot_be_written ignored_interrupt wrong_options late_answers_are_late_and_nothing_else \
+  faults_on_wires two_ends_that_answer names_of_the_private_network each_twin_its_identity what_a_master_writes_to_the_eeprom what_was_counted example_masters_at_the_wrong_place children_of_the_command killed_at_once signals_reach_the_command rights_of_a_running_twin root_is_contained before_others looking_without_a_rest

@@ -11,3 +11,30 @@ check() { # TITLE EXPECTED ACTUAL
   on_failure
   failed=1
 }
+
+# run_cases CASE...: ends the script after these functions, or after the one that $only names: with 0, with 1 after a failure. Each runs in a
+# process, a folder $work and a runtime folder of its own, four side by side, because most of them wait.
+run_cases() {
+  local all=$work count=0 case_name number
+  chmod 711 "$all" # a case may open its folder to a second user
+  for case_name in "$@"; do
+    [ -z "${only:-}" ] || [ "$only" = "$case_name" ] || continue
+    count=$((count + 1))
+    work=$all/$count
+    mkdir -m 700 "$work" && mkdir "$work/runtime"
+    while [ "$(jobs -rp | wc -l)" -ge 4 ]; do wait -n; done
+    {
+      export XDG_RUNTIME_DIR=$work/runtime
+      "$case_name"
+      echo $failed >"$work.failed"
+    } >"$work.log" 2>&1 &
+  done
+  wait
+  for ((number = 1; number <= count; number++)); do
+    cat "$all/$number.log"
+    [ "$(cat "$all/$number.failed")" = 0 ] || failed=1
+  done
+  echo "$count cases"
+  [ $count -gt 0 ] || failed=1
+  exit $failed
+}
