@@ -1,11 +1,14 @@
 #!/usr/bin/env bash
-# A file for a firmware update, and tools/firmware-file.py by itself.  usage: board_file.sh ECTWIN DEVICE IMAGE.bin ADDRESS FILE
+# A file for a firmware update, FILE.short for the beginning of its image, and tools/firmware-file.py by itself.
+# usage: board_file.sh ECTWIN DEVICE IMAGE.bin ADDRESS FILE
 set -eu
 tool=$(cd "$(dirname "$0")/../../tools" && pwd)/firmware-file.py
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 "$1" sii "$2" -o "$work/eeprom"
 "$tool" "$3" "$4" "$work/eeprom" "$5"
+head -c 6000 "$3" >"$work/image"
+"$tool" "$work/image" "$4" "$work/eeprom" "$5.short"
 
 shown=$("$tool" "$5")
 echo "$shown"

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # ectwin-board with a virtual LAN9252 under it, driven by SOEM over a veth pair.
-# usage: lan9252.sh BOARD_OF_TESTS ECTWIN_BOARD TEST_BASE_UNIT
+# usage: lan9252.sh BOARD_OF_TESTS ECTWIN_BOARD TEST_BASE_UNIT [CASE]
 set -u
 board=$1
 command=$2
 base_unit=$3
+only=${4:-}
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -12,7 +13,7 @@ trap 'rm -rf "$work"' EXIT
 # shellcheck source=tests/support/check.sh
 . "$(dirname "$0")/../support/check.sh"
 on_failure() {
-  echo "  alone: $0 $board $command $base_unit"
+  echo "  alone: $0 $board $command $base_unit $case_name"
   cat "$work/err" "$work/master" 2>/dev/null
 }
 
@@ -41,17 +42,36 @@ drive() {
   check "$title" '{"event":"ready","spi":"/dev/spidev7.1","device":"vr-bu-ect-'"${mode,,}"'"} master 0 board 0' "$(xargs -0 <"$work/out" | tr '\n' ' ' | sed 's/ *$//')"
 }
 
-drive "SOEM takes Map7 to OP and through its tests, polled" Map7 66 228
-drive "SOEM takes Map7 to OP and through its tests, by the interrupt pin" Map7 66 228 --irq gpiochip9:25
-drive "SOEM takes Map7 to OP and through its tests, by an interrupt pin that is active high" Map7 66 228 --irq gpiochip9:25 --irq-high
-RESETS=1 drive "a reset by the master (0x0040), behind the interrupt pin: the board starts again, and all tests pass" Map7 66 228 \
-  --irq gpiochip9:25
-grep -q "was reset, by the master" "$work/err" || check "a reset by the master: it says so" "was reset, by the master" "$(cat "$work/err")"
-RESETS=1 drive "a reset by the master (0x0040), polled: the board starts again, and all tests pass" Map7 66 228
-CSR_LASTS=12 WORD_LASTS=9 LATE=20000 drive "a chip that is slow, late, and reset by its pin" Map3 66 24 \
-  --irq gpiochip9:25 --reset gpiochip9:24
+polled() {
+  drive "SOEM takes Map7 to OP and through its tests, polled" Map7 66 228
+}
 
-FAULTS_MS=8000 drive "bits flip and the chip hangs for 8 s: afterwards the slave is as good as new" Map7 66 228
+by_the_interrupt_pin() {
+  drive "SOEM takes Map7 to OP and through its tests, by the interrupt pin" Map7 66 228 --irq gpiochip9:25
+}
+
+by_an_interrupt_pin_that_is_active_high() {
+  drive "SOEM takes Map7 to OP and through its tests, by an interrupt pin that is active high" Map7 66 228 --irq gpiochip9:25 --irq-high
+}
+
+reset_by_the_master() {
+  RESETS=1 drive "a reset by the master (0x0040), behind the interrupt pin: the board starts again, and all tests pass" Map7 66 228 \
+    --irq gpiochip9:25
+  grep -q "was reset, by the master" "$work/err" || check "a reset by the master: it says so" "was reset, by the master" "$(cat "$work/err")"
+}
+
+reset_by_the_master_polled() {
+  RESETS=1 drive "a reset by the master (0x0040), polled: the board starts again, and all tests pass" Map7 66 228
+}
+
+a_slow_chip() {
+  CSR_LASTS=12 WORD_LASTS=9 LATE=20000 drive "a chip that is slow, late, and reset by its pin" Map3 66 24 \
+    --irq gpiochip9:25 --reset gpiochip9:24
+}
+
+a_chip_with_faults() {
+  FAULTS_MS=8000 drive "bits flip and the chip hangs for 8 s: afterwards the slave is as good as new" Map7 66 228
+}
 
 # alone STATUS PATTERN ARGUMENT...: the board with its virtual chip, and no master.
 alone() {
@@ -63,22 +83,27 @@ alone() {
   check "'$*' with a chip" "$status" $?
   grep -q -- "$pattern" "$work/err" || check "'$*' with a chip: it says so" "$pattern" "$(cat "$work/err")"
 }
-alone 2 "'gpio25' names no GPIO line: CHIP:LINE" --irq gpio25
-alone 2 "cannot take line 3 of '/dev/gpiochip9'" --irq gpiochip9:3
-alone 2 "cannot take line 25 of '/dev/gpiochip77': No such file" --irq gpiochip77:25
-alone 2 "cannot keep what is saved" --store /dev/null/folder
-LATE=4000000000 alone 2 "does not get ready"
-CSR_LASTS=4000000000 alone 2 "does not carry out accesses"
+
+what_a_chip_shows() {
+  alone 2 "'gpio25' names no GPIO line: CHIP:LINE" --irq gpio25
+  alone 2 "cannot take line 3 of '/dev/gpiochip9'" --irq gpiochip9:3
+  alone 2 "cannot take line 25 of '/dev/gpiochip77': No such file" --irq gpiochip77:25
+  alone 2 "cannot keep what is saved" --store /dev/null/folder
+  LATE=4000000000 alone 2 "does not get ready"
+  CSR_LASTS=4000000000 alone 2 "does not carry out accesses"
+}
 
 # A save that is under way when a signal ends the command
-board=$board work=$work SAVE=1 timeout 60 unshare -Urn bash -c '
-  ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip link set tw1 up || exit 9
-  "$board" tw0 --spi /dev/spidev7.1 --store "$work/store" fzm1 >"$work/ready" 2>"$work/err" & pid=$!
-  for _ in $(seq 300); do grep -q saving "$work/err" && break; sleep 0.1; done
-  cat "$work/store"/* | grep -ac FZM1
-  kill $pid; wait $pid; echo "board $?"
-  cat "$work/store"/* | grep -ac FZM1' >"$work/out"
-check "a save under way is done before the end: records before, board, records after" "0 board 0 1" "$(xargs <"$work/out")"
+a_save_under_way() {
+  board=$board work=$work SAVE=1 timeout 60 unshare -Urn bash -c '
+    ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip link set tw1 up || exit 9
+    "$board" tw0 --spi /dev/spidev7.1 --store "$work/store" fzm1 >"$work/ready" 2>"$work/err" & pid=$!
+    for _ in $(seq 300); do grep -q saving "$work/err" && break; sleep 0.1; done
+    cat "$work/store"/* | grep -ac FZM1
+    kill $pid; wait $pid; echo "board $?"
+    cat "$work/store"/* | grep -ac FZM1' >"$work/out"
+  check "a save under way is done before the end: records before, board, records after" "0 board 0 1" "$(xargs <"$work/out")"
+}
 
 # refuses STATUS PATTERN ARGUMENT...
 refuses() {
@@ -88,18 +113,23 @@ refuses() {
   check "'$*'" "$status" $?
   grep -q -- "$pattern" "$work/err" || check "'$*': it says so" "$pattern" "$(cat "$work/err")"
 }
-refuses 2 "config.txt" --spi /dev/no-such-spidev fzm1
-refuses 2 "no SPI device" --spi /dev/null fzm1
-refuses 1 "there is no device 'nosuch'; there are: vr-bu-ect-map1" nosuch
-refuses 1 "name the device"
-refuses 1 "a number from 100000 to 30000000" --speed 40000000 fzm1
-refuses 1 "a board is one device" fzm1 fzm1
 
-"$command" --eeprom "$work/image" --alias 5 --serial 7 fzm1
-check "--eeprom" 0 $?
-check "--eeprom: PDI control, alias, serial number" "80 05 07" "$(od -An -tx1 -v "$work/image" | tr -d '\n' | awk '{print $1, $9, $29}')"
-"$command" --eeprom "$work/image" --alias 010 --serial 0x10 fzm1
-check "numbers: 010 is ten, 0x10 sixteen" "0a 10" "$(od -An -tx1 -v "$work/image" | tr -d '\n' | awk '{print $9, $29}')"
-refuses 1 "--serial takes a number from 1 to 4294967295, not '0x'" --serial 0x fzm1
-refuses 2 "cannot write '/dev/full'" --eeprom /dev/full fzm1
-exit $failed
+what_is_refused() {
+  refuses 2 "config.txt" --spi /dev/no-such-spidev fzm1
+  refuses 2 "no SPI device" --spi /dev/null fzm1
+  refuses 1 "there is no device 'nosuch'; there are: vr-bu-ect-map1" nosuch
+  refuses 1 "name the device"
+  refuses 1 "a number from 100000 to 30000000" --speed 40000000 fzm1
+  refuses 1 "a board is one device" fzm1 fzm1
+
+  "$command" --eeprom "$work/image" --alias 5 --serial 7 fzm1
+  check "--eeprom" 0 $?
+  check "--eeprom: PDI control, alias, serial number" "80 05 07" "$(od -An -tx1 -v "$work/image" | tr -d '\n' | awk '{print $1, $9, $29}')"
+  "$command" --eeprom "$work/image" --alias 010 --serial 0x10 fzm1
+  check "numbers: 010 is ten, 0x10 sixteen" "0a 10" "$(od -An -tx1 -v "$work/image" | tr -d '\n' | awk '{print $9, $29}')"
+  refuses 1 "--serial takes a number from 1 to 4294967295, not '0x'" --serial 0x fzm1
+  refuses 2 "cannot write '/dev/full'" --eeprom /dev/full fzm1
+}
+
+run_cases a_chip_with_faults reset_by_the_master reset_by_the_master_polled a_slow_chip polled by_the_interrupt_pin by_an_interrupt_pin_that_is_active_high \
+  what_a_chip_shows a_save_under_way what_is_refused

@@ -2,9 +2,10 @@
 /*
  * A firmware update of a board over FoE, step by step as SOEM's program firm_update does it.
  *
- * usage: test_update IFACE FILE FOREIGN VERSION NEXT [TEST]
- * Object 100Ah of the slave is VERSION, and NEXT with the firmware in FILE; FOREIGN is a file for another product. The
- * tests follow each other.
+ * usage: test_update IFACE FILE DAMAGED FOREIGN VERSION NEXT [TEST]
+ * Object 100Ah of the slave is VERSION, and NEXT with the firmware in FILE. DAMAGED is a file for the same product, which
+ * the tests damage: FILE, or a shorter one, since a short mailbox takes long for a whole firmware. FOREIGN is a file for
+ * another product. The tests follow each other.
  */
 #include <stdio.h>
 #include <string.h>
@@ -21,7 +22,7 @@ typedef struct file {
 static const char *iface, *before, *after;
 static char file_name[] = "firmware";
 static soem_t master;
-static file_t update, foreign;
+static file_t update, damage, foreign;
 
 static void expect_version(const char *version)
 {
@@ -87,10 +88,10 @@ static void damaged(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         if (rows[i].at >= 0)
-            update.bytes[rows[i].at] ^= 0x10;
-        expect_refused(rows[i].title, &update, update.size - rows[i].less);
+            damage.bytes[rows[i].at] ^= 0x10;
+        expect_refused(rows[i].title, &damage, damage.size - rows[i].less);
         if (rows[i].at >= 0)
-            update.bytes[rows[i].at] ^= 0x10;
+            damage.bytes[rows[i].at] ^= 0x10;
     }
     soem_open(&master, iface, 1);
     expect_version(before);
@@ -150,16 +151,16 @@ int main(int argc, char **argv)
         {"FoE onto a board: a damaged firmware is refused, and the old one stays", damaged, NULL, NULL, NULL},
         {"FoE onto a board: a new firmware runs after the way back to INIT", renewed, NULL, NULL, NULL},
     };
-    if (argc < 6)
+    if (argc < 7)
         return 1;
     iface = argv[1];
-    before = argv[4];
-    after = argv[5];
-    if (!load(&update, argv[2]) || !load(&foreign, argv[3])) {
-        fprintf(stderr, "test_update: cannot read '%s' or '%s'\n", argv[2], argv[3]);
+    before = argv[5];
+    after = argv[6];
+    if (!load(&update, argv[2]) || !load(&damage, argv[3]) || !load(&foreign, argv[4])) {
+        fprintf(stderr, "test_update: cannot read '%s', '%s' or '%s'\n", argv[2], argv[3], argv[4]);
         return 1;
     }
-    if (argc > 6)
-        cmocka_set_test_filter(argv[6]);
+    if (argc > 7)
+        cmocka_set_test_filter(argv[7]);
     return cmocka_run_group_tests_name("update", tests, NULL, NULL);
 }
