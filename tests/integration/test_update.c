@@ -3,9 +3,9 @@
  * A firmware update of a board over FoE, step by step as SOEM's program firm_update does it.
  *
  * usage: test_update IFACE FILE DAMAGED FOREIGN VERSION NEXT [TEST]
- * Object 100Ah of the slave is VERSION, and NEXT with the firmware in FILE. DAMAGED is a file for the same product, which
- * the tests damage: FILE, or a shorter one, since a short mailbox takes long for a whole firmware. FOREIGN is a file for
- * another product. The tests follow each other.
+ * Object 100Ah of the slave is VERSION, and NEXT with the firmware in FILE. DAMAGED is a file for the same product,
+ * which the tests damage: FILE, or a shorter one, since a short mailbox takes long for a whole firmware. FOREIGN is a
+ * file for another product. The tests follow each other.
  */
 #include <stdio.h>
 #include <string.h>

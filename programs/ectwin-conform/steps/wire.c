@@ -6,13 +6,19 @@
 
 #include "steps/engine.h"
 
-/* A frame returns in microseconds; a machine under load may delay the process for long. */
-enum { ANSWER_MS = 500, SILENT_MS = 50 };
+/* A frame returns in microseconds; a machine under load may delay the process for long, and an emulated slave for
+ * longer. */
+enum { ANSWER_MS = 500, EMULATED_MS = 5000, SILENT_MS = 50 };
+
+static int answer_ms(const cf_t *c)
+{
+    return c->emulated ? EMULATED_MS : ANSWER_MS;
+}
 
 void cf_exchange(cf_t *c, cf_datagram_t *d, size_t count)
 {
     cf_check_time(c);
-    int ms = c->engine->silent ? SILENT_MS : ANSWER_MS;
+    int ms = c->engine->silent ? SILENT_MS : answer_ms(c);
     c->engine->silent = !cf_port_exchange(c->engine->port, d, count, (uint32_t)ms);
     cf_check_time(c); /* Ctrl-C may be the cause */
     if (c->engine->silent)
@@ -22,11 +28,11 @@ void cf_exchange(cf_t *c, cf_datagram_t *d, size_t count)
 size_t cf_raw_frame(cf_t *c, const void *frame, size_t length, uint8_t *reply)
 {
     cf_check_time(c);
-    ssize_t answered = cf_port_raw(c->engine->port, frame, length, reply, CF_MAX_FRAME, ANSWER_MS);
+    ssize_t answered = cf_port_raw(c->engine->port, frame, length, reply, CF_MAX_FRAME, (uint32_t)answer_ms(c));
     cf_check_time(c);
     if (answered < 0) {
         c->engine->silent = true;
-        cf_fail(c, "no answer: a plain datagram behind the frame did not come back within %d ms", (int)ANSWER_MS);
+        cf_fail(c, "no answer: a plain datagram behind the frame did not come back within %d ms", answer_ms(c));
     }
     return (size_t)answered;
 }
