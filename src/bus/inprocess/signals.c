@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <pthread.h>
 #include <stdbool.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "bus/inprocess/deadline.h"
@@ -43,22 +44,45 @@ void ect_signals_unmask(const sigset_t *mask, const sigset_t *before)
     errno = error;
 }
 
+static bool has_ended_child(void)
+{
+    siginfo_t info = {0};
+    return REAL(waitid)(P_ALL, 0, &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid != 0;
+}
+
+static bool handles_ends_of_children(void)
+{
+    struct sigaction action;
+    sigset_t mask;
+    sigaction(SIGCHLD, NULL, &action);
+    pthread_sigmask(SIG_BLOCK, NULL, &mask);
+    return action.sa_handler != SIG_DFL && action.sa_handler != SIG_IGN && sigismember(&mask, SIGCHLD) == 0;
+}
+
+/* The handler of SIGCHLD may run when the thread does not sleep, so that no sleep is interrupted. */
+static bool child_has_ended(void *arg)
+{
+    const bool *before = arg;
+    return !*before && has_ended_child();
+}
+
 static bool never(void *unused)
 {
     (void)unused;
     return false;
 }
 
-static int wait_for_handler(const char *call)
+/* @param ended  whether a child had ended before the call */
+static int wait_for_handler(const char *call, bool ended)
 {
-    (void)ect_virtual_wait_until(never, NULL, call, UINT64_MAX);
+    (void)ect_virtual_wait_until(handles_ends_of_children() ? child_has_ended : never, &ended, call, UINT64_MAX);
     errno = EINTR;
     return -1;
 }
 
 REPLACES int pause(void)
 {
-    return ect_inside > 0 ? REAL(pause)() : wait_for_handler("pause()");
+    return ect_inside > 0 ? REAL(pause)() : wait_for_handler("pause()", has_ended_child());
 }
 
 REPLACES int sigsuspend(const sigset_t *mask)
@@ -66,8 +90,9 @@ REPLACES int sigsuspend(const sigset_t *mask)
     if (ect_inside > 0)
         return REAL(sigsuspend)(mask);
     sigset_t before;
+    bool ended = has_ended_child(); /* before the mask: an end after this ends the wait */
     if (ect_signals_mask(mask, &before) == 0)
-        (void)wait_for_handler("sigsuspend()");
+        (void)wait_for_handler("sigsuspend()", ended);
     ect_signals_unmask(mask, &before);
     return -1;
 }

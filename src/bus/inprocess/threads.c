@@ -328,6 +328,7 @@ static thread_t *choose(void)
     uint64_t waited_ns = 0;
     for (;;) {
         thread_t *thread;
+        bool children = waits_for_children(); /* before: one that ends from here on has its time in the next round */
         make_due_ready();
         thread = first_ready();
         if (thread || !threads)
@@ -342,7 +343,7 @@ static thread_t *choose(void)
         const char *call = stopped_for();
         if (call)
             stop_time(call);
-        else if (any_timed_wait() && !waits_for_children())
+        else if (any_timed_wait() && !children)
             advance(next_event());
         else
             wait_for_the_world(&waited_ns);
