@@ -289,6 +289,8 @@ static void step_to(cf_t *c, uint8_t state)
 {
     uint16_t code;
     uint16_t error = al_status(c, NULL) & ECT_AL_ERROR;
+    if (state == CF_OP)
+        (void)cf_cycle(c, NULL, NULL); /* the watchdog may have expired, and OP needs outputs */
     uint16_t got = request(c, state | error, state == CF_OP, &code);
     if ((got & 0x1F) != state)
         cf_fail(c, "on the way to %s: expected %s, got %s with code 0x%04X", cf_state_name(state), cf_state_name(state),
