@@ -13,7 +13,7 @@ check() { # TITLE EXPECTED ACTUAL
 }
 
 # run_cases CASE...: ends the script after these functions, or after the one that $only names: with 0, with 1 after a failure. Each runs in a
-# process, a folder $work and a runtime folder of its own, four side by side, because most of them wait.
+# process, a folder $work and a runtime folder of its own, $at_a_time (4) side by side, because most of them wait.
 run_cases() {
   local all=$work count=0 case_name number
   chmod 711 "$all" # a case may open its folder to a second user
@@ -22,7 +22,7 @@ run_cases() {
     count=$((count + 1))
     work=$all/$count
     mkdir -m 700 "$work" && mkdir "$work/runtime"
-    while [ "$(jobs -rp | wc -l)" -ge 4 ]; do wait -n; done
+    while [ "$(jobs -rp | wc -l)" -ge "${at_a_time:-4}" ]; do wait -n; done
     {
       export XDG_RUNTIME_DIR=$work/runtime
       "$case_name"
