@@ -7,7 +7,6 @@
 #define ECT_BUS_INPROCESS_REAL_H
 
 #include <dlfcn.h>
-#include <signal.h>
 #include <stdbool.h>
 
 /** The next definition of a function behind this library, found once for each place of use. */
@@ -31,21 +30,14 @@ extern __thread int ect_inside __attribute__((tls_model("initial-exec")));
  */
 extern __thread bool ect_in_dlsym __attribute__((tls_model("initial-exec")));
 
-/**
- * dlsym(RTLD_NEXT, name), during which every replacement is the real function, and no handler of a signal runs: a
- * handler of SIGCHLD may be the first to call waitpid().
- */
+/** dlsym(RTLD_NEXT, name), during which every replacement is the real function. */
 static inline void *ect_real(const char *name)
 {
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, &before);
     ect_inside++;
     ect_in_dlsym = true;
     void *found = dlsym(RTLD_NEXT, name);
     ect_in_dlsym = false;
     ect_inside--;
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
     return found;
 }
 
