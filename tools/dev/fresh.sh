@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# Tries the README's commands on a machine that has nothing yet: a bare Debian, an ordinary user with sudo, the files that git
-# knows in this tree as they are now.  usage, as root: tools/dev/fresh.sh [RELEASE [COMMAND]]
+# Tries the README's commands on a machine that has nothing yet: a bare Debian or Ubuntu, an ordinary user with sudo, the files that
+# git knows in this tree as they are now.  usage, as root: tools/dev/fresh.sh [RELEASE [COMMAND]]
 # (default bookworm, 'tools/demo.sh && tools/test.sh')
 #
-# Exits with COMMAND's status, or with 77 and a reason where such a machine cannot be made. It needs root, mmdebstrap and a Debian
-# mirror; $FRESH_FILES names files beside those, and bare systems are kept in ~/.cache/ectwin. Resolver, certificates and proxy settings are this machine's. Nothing is left behind.
+# Exits with COMMAND's status, or with 77 and a reason where such a machine cannot be made. It needs root, mmdebstrap and a
+# mirror, and for Ubuntu its keyring (/usr/share/keyrings/ubuntu-archive-keyring.gpg); $FRESH_FILES names files beside those, and bare
+# systems are kept in ~/.cache/ectwin. Resolver, certificates and proxy settings are this machine's. Nothing is left behind.
 set -eu
 cd "$(dirname "$0")/../.."
 release=${1:-bookworm}
@@ -22,7 +23,11 @@ machine=$work/machine
 bare=$HOME/.cache/ectwin/bare-$release.tar
 if [ ! -s "$bare" ]; then
   mkdir -p "${bare%/*}"
-  mmdebstrap -q --variant=minbase --include=ca-certificates,git,sudo "$release" "$work/bare.tar" 2>"$work/log" ||
+  case "$release" in
+    jammy | noble) components=main,universe ;; # libmodbus and cJSON are in universe there
+    *) components=main ;;
+  esac
+  mmdebstrap -q --variant=minbase --components=$components --include=apt,ca-certificates,git,sudo "$release" "$work/bare.tar" 2>"$work/log" ||
     cannot "mmdebstrap: $(tail -n 1 "$work/log")"
   mv "$work/bare.tar" "$bare"
 fi
