@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Tries the packages on machines that have nothing yet: bare Debian systems with an ordinary user.
-# usage, as root: tools/dev/packages.sh RELEASE [PART...]      RELEASE: bookworm, trixie; PART: those below (all)
+# Tries the packages on machines that have nothing yet: bare Debian or Ubuntu systems with an ordinary user.
+# usage, as root: tools/dev/packages.sh RELEASE [PART...]      RELEASE: bookworm, trixie, noble; PART: those below (all)
 #
 #   deb        apt install of build/packages/ectwin_*.deb; a master reaches OP over a wire
 #   wheel      pip install of build/packages/*.whl; a master reaches OP in process
