@@ -132,9 +132,8 @@ static void start_list(ect_slave_t *s, uint16_t list)
 static uint16_t put_name(const ect_slave_t *s, uint8_t *data, uint16_t used, const char *name)
 {
     ECT_ASSERT(used <= room(s));
-    size_t length = name ? strlen(name) : 0;
-    if (length > (size_t)(room(s) - used))
-        length = (size_t)(room(s) - used);
+    size_t length = name ? strlen(name) : 0, left = (size_t)(room(s) - used);
+    length = length < left ? length : left;
     if (length > 0)
         memcpy(data + used, name, length); /* NOLINT(clang-analyzer-core.NonNullParamChecker): without a name it is 0 */
     return (uint16_t)(used + length);
@@ -248,7 +247,7 @@ static uint16_t request(const ect_protocol_t *self, ect_slave_t *s, const uint8_
     const uint8_t *data = info + INFO_HEADER;
     uint8_t opcode = length > ECT_COE_HEADER ? info[0] & 0x7F : 0;
     s->info.list = 0; /* a new request ends the list under way */
-    if (opcode != LIST_REQUEST && opcode != OBJECT_REQUEST && opcode != ENTRY_REQUEST)
+    if (opcode >= sizeof shortest || shortest[opcode] == 0)
         send_error(s, ECT_REASON_COMMAND);
     else if (length < ECT_COE_HEADER + INFO_HEADER + shortest[opcode])
         return ECT_MAILBOX_ERROR_TOO_SHORT;

@@ -227,33 +227,30 @@ static uint16_t part(uint32_t address, uint32_t left)
     return (uint16_t)(address >= ECT_RAM ? left : ect_pdi_part(address, left, WORD));
 }
 
-static int read(void *ctx, uint16_t address, void *buffer, uint16_t length)
+/* Reads into `to`, or writes from `from`; the other one is NULL. */
+static int access_parts(ect_lan9252_t *chip, uint16_t address, uint8_t *to, const uint8_t *from, uint16_t length)
 {
-    ect_lan9252_t *chip = ctx;
-    uint8_t *to = buffer;
     int result = settle(chip);
     for (uint32_t done = 0, bytes; done < length && result == 0; done += bytes) {
         uint16_t at = (uint16_t)(address + done);
         bytes = part(at, length - done);
-        result = at >= ECT_RAM ? read_ram(chip, at, to + done, (uint16_t)bytes) : read_csr(chip, at, to + done, bytes);
+        if (at >= ECT_RAM)
+            result = to ? read_ram(chip, at, to + done, (uint16_t)bytes) : write_ram(chip, at, from + done, (uint16_t)bytes);
+        else
+            result = to ? read_csr(chip, at, to + done, bytes) : write_csr(chip, at, from + done, bytes);
     }
     chip->abandoned = result < 0;
     return result;
 }
 
+static int read(void *ctx, uint16_t address, void *buffer, uint16_t length)
+{
+    return access_parts(ctx, address, buffer, NULL, length);
+}
+
 static int write(void *ctx, uint16_t address, const void *buffer, uint16_t length)
 {
-    ect_lan9252_t *chip = ctx;
-    const uint8_t *from = buffer;
-    int result = settle(chip);
-    for (uint32_t done = 0, bytes; done < length && result == 0; done += bytes) {
-        uint16_t at = (uint16_t)(address + done);
-        bytes = part(at, length - done);
-        result =
-            at >= ECT_RAM ? write_ram(chip, at, from + done, (uint16_t)bytes) : write_csr(chip, at, from + done, bytes);
-    }
-    chip->abandoned = result < 0;
-    return result;
+    return access_parts(ctx, address, NULL, buffer, length);
 }
 
 static int al_event(void *ctx, uint32_t *event)
@@ -288,7 +285,7 @@ static int leave_sqi(const ect_lan9252_t *chip)
 }
 
 /* ECT_LAN9252_READY, or the present obstacle. */
-static int check_chip(const ect_lan9252_t *chip)
+static int check_chip(ect_lan9252_t *chip)
 {
     uint32_t order, id, state;
     if (load(chip, BYTE_TEST, &order) < 0 || load(chip, ID_REV, &id) < 0 || load(chip, HW_CFG, &state) < 0)
@@ -320,23 +317,25 @@ static int set_interrupt(const ect_lan9252_t *chip)
                                                                                              : ECT_LAN9252_READY;
 }
 
+/* Repeats a check each millisecond until it passes. @return its last result */
+static int await_ready(ect_lan9252_t *chip, int (*check)(ect_lan9252_t *chip))
+{
+    unsigned int patience_ms = chip->ready_ms != 0 ? chip->ready_ms : DEFAULT_READY_MS;
+    int result = check(chip);
+    for (; result != ECT_LAN9252_READY && patience_ms > 0; patience_ms--) {
+        chip->spi->pause(chip->spi->ctx, 1000);
+        result = check(chip);
+    }
+    return result;
+}
+
 int ect_lan9252_start(ect_lan9252_t *chip)
 {
-    const ect_spi_t *spi = chip->spi;
-    unsigned int patience_ms = chip->ready_ms != 0 ? chip->ready_ms : DEFAULT_READY_MS;
-    int result = check_chip(chip);
-    for (unsigned int ms = 0; result != ECT_LAN9252_READY && ms < patience_ms; ms++) {
-        spi->pause(spi->ctx, 1000);
-        result = check_chip(chip);
-    }
+    int result = await_ready(chip, check_chip);
     if (result != ECT_LAN9252_READY)
         return result;
     chip->abandoned = true; /* by whoever used it before */
-    result = check_esc(chip);
-    for (unsigned int ms = 0; result != ECT_LAN9252_READY && ms < patience_ms; ms++) {
-        spi->pause(spi->ctx, 1000);
-        result = check_esc(chip);
-    }
+    result = await_ready(chip, check_esc);
     return result == ECT_LAN9252_READY ? set_interrupt(chip) : result;
 }
 
