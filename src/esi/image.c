@@ -2,7 +2,6 @@
 /* The model of a device from its EEPROM image. */
 #include "esi/image.h"
 
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,16 +13,6 @@
 
 /* Control bytes of mailbox SyncManagers where the image has no category of SyncManagers. */
 enum { CONTROL_OUT = 0x26, CONTROL_IN = 0x22 };
-
-/* PDOs that are made of a SyncManager's bytes, and the objects that they map. */
-enum {
-    FIRST_RXPDO = 0x1600,
-    FIRST_TXPDO = 0x1A00,
-    BYTES_OF_OUTPUTS = 0x7000,
-    BYTES_OF_INPUTS = 0x6000,
-    ENTRIES_MOST = 254,
-    BYTE_BITS = 8
-};
 
 typedef struct image {
     ect_arena_t *arena;
@@ -222,14 +211,6 @@ static void read_pdo(const image_t *image, const uint8_t *from, bool tx, ect_esi
     };
 }
 
-static ect_esi_pdo_t *append_pdo(const image_t *image)
-{
-    ect_esi_pdo_t *pdos = (ect_esi_pdo_t *)(uintptr_t)image->device->pdos; /* ours, growing */
-    pdos = ect_arena_grow(image->arena, pdos, image->device->pdo_count, sizeof *pdos);
-    image->device->pdos = pdos;
-    return &pdos[image->device->pdo_count++];
-}
-
 static void read_pdos(const image_t *image, uint16_t category)
 {
     size_t length = 0;
@@ -238,7 +219,7 @@ static void read_pdos(const image_t *image, uint16_t category)
         size_t bytes = 8 + 8 * (size_t)from[2];
         if (ect_load_le16(from) == 0 || bytes > length)
             return;
-        read_pdo(image, from, category == ECT_SII_TXPDO, append_pdo(image));
+        read_pdo(image, from, category == ECT_SII_TXPDO, ect_esi_append_pdo(image->arena, image->device));
         from += bytes;
         length -= bytes;
     }
@@ -268,73 +249,23 @@ static void assign(const image_t *image, int n)
     }
 }
 
-/* Bytes `first` to below `end` of a SyncManager that no PDO describes. */
-static void add_bytes(const image_t *image, int n, bool tx, uint16_t number, size_t first, size_t end)
-{
-    size_t count = end - first;
-    ect_esi_entry_t *entries = ect_arena_alloc(image->arena, count * sizeof *entries);
-    ECT_ASSERT(count > 0 && count <= ENTRIES_MOST);
-    for (size_t i = 0; i < count; i++)
-        entries[i] = (ect_esi_entry_t){
-            .index = (uint16_t)((tx ? BYTES_OF_INPUTS : BYTES_OF_OUTPUTS) + number),
-            .subindex = (uint8_t)(i + 1),
-            .bits = BYTE_BITS,
-            .name = ect_arena_print(image->arena, "Byte %zu", first + i),
-            .type = "USINT",
-        };
-    *append_pdo(image) = (ect_esi_pdo_t){
-        .index = (uint16_t)((tx ? FIRST_TXPDO : FIRST_RXPDO) + number),
-        .name = ect_arena_print(image->arena, "SyncManager %d, which no PDO of the EEPROM describes", n),
-        .tx = tx,
-        .fixed = true,
-        .sm = n,
-        .samples = 1,
-        .entries = entries,
-        .entry_count = count,
-    };
-}
-
-static void describe_bytes(const image_t *image, int n)
-{
-    const ect_esi_sm_t *sm = &image->device->sms[n];
-    bool tx = strcmp(sm->type, "Inputs") == 0;
-    if ((!tx && strcmp(sm->type, "Outputs") != 0) || sm->virtual_sm)
-        return;
-    size_t length = (size_t)sm->size.value;
-    uint16_t number = 0;
-    for (size_t i = 0; i < image->device->pdo_count; i++) {
-        if (image->device->pdos[i].tx == tx)
-            return;
-    }
-    for (size_t at = 0; at < length; at += ENTRIES_MOST)
-        add_bytes(image, n, tx, number++, at, at + ENTRIES_MOST < length ? at + ENTRIES_MOST : length);
-}
-
 /* ------------------------------------------------------------------------------------------------------------------ */
 
-static ect_esi_device_t *read_device(ect_esi_t *esi, const uint8_t *bytes, size_t size)
+static void read_device(ect_esi_t *esi, const uint8_t *bytes, size_t size)
 {
     uint8_t *copy = ect_arena_alloc(&esi->arena, size);
-    ect_esi_device_t *device = ect_arena_alloc(&esi->arena, sizeof *device);
+    ect_esi_device_t *device = esi->device;
     const image_t image = {.arena = &esi->arena, .bytes = copy, .size = size, .device = device};
     memcpy(copy, bytes, size);
-    device->vendor_name = device->type = device->name = device->group_type = device->group_name = "";
-    device->physics = device->dictionary_file = "";
-    device->esi = esi;
     read_header(&image);
     read_general(&image);
-    if (*device->type == '\0')
-        device->type = ect_arena_print(&esi->arena, "0x%08" PRIX32, device->product_code);
     read_sms(&image);
     read_fmmus(&image);
     read_pdos(&image, ECT_SII_RXPDO);
     read_pdos(&image, ECT_SII_TXPDO);
     for (int i = 0; i < (int)device->sm_count; i++)
         assign(&image, i);
-    for (int i = 0; i < (int)device->sm_count; i++)
-        describe_bytes(&image, i);
     read_clocks(&image);
-    return device;
 }
 
 ect_esi_t *ect_esi_of_image(const char *name, const uint8_t *image, size_t size, char *text, size_t room)
@@ -350,20 +281,10 @@ ect_esi_t *ect_esi_of_image(const char *name, const uint8_t *image, size_t size,
         (void)snprintf(text, room, "%s: an empty EEPROM image: it has neither vendor id nor product code", name);
         return NULL;
     }
-    ect_esi_t *esi = calloc(1, sizeof *esi);
-    if (esi == NULL) {
-        (void)snprintf(text, room, "%s: no memory left", name);
+    ect_esi_t *esi = ect_esi_single_begin(name, text, room);
+    if (esi == NULL)
         return NULL;
-    }
-    esi->file = ect_arena_copy(&esi->arena, name, strlen(name));
-    esi->device = read_device(esi, image, size);
-    esi->heads = ect_arena_alloc(&esi->arena, sizeof *esi->heads);
-    esi->nodes = ect_arena_alloc(&esi->arena, sizeof *esi->nodes);
-    esi->count = 1;
-    *esi->heads = (ect_esi_head_t){.type = esi->device->type,
-                                   .name = esi->device->name,
-                                   .product_code = product,
-                                   .revision = esi->device->revision,
-                                   .extras = ""};
+    read_device(esi, image, size);
+    ect_esi_single_end(esi, "EEPROM");
     return esi;
 }

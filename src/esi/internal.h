@@ -7,10 +7,11 @@
  *
  *   arena.c            memory that is freed together
  *   number.c, types.c  numbers and data types
- *   xml.c              an element's parts, the first mistake kept
+ *   xml.c              a document, an element's parts, the first mistake kept
  *   read_dictionary.c  types and objects of a file
  *   read_device.c      the model of a device
  *   read.c             files, and which device of them
+ *   single.c           a model without a file, as a file with one device
  *   image.c            EEPROM images, as files with one device
  *   found.c            the dictionary of a slave, added to its image
  *   lint.c             what of a file is not as files should be
@@ -39,29 +40,18 @@
 
 #include "esi/arena.h"
 #include "esi/number.h"
+#include "esi/pen.h"
+#include "esi/single.h"
 #include "esi/twin.h"
 #include "esi/types.h"
 #include "esi/values.h"
 #include "esi/write.h"
+#include "esi/xml.h"
 #include "seams/eoe.h"
 #include "seams/standard.h"
 #include "wire/assert.h"
 
-/** Appends a zeroed element to an array of an arena's owner (`->arena`) and names it. */
-#define ECT_APPEND(owner, array, count, element)                                                                       \
-    (array) = ect_arena_grow((owner)->arena, (array), (count), sizeof *(array));                                       \
-    (element) = &(array)[(count)++]
-
 /* --- reading ----------------------------------------------------------------------------------------------------- */
-
-/** Source of memory, and destination of the first mistake. */
-typedef struct ect_esi_xml {
-    ect_arena_t *arena;
-    const char *file;
-    char *text;
-    size_t room;
-    bool failed;
-} ect_esi_xml_t;
 
 /** An object of a slave's dictionary, in the order of ect_esi_dictionary_t::objects. */
 typedef struct ect_esi_found {
@@ -81,55 +71,6 @@ struct ect_esi {
     ect_esi_found_t *found;   /**< by ::ect_esi_found_object; NULL: no dictionary was read */
     ect_esi_device_t *device; /**< of an EEPROM image; NULL: of a document, read by each ::ect_esi_select */
 };
-
-/** Takes note of a mistake at an element's line, unless there was one before. */
-__attribute__((format(printf, 3, 4))) void ect_esi_fail(ect_esi_xml_t *xml, const xmlNode *node, const char *format,
-                                                        ...);
-
-/** @return the element's line in the file */
-int ect_esi_line(const xmlNode *node);
-
-/** @return true for an element of this name, in any namespace */
-bool ect_esi_is(const xmlNode *node, const char *name);
-
-/** @return the first child of this name, or NULL; a NULL parent has none */
-const xmlNode *ect_esi_child(const xmlNode *parent, const char *name);
-
-/** @return the next sibling of this name, or NULL */
-const xmlNode *ect_esi_next(const xmlNode *node, const char *name);
-
-/** Runs over the children of a name. */
-#define ECT_ESI_EACH(node, parent, name)                                                                               \
-    for (const xmlNode *node = ect_esi_child(parent, name); node != NULL; node = ect_esi_next(node, name))
-
-/** @return the text of an element without blanks around it; "" for NULL or an empty one */
-const char *ect_esi_text(ect_esi_xml_t *xml, const xmlNode *node);
-
-/** @return the text of a child in English when there are several languages, "" when there is none */
-const char *ect_esi_name(ect_esi_xml_t *xml, const xmlNode *parent, const char *name);
-
-/** @return an attribute's text without blanks around it, "" when it is absent */
-const char *ect_esi_attribute(ect_esi_xml_t *xml, const xmlNode *node, const char *name);
-
-/** @return true when the attribute is 1 or true */
-bool ect_esi_flag(ect_esi_xml_t *xml, const xmlNode *node, const char *name);
-
-/** A child's number between two limits, both inclusive; 0 and a mistake noted when it is another; `none` if absent. */
-int64_t ect_esi_number(ect_esi_xml_t *xml, const xmlNode *parent, const char *name, int64_t minimum, int64_t maximum,
-                       int64_t none);
-
-/** The element's own number. */
-int64_t ect_esi_value(ect_esi_xml_t *xml, const xmlNode *node, int64_t minimum, int64_t maximum);
-
-/** An attribute's number. */
-int64_t ect_esi_attribute_number(ect_esi_xml_t *xml, const xmlNode *node, const char *name, int64_t minimum,
-                                 int64_t maximum, int64_t none);
-
-/** A child's number, or that there is none. */
-ect_esi_number_t ect_esi_optional(ect_esi_xml_t *xml, const xmlNode *parent, const char *name);
-
-/** A child's hexadecimal bytes; blanks between them are allowed. */
-ect_esi_bytes_t ect_esi_hex(ect_esi_xml_t *xml, const xmlNode *parent, const char *name);
 
 /** @param root  the file's EtherCATInfo; @param node  the `<Device>` */
 ect_esi_device_t *ect_esi_read_device(ect_esi_xml_t *xml, const xmlNode *root, const xmlNode *node);
@@ -308,32 +249,6 @@ struct ect_esi_twin {
 };
 
 /* --- writing ----------------------------------------------------------------------------------------------------- */
-
-/** Destination of XML; a failure is kept until the end. */
-typedef struct ect_pen {
-    xmlTextWriterPtr writer;
-    ect_arena_t *arena;
-    const ect_plant_t *plant; /* of the device that is being written; NULL: none */
-    bool failed;
-} ect_pen_t;
-
-void ect_pen_open(ect_pen_t *pen, const char *element);
-void ect_pen_close(ect_pen_t *pen);
-
-/** An attribute of the element that was opened last, as long as it has no content. */
-__attribute__((format(printf, 3, 4))) void ect_pen_attribute(ect_pen_t *pen, const char *name, const char *format, ...);
-
-/** The same with "true"; one that is false is left out. */
-void ect_pen_flag(ect_pen_t *pen, const char *name, bool value);
-
-/** The text of the open element, as CDATA when it has characters that mean something in XML. */
-void ect_pen_content(ect_pen_t *pen, const char *text);
-
-/** A whole element with a text, a decimal number, `#x` and digits, or bytes in hexadecimal. */
-void ect_pen_text(ect_pen_t *pen, const char *element, const char *text);
-void ect_pen_number(ect_pen_t *pen, const char *element, int64_t value);
-void ect_pen_hex(ect_pen_t *pen, const char *element, uint32_t value, int digits);
-void ect_pen_bytes(ect_pen_t *pen, const char *element, const uint8_t *bytes, size_t length);
 
 /** Copies an element of a file with all that is in it. */
 void ect_pen_copy(ect_pen_t *pen, const xmlNode *top);

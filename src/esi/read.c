@@ -1,66 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 #include "esi/read.h"
 
-#include <errno.h>
-#include <fcntl.h>
-#include <libxml/parser.h>
-#include <libxml/parserInternals.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "esi/internal.h"
 
-enum { FILE_MEBIBYTES = 64, FILE_MAXIMUM = FILE_MEBIBYTES * 1024 * 1024 };
-
 static ect_esi_xml_t context(ect_esi_t *esi, char *text, size_t room)
 {
     return (ect_esi_xml_t){.arena = &esi->arena, .file = esi->file, .text = text, .room = room};
-}
-
-/* A document type definition is where entities come from: the parser is stopped before it reads one. */
-static void refuse_dtd(void *parser, const xmlChar *name, const xmlChar *external, const xmlChar *system)
-{
-    (void)name;
-    (void)external;
-    (void)system;
-    xmlParserCtxtPtr ctxt = parser;
-    ctxt->_private = ctxt;
-    xmlStopParser(ctxt);
-}
-
-static void report_parse_error(xmlParserCtxtPtr parser, const char *name, char *text, size_t room)
-{
-    if (parser->_private != NULL) {
-        (void)snprintf(text, room, "%s: has a document type definition, which no ESI file has: refused", name);
-        return;
-    }
-    const xmlError *error = xmlCtxtGetLastError(parser);
-    const char *message = error != NULL && error->message != NULL ? error->message : "not XML";
-    (void)snprintf(text, room, "%s:%d: no well-formed XML: %.*s", name, error != NULL ? error->line : 1,
-                   (int)strcspn(message, "\n"), message);
-}
-
-static xmlDocPtr parse(const char *name, const void *data, size_t length, char *text, size_t room)
-{
-    xmlParserCtxtPtr parser = xmlNewParserCtxt();
-    if (parser == NULL) {
-        (void)snprintf(text, room, "%s: no memory left", name);
-        return NULL;
-    }
-    parser->sax->internalSubset = refuse_dtd;
-    xmlDocPtr document = xmlCtxtReadMemory(parser, data, (int)length, name, NULL,
-                                           XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING |
-                                               XML_PARSE_NOBLANKS | XML_PARSE_BIG_LINES | XML_PARSE_COMPACT);
-    if (document == NULL || parser->_private != NULL) {
-        report_parse_error(parser, name, text, room);
-        xmlFreeDoc(document);
-        document = NULL;
-    }
-    xmlFreeParserCtxt(parser);
-    return document;
 }
 
 static size_t count_of(const xmlNode *parent, const char *name)
@@ -113,11 +63,7 @@ static void read_heads(ect_esi_t *esi, ect_esi_xml_t *xml, const xmlNode *device
 
 ect_esi_t *ect_esi_parse(const char *name, const void *data, size_t length, char *text, size_t room)
 {
-    if (length > FILE_MAXIMUM) {
-        (void)snprintf(text, room, "%s: larger than %d MiB", name, FILE_MEBIBYTES);
-        return NULL;
-    }
-    xmlDocPtr document = parse(name, data, length, text, room);
+    xmlDocPtr document = ect_esi_document("ESI", name, data, length, text, room);
     if (document == NULL)
         return NULL;
     ect_esi_t *esi = calloc(1, sizeof *esi);
@@ -145,52 +91,11 @@ ect_esi_t *ect_esi_parse(const char *name, const void *data, size_t length, char
     return esi;
 }
 
-/* The whole file in memory, to be freed; NULL and errno when that cannot be. */
-static char *read_all(int file, size_t size, size_t *length)
-{
-    char *data = malloc(size + 1);
-    ssize_t got = data ? 1 : -1;
-    while (got > 0) {
-        got = read(file, data + *length, size - *length);
-        *length += got > 0 ? (size_t)got : 0;
-    }
-    if (got >= 0)
-        return data;
-    int error = errno;
-    free(data);
-    errno = error;
-    return NULL;
-}
-
-/* As read_all, and a line when it cannot be. */
-static char *load(const char *path, size_t *length, char *text, size_t room)
-{
-    int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe must not hold the command up
-    struct stat status;
-    char *data = NULL;
-    *length = 0;
-    if (file < 0 || fstat(file, &status) != 0) {
-        (void)snprintf(text, room, "%s: %s", path, strerror(errno));
-    } else if (!S_ISREG(status.st_mode) || status.st_size > FILE_MAXIMUM) {
-        (void)snprintf(text, room, "%s: not a file of at most %d MiB", path, FILE_MEBIBYTES);
-    } else {
-        data = read_all(file, (size_t)status.st_size, length);
-        if (!data)
-            (void)snprintf(text, room, "%s: %s", path, strerror(errno));
-    }
-    if (file >= 0)
-        (void)close(file);
-    return data;
-}
-
 ect_esi_t *ect_esi_open(const char *path, char *text, size_t room)
 {
-    size_t length = 0;
-    char *data = load(path, &length, text, room);
-    if (data == NULL)
-        return NULL;
-    ect_esi_t *esi = ect_esi_parse(path, data, length, text, room);
-    free(data);
+    ect_esi_file_t file = ect_esi_load(path, text, room);
+    ect_esi_t *esi = file.data != NULL ? ect_esi_parse(path, file.data, file.length, text, room) : NULL;
+    free(file.data);
     return esi;
 }
 

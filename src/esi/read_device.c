@@ -55,19 +55,19 @@ static void read_pdo(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_pdo_t *pdo
     pdo->entries = entries;
 }
 
-static const ect_esi_pdo_t *read_pdos(ect_esi_xml_t *xml, const xmlNode *node, size_t *count)
+const ect_esi_pdo_t *ect_esi_read_pdos(ect_esi_xml_t *xml, const xmlNode *parent, size_t *count)
 {
     ect_esi_pdo_t *pdos = NULL;
     ect_esi_pdo_t *pdo;
-    ECT_ESI_EACH(child, node, "RxPdo")
+    ECT_ESI_EACH(node, parent, "RxPdo")
     {
         ECT_APPEND(xml, pdos, *count, pdo);
-        read_pdo(xml, child, pdo);
+        read_pdo(xml, node, pdo);
     }
-    ECT_ESI_EACH(child, node, "TxPdo")
+    ECT_ESI_EACH(node, parent, "TxPdo")
     {
         ECT_APPEND(xml, pdos, *count, pdo);
-        read_pdo(xml, child, pdo);
+        read_pdo(xml, node, pdo);
     }
     return pdos;
 }
@@ -346,7 +346,7 @@ static void read_modules(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device
         module->module_class = ect_esi_attribute(xml, type, "ModuleClass");
         module->type = ect_esi_text(xml, type);
         module->name = ect_esi_name(xml, child, "Name");
-        module->pdos = read_pdos(xml, child, &module->pdo_count);
+        module->pdos = ect_esi_read_pdos(xml, child, &module->pdo_count);
         module->inits = read_inits(xml, ect_esi_child(ect_esi_child(child, "Mailbox"), "CoE"), &module->init_count);
         ect_esi_read_dictionary(xml, ect_esi_child(child, "Profile"), &module->dictionary);
     }
@@ -396,7 +396,7 @@ ect_esi_device_t *ect_esi_read_device(ect_esi_xml_t *xml, const xmlNode *root, c
     read_alternatives(xml, ect_esi_child(node, "Info"), device);
     read_fmmus(xml, node, device);
     read_sms(xml, node, device);
-    device->pdos = read_pdos(xml, node, &device->pdo_count);
+    device->pdos = ect_esi_read_pdos(xml, node, &device->pdo_count);
     read_mailbox(xml, ect_esi_child(node, "Mailbox"), &device->mailbox);
     read_dcs(xml, ect_esi_child(node, "Dc"), device);
     read_eeprom(xml, ect_esi_child(node, "Eeprom"), device);

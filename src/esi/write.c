@@ -107,35 +107,24 @@ static void write_descriptions(ect_pen_t *pen, const ect_esi_part_t *parts, size
     ect_pen_close(pen);
 }
 
-static bool write_file(ect_pen_t *pen, const ect_esi_part_t *parts, size_t count)
+typedef struct content {
+    const ect_esi_part_t *parts;
+    size_t count;
+} content_t;
+
+static void write_file(ect_pen_t *pen, const void *what)
 {
-    bool fine = xmlTextWriterSetIndent(pen->writer, 1) >= 0 &&
-                xmlTextWriterSetIndentString(pen->writer, BAD_CAST "  ") >= 0 &&
-                xmlTextWriterStartDocument(pen->writer, "1.0", "UTF-8", NULL) >= 0;
+    const content_t *content = what;
     ect_pen_open(pen, "EtherCATInfo");
-    write_head(pen, &parts[0]);
-    write_descriptions(pen, parts, count);
-    return xmlTextWriterEndDocument(pen->writer) >= 0 && fine && !pen->failed;
+    write_head(pen, &content->parts[0]);
+    write_descriptions(pen, content->parts, content->count);
+    ect_pen_close(pen);
 }
 
 const char *ect_esi_write(ect_arena_t *arena, const ect_esi_part_t *parts, size_t count, size_t *length, char *text,
                           size_t room)
 {
     ECT_ASSERT(parts != NULL && count > 0);
-    if (!agree(parts, count, text, room))
-        return NULL;
-    const char *file = NULL;
-    xmlBufferPtr buffer = xmlBufferCreate();
-    ect_pen_t pen = {.writer = buffer != NULL ? xmlNewTextWriterMemory(buffer, 0) : NULL, .arena = arena};
-    bool fine = pen.writer != NULL && write_file(&pen, parts, count);
-    xmlFreeTextWriter(pen.writer);
-    if (fine) {
-        *length = (size_t)xmlBufferLength(buffer);
-        file = ect_arena_copy(arena, (const char *)xmlBufferContent(buffer), *length);
-    } else {
-        (void)snprintf(text, room, "the file could not be written: no memory left");
-    }
-    if (buffer != NULL)
-        xmlBufferFree(buffer);
-    return file;
+    const content_t content = {parts, count};
+    return agree(parts, count, text, room) ? ect_pen_file(arena, write_file, &content, length, text, room) : NULL;
 }

@@ -181,7 +181,7 @@ static void write_assigned(ect_pen_t *pen, const ect_device_t *device, uint8_t r
     }
 }
 
-static void write_pdos(ect_pen_t *pen, const ect_device_t *device, bool outputs)
+void ect_pen_pdos(ect_pen_t *pen, const ect_device_t *device, bool outputs)
 {
     write_assigned(pen, device, outputs ? ECT_SM_OUTPUTS : ECT_SM_INPUTS);
     for (uint16_t i = 0; i < device->object_count; i++) {
@@ -357,8 +357,8 @@ void ect_pen_device(ect_pen_t *pen, const ect_esi_part_t *part, bool slots)
     write_profile(pen, device, identity);
     write_fmmus(pen, device);
     write_sms(pen, device);
-    write_pdos(pen, device, true);
-    write_pdos(pen, device, false);
+    ect_pen_pdos(pen, device, true);
+    ect_pen_pdos(pen, device, false);
     write_mailbox(pen, device, ect_esi_child(source, "Mailbox"));
     write_dc(pen, device, ect_esi_child(source, "Dc"));
     if (slots)

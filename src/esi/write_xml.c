@@ -11,6 +11,35 @@ static void note(ect_pen_t *pen, int result)
     pen->failed |= result < 0;
 }
 
+static bool write_document(ect_pen_t *pen, void (*write)(ect_pen_t *pen, const void *what), const void *what)
+{
+    note(pen, xmlTextWriterSetIndent(pen->writer, 1));
+    note(pen, xmlTextWriterSetIndentString(pen->writer, BAD_CAST "  "));
+    note(pen, xmlTextWriterStartDocument(pen->writer, "1.0", "UTF-8", NULL));
+    write(pen, what);
+    note(pen, xmlTextWriterEndDocument(pen->writer));
+    return !pen->failed;
+}
+
+const char *ect_pen_file(ect_arena_t *arena, void (*write)(ect_pen_t *pen, const void *what), const void *what,
+                         size_t *length, char *text, size_t room)
+{
+    const char *file = NULL;
+    xmlBufferPtr buffer = xmlBufferCreate();
+    ect_pen_t pen = {.writer = buffer != NULL ? xmlNewTextWriterMemory(buffer, 0) : NULL, .arena = arena};
+    bool fine = pen.writer != NULL && write_document(&pen, write, what);
+    xmlFreeTextWriter(pen.writer);
+    if (fine) {
+        *length = (size_t)xmlBufferLength(buffer);
+        file = ect_arena_copy(arena, (const char *)xmlBufferContent(buffer), *length);
+    } else {
+        (void)snprintf(text, room, "the file could not be written: no memory left");
+    }
+    if (buffer != NULL)
+        xmlBufferFree(buffer);
+    return file;
+}
+
 void ect_pen_open(ect_pen_t *pen, const char *element)
 {
     note(pen, xmlTextWriterStartElement(pen->writer, BAD_CAST element));
