@@ -36,7 +36,7 @@ int command_check(int argc, char **argv)
     static const struct argp_child children[] = {{&twin_argp, 0, "The twins:", 1}, {0}};
     static const struct argp argp = {
         .parser = parse,
-        .args_doc = "BUS.yaml|DEVICE[,DEVICE...]",
+        .args_doc = "BUS.yaml|eni:FILE.xml|DEVICE[,DEVICE...]",
         .doc = "Checks a bus file, or a chain of devices with its options, without running it: its devices exist, its "
                "signals, "
                "connections and faults fit. Opens neither an interface nor a store.",

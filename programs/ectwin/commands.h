@@ -36,6 +36,7 @@ int command_clone(int argc, char **argv);
 int command_check(int argc, char **argv);
 int command_save_bus(int argc, char **argv);
 int command_esi(int argc, char **argv);
+int command_eni(int argc, char **argv);
 int command_doc(int argc, char **argv);
 int command_objects(int argc, char **argv);
 int command_ps(int argc, char **argv);
@@ -104,13 +105,14 @@ typedef struct twin_args {
     ect_scenario_t scenario; /* --fault, --faults, --drop, --delay; those that users set later */
     defect_t defect;         /* --break */
     ect_filter_t filter;
-    int realtime;       /* priority, 0: as any process */
-    bool busy_poll;     /* never rests */
-    bool quiet;         /* no notes on standard error */
-    ect_about_t about;  /* name and devices, as given */
-    const char *modbus; /* [ADDRESS:]PORT of a Modbus TCP server, NULL: none */
-    const char *store;  /* folder of the twins' non-volatile memory, NULL: none */
-    const char *files;  /* folder that a master reads and writes by FoE, NULL: none */
+    int realtime;        /* priority, 0: as any process */
+    bool busy_poll;      /* never rests */
+    bool quiet;          /* no notes on standard error */
+    ect_about_t about;   /* name and devices, as given */
+    const char *modbus;  /* [ADDRESS:]PORT of a Modbus TCP server, NULL: none */
+    const char *store;   /* folder of the twins' non-volatile memory, NULL: none */
+    const char *files;   /* folder that a master reads and writes by FoE, NULL: none */
+    const char *esi_dir; /* folder of ESI files for the slaves of an ENI, NULL: none */
     uint32_t files_password;
     const char *pcap;   /* capture file, NULL: none */
     uint64_t pcap_size; /* 0: no limit */

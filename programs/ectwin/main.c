@@ -15,35 +15,21 @@ static const struct command {
     const char *name;
     int (*run)(int argc, char **argv);
 } commands[] = {
-    {"list", command_list},
-    {"run", command_run},
-    {"with", command_with},
-    {"sii", command_sii},
-    {"get", command_get},
-    {"set", command_set},
-    {"watch", command_watch},
-    {"list-signals", command_list_signals},
-    {"command", command_command},
-    {"stats", command_stats},
-    {"periodic", command_periodic},
-    {"verify", command_verify},
-    {"esi", command_esi},
-    {"doc", command_doc},
-    {"objects", command_objects},
-    {"unplug", command_unplug},
-    {"plug", command_plug},
-    {"cut", command_cut},
-    {"mend", command_mend},
-    {"fault", command_fault},
-    {"lint", command_lint},
-    {"check", command_check},
-    {"save-bus", command_save_bus},
-    {"clone", command_clone},
-    {"ps", command_ps},
-    {"enter", command_enter},
-    {"wait", command_wait},
-    {"veth", command_veth},
-    {"replay", command_replay},
+    {"list", command_list},         {"run", command_run},
+    {"with", command_with},         {"sii", command_sii},
+    {"get", command_get},           {"set", command_set},
+    {"watch", command_watch},       {"list-signals", command_list_signals},
+    {"command", command_command},   {"stats", command_stats},
+    {"periodic", command_periodic}, {"verify", command_verify},
+    {"esi", command_esi},           {"eni", command_eni},
+    {"doc", command_doc},           {"objects", command_objects},
+    {"unplug", command_unplug},     {"plug", command_plug},
+    {"cut", command_cut},           {"mend", command_mend},
+    {"fault", command_fault},       {"lint", command_lint},
+    {"check", command_check},       {"save-bus", command_save_bus},
+    {"clone", command_clone},       {"ps", command_ps},
+    {"enter", command_enter},       {"wait", command_wait},
+    {"veth", command_veth},         {"replay", command_replay},
     {"complete", command_complete},
 };
 
@@ -63,6 +49,8 @@ static int usage(FILE *stream, int status)
         "usage: ectwin list                                   list the devices\n"
         "       ectwin run  -i IFACE DEVICE[,DEVICE...]       run this chain of devices on IFACE\n"
         "       ectwin run  -i IFACE BUS.yaml                 run the bus of a file, which 'with' takes as well\n"
+        "       ectwin run  -i IFACE eni:FILE.xml             run the bus that a network file (ENI) expects, as 'with' "
+        "does\n"
         "       ectwin check BUS.yaml                         check a bus file without running it\n"
         "       ectwin run  --modbus [ADDR:]PORT DEVICE       run a base unit over Modbus TCP alone\n"
         "       ectwin with DEVICE[,DEVICE...] -- CMD ARG...  run CMD with these devices on a private network\n"
@@ -75,6 +63,8 @@ static int usage(FILE *stream, int status)
         "file\n"
         "       ectwin lint FILE.xml[#TYPE]                   list mistakes of an ESI file\n"
         "       ectwin esi  DEVICE[,DEVICE...] [-o FILE]      write the ESI file that engineering tools import\n"
+        "       ectwin eni  DEVICE[,DEVICE...] [-o FILE]      write the network file (ENI) of a bus, for masters that "
+        "need one\n"
         "       ectwin doc  DEVICE [--html] [-o FILE]         write the manual of its dictionary and process data\n"
         "       ectwin objects DEVICE --soes [-o FOLDER]      write its dictionary as C source for SOES\n"
         "       ectwin veth [NAME]                            make a pair of interfaces for a master in the kernel\n"

@@ -9,9 +9,11 @@
 #include <strings.h>
 
 #include "bus/chain/catalogue.h"
+#include "eni/bus.h"
 #include "esi/image.h"
 #include "esi/number.h"
 #include "sii_file.h"
+#include "text/number.h"
 
 /* Twins live as long as the program: chains, signals and messages point into them. */
 typedef struct made {
@@ -20,6 +22,7 @@ typedef struct made {
 } made_t;
 
 static made_t *all;
+static ect_eni_t *network;
 static bool quiet;
 
 void product_quiet(void)
@@ -36,6 +39,8 @@ __attribute__((destructor)) static void free_all(void)
         free(all);
         all = next;
     }
+    ect_eni_close(network);
+    network = NULL;
 }
 
 static bool keep(ect_esi_twin_t *twin)
@@ -53,8 +58,15 @@ static const char *image_of(const char *name)
     return strncmp(name, "sii:", 4) == 0 ? name + 4 : NULL;
 }
 
+static const char *network_of(const char *name)
+{
+    return strncmp(name, "eni:", 4) == 0 ? name + 4 : NULL;
+}
+
 const char *product_file(const char *name)
 {
+    if (network_of(name))
+        return network_of(name);
     return strncmp(name, "esi:", 4) == 0 ? name + 4 : image_of(name);
 }
 
@@ -71,6 +83,30 @@ static ect_esi_t *open_image(const char *path, char *message)
     return esi;
 }
 
+const ect_eni_t *product_network(const char *path, char *message)
+{
+    if (network && strcmp(ect_eni_file(network), path) == 0)
+        return network;
+    ect_eni_close(network);
+    network = ect_eni_open(path, message, PRODUCT_MESSAGE);
+    return network;
+}
+
+/* A slave of an ENI, FILE#N. */
+static ect_esi_t *open_slave(const char *path, const char *number, char *message)
+{
+    uint64_t n;
+    const ect_eni_t *eni = product_network(path, message);
+    size_t count = eni ? ect_eni_network(eni)->slave_count : 0;
+    if (!eni)
+        return NULL;
+    if (ect_number(number, 1, count, &n))
+        return ect_eni_device(eni, (size_t)n - 1, message, PRODUCT_MESSAGE);
+    (void)snprintf(message, PRODUCT_MESSAGE,
+                   "eni:%.300s#N is one slave, N 1 to %zu; 'run' and 'with' take the bus, eni:%s", path, count, path);
+    return NULL;
+}
+
 /* Opens what a name of product_file names; *selector is its part that selects a device. */
 static ect_esi_t *open_file(const char *name, const char **selector, char *message)
 {
@@ -80,9 +116,13 @@ static ect_esi_t *open_file(const char *name, const char **selector, char *messa
     const char *file = product_file(name);
     const char *hash = ect_esi_selector(file);
     char *path = strndup(file, hash ? (size_t)(hash - file) : strlen(file));
-    ect_esi_t *esi = path ? ect_esi_open(path, message, PRODUCT_MESSAGE) : NULL;
+    ect_esi_t *esi = NULL;
+    if (path && network_of(name))
+        esi = open_slave(path, hash ? hash + 1 : "", message);
+    else if (path)
+        esi = ect_esi_open(path, message, PRODUCT_MESSAGE);
     free(path);
-    *selector = hash ? hash + 1 : "";
+    *selector = hash && !network_of(name) ? hash + 1 : "";
     return esi;
 }
 

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Products by name: of the catalogue, or of a file: `esi:FILE.xml#TYPE`, any vendor's device from its ESI, and
- * `sii:FILE`, any device from its EEPROM image, binary or Intel HEX.
+ * Products by name: of the catalogue, or of a file: `esi:FILE.xml#TYPE`, any vendor's device from its ESI,
+ * `sii:FILE`, any device from its EEPROM image, binary or Intel HEX, and `eni:FILE.xml#N`, slave N of a network file.
  */
 #ifndef ECTWIN_PRODUCTS_H
 #define ECTWIN_PRODUCTS_H
 
 #include <stdbool.h>
 
+#include "eni/read.h"
 #include "esi/twin.h"
 
 /** Room for a message of one line. */
@@ -34,8 +35,14 @@ const ect_esi_twin_t *product_twin(const ect_product_t *product);
 /** The twin of a device from a file; NULL: the device is not from a file. */
 const ect_esi_twin_t *product_twin_of_device(const ect_device_t *device);
 
-/** @return the part after `esi:` or `sii:` of a name; NULL: not the name of a file */
+/** @return the part after `esi:`, `sii:` or `eni:` of a name; NULL: not the name of a file */
 const char *product_file(const char *name);
+
+/**
+ * Opens a network file. @param[out] message  PRODUCT_MESSAGE bytes
+ * @return the file, valid until the next call with another path; NULL: not readable
+ */
+const ect_eni_t *product_network(const char *path, char *message);
 
 /**
  * Lists the devices of a file: type, product, revision, name.

@@ -105,7 +105,7 @@ int command_run(int argc, char **argv)
     static const struct argp argp = {
         .options = run_options,
         .parser = parse,
-        .args_doc = "DEVICE[,DEVICE...]\nBUS.yaml",
+        .args_doc = "DEVICE[,DEVICE...]\nBUS.yaml\neni:FILE.xml",
         .doc = "Runs a chain of devices on a network interface until SIGINT, SIGTERM or SIGHUP. With --modbus and "
                "without an "
                "interface: one base unit, over Modbus TCP alone.",

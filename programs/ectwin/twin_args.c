@@ -14,6 +14,7 @@
 #include "connect_args.h"
 #include "csv.h"
 #include "grow.h"
+#include "network.h"
 #include "products.h"
 #include "sii_file.h"
 #include "text/argument.h"
@@ -52,6 +53,7 @@ enum {
     KEY_PCAP_SIZE,
     KEY_RECORD,
     KEY_QUIET,
+    KEY_ESI_DIR,
 };
 
 /* Default of --pcap-size. */
@@ -104,6 +106,10 @@ static const struct argp_option options[] = {
      "Size of the file of --pcap, 66K or more, 0: no limit (default 1G). At the limit the older half is removed", 1},
     {"record", KEY_RECORD, "FILE", 0,
      "Write FILE for 'ectwin replay': all frames, and everything else that replies depend on (docs/REPLAY.md)", 1},
+    {"esi-dir", KEY_ESI_DIR, "DIR", 0,
+     "Take the device of each slave of eni:FILE from the ESI file in this folder that has its vendor, product and "
+     "revision (default: from the ENI)",
+     1},
     {"quiet", KEY_QUIET, NULL, 0, "Print no notes on standard error; errors and the ready line remain", 1},
     {"set", KEY_SET, "[N:]NAME=VALUE", 0,
      "Set a signal of twin N (default 1) before it starts; 'ectwin list-signals DEVICE' lists the names. May be "
@@ -518,6 +524,9 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
             argp_error(state, "--store takes a folder");
         args->store = text;
         return 0;
+    case KEY_ESI_DIR:
+        args->esi_dir = text;
+        return 0;
     case KEY_FILES:
         args->files = text;
         return 0;
@@ -608,6 +617,14 @@ static const ect_product_t *find_product(const twin_args_t *args, const char *na
     return product;
 }
 
+/* Serial number and alias that a file's EEPROM image has stay, unless an option replaces them. */
+static void keep_image(ect_twin_config_t *twin)
+{
+    if (twin->device->identity.serial != 0)
+        twin->identity.serial = twin->device->identity.serial;
+    twin->alias = ect_load_le16(twin->device->sii + ECT_SII_AT_ALIAS);
+}
+
 static void add_twin(twin_args_t *args, const struct argp_state *state, const char *name)
 {
     char message[PRODUCT_MESSAGE] = "out of memory";
@@ -615,15 +632,29 @@ static void add_twin(twin_args_t *args, const struct argp_state *state, const ch
     if (!product)
         argp_failure(state, EXIT_USAGE, 0, "%s", message);
     args->twins = grow(state, args->twins, args->count, sizeof *args->twins);
-    args->twins[args->count++] = ect_twin_default(product->device, product->plant);
+    ect_twin_config_t *twin = &args->twins[args->count++];
+    *twin = ect_twin_default(product->device, product->plant);
+    twin->keep_source_mac = args->keep_source_mac;
+    twin->identity.serial = args->kinds ? 1 : (uint32_t)args->count;
+    if (twin->device->sii)
+        keep_image(twin);
 }
 
-/* Serial number and alias that a file's EEPROM image has stay, unless an option replaces them. */
-static void keep_image(ect_twin_config_t *twin)
+/* The bus of a network file. */
+static void add_network(twin_args_t *args, const struct argp_state *state, const char *path)
 {
-    if (twin->device->identity.serial != 0)
-        twin->identity.serial = twin->device->identity.serial;
-    twin->alias = ect_load_le16(twin->device->sii + ECT_SII_AT_ALIAS);
+    char message[PRODUCT_MESSAGE];
+    network_names_t network;
+    size_t first = args->count;
+    if (!network_names(&network, path, args->esi_dir, args->quiet, message))
+        argp_failure(state, EXIT_OPEN, 0, "%s", message);
+    if (args->count + network.count > UINT16_MAX)
+        argp_error(state, "eni:%s: more than %d twins in all", path, UINT16_MAX);
+    for (size_t i = 0; i < network.count; i++)
+        add_twin(args, state, network.names[i]);
+    network_names_free(&network);
+    if (!network_apply(path, args->twins, first, message))
+        argp_failure(state, EXIT_USAGE, 0, "%s", message);
 }
 
 void twin_args_devices(twin_args_t *args, const struct argp_state *state, const char *list)
@@ -638,16 +669,15 @@ void twin_args_devices(twin_args_t *args, const struct argp_state *state, const 
     char *copy = strdup(list);
     char *rest = copy;
     while (listed_device_next(state, &rest, &one)) {
-        for (size_t i = 0; i < one.count; i++)
+        const char *network = network_path(one.device);
+        if (network && rest)
+            argp_error(state, "no device follows behind eni:%s, a bus of any length: put that last", network);
+        if (network)
+            add_network(args, state, network);
+        for (size_t i = 0; i < one.count && !network; i++)
             add_twin(args, state, one.device);
     }
     free(copy);
-    for (size_t i = 0; i < args->count; i++) {
-        args->twins[i].keep_source_mac = args->keep_source_mac;
-        args->twins[i].identity.serial = args->kinds ? 1 : 1 + (uint32_t)i;
-        if (args->twins[i].device->sii)
-            keep_image(&args->twins[i]);
-    }
     apply_identities(args, state);
     if (ect_scenario_highest_slave(&args->scenario) > args->count)
         argp_error(state, "a fault names slave %u, but the chain has %zu", ect_scenario_highest_slave(&args->scenario),

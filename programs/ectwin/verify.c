@@ -10,10 +10,12 @@
 #include "bus/chain/catalogue.h"
 #include "commands.h"
 #include "facts/facts.h"
+#include "network.h"
 #include "products.h"
 #include "reader/packet.h"
 #include "sii_file.h"
 #include "text/number.h"
+#include "verify_network.h"
 
 /* As of cmp: a difference is not trouble. */
 enum { SAME = 0, DIFFERENT = 1, TROUBLE = 2 };
@@ -272,6 +274,8 @@ static bool is_folder(const char *path)
 
 static int compare_operands(verify_t *v, const operands_t *operands)
 {
+    if (network_path(operands->names[0]))
+        return verify_network(network_path(operands->names[0]), operands->names + 1, operands->count - 1);
     if (operands->count == 2 && is_folder(operands->names[0]) && strncmp(operands->names[1], "slave:", 6) == 0)
         return compare_clone(v, operands->names[0], operands->names[1]);
     bool fine = true;
@@ -291,12 +295,16 @@ int command_verify(int argc, char **argv)
 {
     static const struct argp argp = {
         .parser = parse,
-        .args_doc = "A [B...]\nDIR slave:IFACE",
+        .args_doc = "A [B...]\nDIR slave:IFACE\neni:FILE.xml [FILE.xml...|slave:IFACE]",
         .doc = "Compares the sources of a device: an ESI file (FILE.xml[#TYPE]), an EEPROM image (FILE.bin, "
                "FILE.hex), a DEVICE ('ectwin list' or esi:FILE.xml#TYPE) with the EEPROM that it has, a slave on the "
                "wire (slave:IFACE[:N]) with its EEPROM and its dictionary. The first is the expectation; the "
                "next ones add what it leaves open. One line a difference.\n"
-               "With a folder of 'ectwin clone' and slave:IFACE: each slave of the bus with its file, values aside.\v"
+               "With a folder of 'ectwin clone' and slave:IFACE: each slave of the bus with its file, values aside.\n"
+               "With a network file: its parts with each other, and its commands, sent as they are written, with twins "
+               "of the ESI files, on a virtual clock, up to OP: states, SDO transfers, working counters. With "
+               "slave:IFACE: number and identities of the slaves; nothing is written to a slave but requests for its "
+               "EEPROM.\v"
                "Exit codes: 0 no difference, 1 differences, 2 wrong usage, or a source cannot be read. "
                "Serial number and alias, which are each slave's own, are not compared.",
     };

@@ -439,7 +439,8 @@ int command_with(int argc, char **argv)
     static const struct argp argp = {
         .options = with_options,
         .parser = parse,
-        .args_doc = "DEVICE[,DEVICE...] -- CMD ARG...\nBUS.yaml -- CMD ARG...\n--external PROGRAM -- CMD ARG...",
+        .args_doc = "DEVICE[,DEVICE...] -- CMD ARG...\nBUS.yaml -- CMD ARG...\neni:FILE.xml -- CMD ARG...\n--external "
+                    "PROGRAM -- CMD ARG...",
         .doc = "Runs CMD on a private network whose other end is a chain of these devices. The interface's name "
                "is in $ECTWIN_IFACE and replaces {} in each ARG. Needs no root. Exits with CMD's status.",
         .children = children,

@@ -35,6 +35,7 @@ typedef struct reader {
     size_t entry_count;
     char *text;
     size_t room;
+    bool whole; /* the last twin is the bus of a network file */
     bool failed;
 } reader_t;
 
@@ -237,7 +238,7 @@ static char *device_of(reader_t *r, const yaml_node_t *node, const char *device)
         fail(r, node,
              "'device: %.60s' names one device: a further one is a '- device:' of its own, several are 'count'",
              device);
-    if (strncmp(device, "esi:", 4) == 0 || strncmp(device, "sii:", 4) == 0)
+    if (strncmp(device, "esi:", 4) == 0 || strncmp(device, "sii:", 4) == 0 || strncmp(device, "eni:", 4) == 0)
         return path_of(r, (char[]){device[0], device[1], device[2], ':', '\0'}, device + 4);
     return print(r, "%s", device);
 }
@@ -379,6 +380,11 @@ static void add_entry(reader_t *r, const yaml_node_t *twin)
             fail(r, name, "two twins have the name '%.60s'", entry.name);
     }
     char *word = device_of(r, device, scalar(r, device, "device"));
+    if (r->whole)
+        fail(r, twin, "no twin follows behind 'device: eni:FILE', a bus of any length: put that last");
+    r->whole = word && strncmp(word, "eni:", 4) == 0 && !strchr(word, '#');
+    if (r->whole && entry.count > 1)
+        fail(r, twin, "'count' is for one device; 'device: eni:FILE' is a bus");
     r->file->twins += entry.count;
     if (r->file->twins > ECT_BUS_FILE_TWINS)
         fail(r, twin, "more than %d twins", (int)ECT_BUS_FILE_TWINS);

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Declarations that the files of eni/ share. No other room includes this header.
+ *
+ * From the lowest to the highest: read_command.c (datagrams and CoE commands), read_slave.c (a slave), read.c (a file),
+ * bus.c (the tree), device.c (a slave as the model of a device), check.c (contradictions). The player (player.h) and
+ * the writer (write_slave.h) have orders of their own.
+ */
+#ifndef ECT_ENI_INTERNAL_H
+#define ECT_ENI_INTERNAL_H
+
+#include <libxml/tree.h>
+
+#include "eni/read.h"
+#include "esi/xml.h"
+#include "wire/assert.h"
+
+/** Reads the `<Transition>`s of a command. */
+unsigned int ect_eni_transitions(ect_esi_xml_t *xml, const xmlNode *node);
+
+/** Reads one InitCmd of master or slave, or a cyclic command. */
+void ect_eni_read_command(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_command_t *command);
+
+/** Reads the `<InitCmd>`s of `<InitCmds>` below an element. @param[out] count  of them */
+const ect_eni_command_t *ect_eni_read_inits(ect_esi_xml_t *xml, const xmlNode *parent, size_t *count);
+
+/** Reads one InitCmd of CoE. */
+void ect_eni_read_coe(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_coe_t *command);
+
+/** Reads a `<Slave>`. */
+void ect_eni_read_slave(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_slave_t *slave);
+
+#endif

@@ -1,0 +1,139 @@
+/* SPDX-License-Identifier: MIT */
+/* Transitions of a player: which commands, in which order, and what their replies must be. */
+#include "eni/play.h"
+
+#include <string.h>
+
+#include "eni/player.h"
+
+enum { NUMBER_BYTES = 8, REPEATS = 4, WAIT_MS = 1 };
+
+static uint64_t number_of(const uint8_t *bytes, const uint8_t *mask, size_t length)
+{
+    uint64_t number = 0;
+    for (size_t i = 0; i < length && i < NUMBER_BYTES; i++)
+        number |= (uint64_t)(bytes[i] & (mask != NULL ? mask[i] : 0xFF)) << 8 * i;
+    return number;
+}
+
+static bool equal(const uint8_t *reply, const ect_eni_validate_t *v)
+{
+    for (size_t i = 0; i < v->data.length; i++) {
+        if (((reply[i] ^ v->data.bytes[i]) & (v->mask.bytes != NULL ? v->mask.bytes[i] : 0xFF)) != 0)
+            return false;
+    }
+    return true;
+}
+
+/* With the sign where the file has one: of the last byte. */
+static bool greater(const uint8_t *reply, const ect_eni_validate_t *v)
+{
+    const size_t length = v->data.length < NUMBER_BYTES ? v->data.length : NUMBER_BYTES;
+    const uint64_t sign = v->is_signed && length > 0 ? UINT64_C(1) << (8 * length - 1) : 0;
+    return (number_of(reply, v->mask.bytes, length) ^ sign) > (number_of(v->data.bytes, v->mask.bytes, length) ^ sign);
+}
+
+static bool fits(const uint8_t *reply, const ect_eni_validate_t *v)
+{
+    if (!v->given || v->compare == ECT_ENI_NONE)
+        return true;
+    const bool same = equal(reply, v);
+    switch (v->compare) {
+    case ECT_ENI_NOT_EQ:
+        return !same;
+    case ECT_ENI_G:
+        return greater(reply, v);
+    case ECT_ENI_L:
+        return !same && !greater(reply, v);
+    case ECT_ENI_EQ_OR_G:
+        return same || greater(reply, v);
+    case ECT_ENI_EQ_OR_L:
+        return same || !greater(reply, v);
+    default:
+        return same;
+    }
+}
+
+/* Sends a command until its reply is as expected, as long as the file has it. */
+static void play_command(ect_eni_player_t *p, const ect_eni_command_t *command)
+{
+    const eni_datagram_t datagram = eni_datagram_of(command);
+    const ect_eni_validate_t *v = &command->validate;
+    const uint32_t most = v->given && v->timeout_ms > 0 ? v->timeout_ms / WAIT_MS + 1 : REPEATS;
+    const uint8_t *reply = NULL;
+    int counter = -1;
+    for (uint32_t i = 0; i < most; i++) {
+        if (i > 0)
+            eni_wait(p);
+        counter = eni_exchange(p, &datagram, &reply);
+        const bool counted = counter >= 0 && (command->counter < 0 || counter == command->counter);
+        if (counted && fits(reply, v))
+            return;
+    }
+    if (counter < 0)
+        eni_report(p, command->line, "%s: no frame comes back", command->comment);
+    else if (command->counter >= 0 && counter != command->counter)
+        eni_report(p, command->line, "%s: the working counter is %d, not %d", command->comment, counter,
+                   command->counter);
+    else
+        eni_report(p, command->line, "%s: the reply is 0x%llX, which Validate refuses", command->comment,
+                   (unsigned long long)number_of(reply, v->mask.bytes, v->data.length));
+}
+
+static void play_commands(ect_eni_player_t *p, const ect_eni_command_t *commands, size_t count, unsigned int transition)
+{
+    for (size_t i = 0; i < count; i++) {
+        if ((commands[i].transitions & transition) != 0)
+            play_command(p, &commands[i]);
+    }
+}
+
+static void play_master(ect_eni_player_t *p, unsigned int transition, bool before)
+{
+    const ect_eni_network_t *network = ect_eni_network(p->eni);
+    for (size_t i = 0; i < network->command_count; i++) {
+        if (network->commands[i].before_slave == before)
+            play_commands(p, &network->commands[i], 1, transition);
+    }
+}
+
+static void play_mails(ect_eni_player_t *p, size_t slave, unsigned int transition)
+{
+    const ect_eni_mailbox_t *mailbox = &ect_eni_network(p->eni)->slaves[slave].mailbox;
+    for (size_t i = 0; i < mailbox->command_count; i++) {
+        if ((mailbox->commands[i].transitions & transition) != 0 && !mailbox->commands[i].disabled)
+            eni_play_coe(p, slave, &mailbox->commands[i]);
+    }
+}
+
+static void play_transition(ect_eni_player_t *p, unsigned int transition)
+{
+    const ect_eni_network_t *network = ect_eni_network(p->eni);
+    play_master(p, transition, true);
+    for (size_t i = 0; i < network->slave_count; i++) {
+        if (transition != ECT_ENI_IP)
+            play_mails(p, i, transition);
+        play_commands(p, network->slaves[i].commands, network->slaves[i].command_count, transition);
+    }
+    play_master(p, transition, false);
+    for (size_t i = 0; transition == ECT_ENI_IP && i < network->slave_count; i++)
+        play_mails(p, i, transition);
+}
+
+bool ect_eni_play(ect_eni_player_t *p, unsigned int state)
+{
+    static const struct {
+        unsigned int transition, state;
+    } steps[] = {{ECT_ENI_IP, ECT_ENI_PREOP}, {ECT_ENI_PS, ECT_ENI_SAFEOP}, {ECT_ENI_SO, ECT_ENI_OPERATIONAL}};
+    ECT_ASSERT(state >= p->state && state <= ECT_ENI_OPERATIONAL);
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
+        const size_t before = p->reported;
+        if (steps[i].state <= p->state || steps[i].state > state)
+            continue;
+        play_transition(p, steps[i].transition);
+        if (p->reported != before)
+            return false;
+        p->state = steps[i].state;
+    }
+    return true;
+}

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Declarations that the files of the player share: play_wire.c (datagrams, cyclic frames), play_mail.c (SDO transfers),
+ * play.c (transitions).
+ */
+#ifndef ECT_ENI_PLAYER_H
+#define ECT_ENI_PLAYER_H
+
+#include "eni/play.h"
+#include "wire/assert.h"
+
+ECT_C_BEGIN
+
+/** A datagram to send. */
+typedef struct eni_datagram {
+    uint8_t command;
+    uint16_t length;
+    uint32_t address; /**< logical; or ADP, and ADO in the upper half */
+    const uint8_t *data;
+} eni_datagram_t;
+
+/** A frame while it grows. */
+typedef struct eni_frame {
+    uint8_t *bytes; /**< ::ECT_ENI_FRAME */
+    size_t length;
+    size_t last; /**< offset of the last datagram, 0: none */
+} eni_frame_t;
+
+static inline eni_datagram_t eni_datagram_of(const ect_eni_command_t *command)
+{
+    const uint32_t physical = command->adp | (uint32_t)command->ado << 16;
+    return (eni_datagram_t){.command = command->command,
+                            .length = (uint16_t)command->data.length,
+                            .address = command->address != 0 ? command->address : physical,
+                            .data = command->data.bytes};
+}
+
+/** Takes note of a reply that line `line` of the file does not expect. */
+__attribute__((format(printf, 3, 4))) void eni_report(ect_eni_player_t *p, int line, const char *format, ...);
+
+void eni_frame_begin(eni_frame_t *f);
+/** @return offset of its data */
+size_t eni_frame_add(eni_frame_t *f, uint8_t index, const eni_datagram_t *datagram);
+bool eni_frame_exchange(ect_eni_player_t *p, eni_frame_t *f);
+
+/** Sends one datagram. @param[out] reply  its data. @return the working counter, -1: no frame came back */
+int eni_exchange(ect_eni_player_t *p, const eni_datagram_t *datagram, const uint8_t **reply);
+
+/** Waits a millisecond; cyclic frames of the present state go on. */
+void eni_wait(ect_eni_player_t *p);
+
+/** play_mail.c: a start-up command of CoE. */
+void eni_play_coe(ect_eni_player_t *p, size_t slave, const ect_eni_coe_t *command);
+
+ECT_C_END
+
+#endif

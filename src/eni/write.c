@@ -1,0 +1,215 @@
+/* SPDX-License-Identifier: MIT */
+/* The network around the slaves: master, cyclic frames, process image. */
+#include "eni/write.h"
+
+#include <stdio.h>
+
+#include "eni/read.h"
+#include "eni/write_slave.h"
+#include "esc/route.h"
+#include "wire/registers.h"
+
+enum {
+    FRAME_MOST = ECT_ENI_DATA + 12,
+    OVERHEAD = ECT_DATAGRAM_DATA + ECT_DATAGRAM_COUNTER,
+    STATE_BYTES = 2,
+    SLAVES_MOST = UINT16_MAX - 1000,
+    FMMU_AREA = 256,
+    SM_AREA = 128
+};
+
+/* A cyclic command. */
+typedef struct chunk {
+    uint8_t command;
+    uint32_t address, offset;
+    size_t length;
+    unsigned int counter;
+} chunk_t;
+
+typedef struct network {
+    const ect_eni_part_t *parts;
+    size_t count;
+    uint32_t cycle_us;
+    chunk_t *chunks;
+    size_t chunk_count;
+    uint32_t bytes[2]; /* outputs, inputs */
+} network_t;
+
+static void add_chunk(ect_arena_t *arena, network_t *n, const chunk_t *chunk)
+{
+    n->chunks = ect_arena_grow(arena, n->chunks, n->chunk_count, sizeof *n->chunks);
+    n->chunks[n->chunk_count++] = *chunk;
+}
+
+/* The process data of all slaves in one direction: commands that end with a slave. */
+static void plan(ect_arena_t *arena, network_t *n, bool inputs)
+{
+    const uint32_t base = inputs ? ENI_LOGICAL_INPUTS : ENI_LOGICAL_OUTPUTS;
+    chunk_t chunk = {.command = inputs ? ECT_LRD : ECT_LWR, .address = base};
+    for (size_t i = 0; i < n->count; i++) {
+        const uint32_t bytes = eni_bytes(n->parts[i].device, inputs);
+        if (chunk.length > 0 && chunk.length + bytes > ECT_ENI_DATA) {
+            add_chunk(arena, n, &chunk);
+            chunk = (chunk_t){.command = chunk.command, .address = base + n->bytes[inputs], .offset = n->bytes[inputs]};
+        }
+        chunk.length += bytes;
+        chunk.counter += bytes > 0;
+        n->bytes[inputs] += bytes;
+    }
+    if (chunk.length > 0)
+        add_chunk(arena, n, &chunk);
+}
+
+/* --- master ------------------------------------------------------------------------------------------------------- */
+
+static void write_clear(ect_pen_t *pen, const network_t *n, const char *comment, uint16_t ado, size_t length)
+{
+    static const uint8_t zeros[FMMU_AREA];
+    const eni_init_t init = {.transition = "IP",
+                             .comment = comment,
+                             .command = ECT_BWR,
+                             .ado = ado,
+                             .data = zeros,
+                             .length = length,
+                             .counter = n->count,
+                             .before_slave = true};
+    eni_write_init(pen, &init);
+}
+
+/* FMMUs and SyncManagers are cleared as far as each chip has them, which the working counter does not depend on. */
+static void write_master(ect_pen_t *pen, const network_t *n)
+{
+    static const uint8_t broadcast[] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF}, own[] = {0x02, 0, 0, 0, 0, 0x01},
+                         type[] = {0xA4, 0x88}, init_state[] = {1, 0}, mask[] = {0x0F, 0};
+    const eni_init_t count = {.transition = "IP",
+                              .comment = "all slaves are there, in INIT",
+                              .command = ECT_BRD,
+                              .ado = ECT_REG_AL_STATUS,
+                              .length = STATE_BYTES,
+                              .counter = n->count,
+                              .before_slave = true,
+                              .expected = init_state,
+                              .mask = mask,
+                              .timeout_ms = 3000};
+    ect_pen_open(pen, "Master");
+    ect_pen_open(pen, "Info");
+    ect_pen_text(pen, "Name", "EtherCAT Master");
+    ect_pen_bytes(pen, "Destination", broadcast, sizeof broadcast);
+    ect_pen_bytes(pen, "Source", own, sizeof own);
+    ect_pen_bytes(pen, "EtherType", type, sizeof type);
+    ect_pen_close(pen);
+    ect_pen_open(pen, "InitCmds");
+    eni_write_init(pen, &count);
+    write_clear(pen, n, "clear the FMMUs", ECT_REG_FMMU, FMMU_AREA);
+    write_clear(pen, n, "clear the SyncManagers", ECT_REG_SM, SM_AREA);
+    ect_pen_close(pen);
+    ect_pen_close(pen);
+}
+
+/* --- cyclic frames ------------------------------------------------------------------------------------------------ */
+
+static void write_states(ect_pen_t *pen, bool preop)
+{
+    if (preop)
+        ect_pen_text(pen, "State", "PREOP");
+    ect_pen_text(pen, "State", "SAFEOP");
+    ect_pen_text(pen, "State", "OP");
+}
+
+static void write_chunk(ect_pen_t *pen, const chunk_t *chunk)
+{
+    const bool inputs = chunk->command == ECT_LRD;
+    ect_pen_open(pen, "Cmd");
+    write_states(pen, false);
+    ect_pen_text(pen, "Comment", inputs ? "inputs" : "outputs");
+    ect_pen_number(pen, "Cmd", chunk->command);
+    ect_pen_number(pen, "Addr", chunk->address);
+    ect_pen_number(pen, "DataLength", (int64_t)chunk->length);
+    ect_pen_number(pen, "Cnt", chunk->counter);
+    ect_pen_number(pen, "InputOffs", inputs ? chunk->offset : 0);
+    ect_pen_number(pen, "OutputOffs", inputs ? 0 : chunk->offset);
+    ect_pen_close(pen);
+}
+
+static void write_state_command(ect_pen_t *pen, const network_t *n)
+{
+    ect_pen_open(pen, "Cmd");
+    write_states(pen, true);
+    ect_pen_text(pen, "Comment", "states of all slaves");
+    ect_pen_number(pen, "Cmd", ECT_BRD);
+    ect_pen_number(pen, "Adp", 0);
+    ect_pen_number(pen, "Ado", ECT_REG_AL_STATUS);
+    ect_pen_number(pen, "DataLength", STATE_BYTES);
+    ect_pen_number(pen, "Cnt", (int64_t)n->count);
+    ect_pen_number(pen, "InputOffs", n->bytes[1]);
+    ect_pen_number(pen, "OutputOffs", 0);
+    ect_pen_close(pen);
+}
+
+static void write_cyclic(ect_pen_t *pen, const network_t *n)
+{
+    size_t used = STATE_BYTES + OVERHEAD;
+    ect_pen_open(pen, "Cyclic");
+    ect_pen_number(pen, "CycleTime", n->cycle_us);
+    ect_pen_open(pen, "Frame");
+    write_state_command(pen, n);
+    for (size_t i = 0; i < n->chunk_count; i++) {
+        const size_t bytes = n->chunks[i].length + OVERHEAD;
+        if (used + bytes > FRAME_MOST) {
+            ect_pen_close(pen);
+            ect_pen_open(pen, "Frame");
+            used = 0;
+        }
+        write_chunk(pen, &n->chunks[i]);
+        used += bytes;
+    }
+    ect_pen_close(pen);
+    ect_pen_close(pen);
+}
+
+static void write_image(ect_pen_t *pen, const network_t *n, bool inputs)
+{
+    uint32_t offset = 0;
+    ect_pen_open(pen, inputs ? "Inputs" : "Outputs");
+    ect_pen_number(pen, "ByteSize", n->bytes[inputs] + (inputs ? STATE_BYTES : 0));
+    for (size_t i = 0; i < n->count; i++) {
+        eni_write_variables(pen, n->parts[i].device, i, inputs, offset);
+        offset += eni_bytes(n->parts[i].device, inputs);
+    }
+    ect_pen_close(pen);
+}
+
+static void write_network(ect_pen_t *pen, const void *what)
+{
+    const network_t *n = what;
+    uint32_t offsets[2] = {0, 0};
+    ect_pen_open(pen, "EtherCATConfig");
+    ect_pen_attribute(pen, "Version", "1.3");
+    ect_pen_open(pen, "Config");
+    write_master(pen, n);
+    for (size_t i = 0; i < n->count; i++) {
+        eni_write_slave(pen, n->parts, i, offsets);
+        offsets[0] += eni_bytes(n->parts[i].device, false);
+        offsets[1] += eni_bytes(n->parts[i].device, true);
+    }
+    write_cyclic(pen, n);
+    ect_pen_open(pen, "ProcessImage");
+    write_image(pen, n, true);
+    write_image(pen, n, false);
+    ect_pen_close(pen);
+    ect_pen_close(pen);
+    ect_pen_close(pen);
+}
+
+const char *ect_eni_write(ect_arena_t *arena, const ect_eni_part_t *parts, size_t count, uint32_t cycle_us,
+                          size_t *length, char *text, size_t room)
+{
+    network_t n = {.parts = parts, .count = count, .cycle_us = cycle_us};
+    if (count == 0 || count > SLAVES_MOST) {
+        (void)snprintf(text, room, "a network file has 1 to %d slaves, not %zu", (int)SLAVES_MOST, count);
+        return NULL;
+    }
+    plan(arena, &n, false);
+    plan(arena, &n, true);
+    return ect_pen_file(arena, write_network, &n, length, text, room);
+}

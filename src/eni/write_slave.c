@@ -1,0 +1,428 @@
+/* SPDX-License-Identifier: MIT */
+/* A slave of a network file: identity, layout, and the commands that bring it to OP. */
+#include "eni/write_slave.h"
+
+#include <string.h>
+
+#include "esc/route.h"
+#include "wire/bytes.h"
+#include "wire/registers.h"
+#include "wire/sii.h"
+
+enum {
+    SM_BYTES = 8,
+    FMMU_BYTES = 16,
+    FMMU_READS = 1,
+    FMMU_WRITES = 2,
+    SII_READ = 0x0100,
+    SII_BUSY = 0x8000,
+    SII_TIMEOUT_MS = 100,
+    STATE_MASK = 0x1F, /* with the error flag */
+    MAILBOX_TIMEOUT_MS = 2000,
+    POLL_MS = 10,
+    CCS_DOWNLOAD = 1
+
+};
+
+typedef struct slave {
+    ect_pen_t *pen;
+    const ect_eni_part_t *part;
+    size_t i;
+    uint16_t station;
+} slave_t;
+
+static uint16_t station_of(size_t i)
+{
+    return (uint16_t)(ENI_FIRST_STATION + i);
+}
+
+static uint8_t role_of(bool inputs)
+{
+    return inputs ? ECT_SM_INPUTS : ECT_SM_OUTPUTS;
+}
+
+uint32_t eni_bytes(const ect_device_t *device, bool inputs)
+{
+    uint32_t bytes = 0;
+    for (unsigned int n = 0; n < device->sm_count; n++) {
+        if (ect_sm_role(&device->sm[n]) == role_of(inputs))
+            bytes += ect_device_sm_bytes(device, n);
+    }
+    return bytes;
+}
+
+/* --- commands ----------------------------------------------------------------------------------------------------- */
+
+void eni_write_init(ect_pen_t *pen, const eni_init_t *init)
+{
+    ect_pen_open(pen, "InitCmd");
+    ect_pen_text(pen, "Transition", init->transition);
+    if (init->before_slave)
+        ect_pen_text(pen, "BeforeSlave", "true");
+    ect_pen_text(pen, "Comment", init->comment);
+    ect_pen_number(pen, "Cmd", init->command);
+    ect_pen_number(pen, "Adp", init->adp);
+    ect_pen_number(pen, "Ado", init->ado);
+    if (init->data != NULL)
+        ect_pen_bytes(pen, "Data", init->data, init->length);
+    else
+        ect_pen_number(pen, "DataLength", (int64_t)init->length);
+    ect_pen_number(pen, "Cnt", (int64_t)init->counter);
+    if (init->expected != NULL) {
+        ect_pen_open(pen, "Validate");
+        ect_pen_bytes(pen, "Data", init->expected, init->length);
+        if (init->mask != NULL)
+            ect_pen_bytes(pen, "DataMask", init->mask, init->length);
+        ect_pen_number(pen, "Timeout", init->timeout_ms);
+        ect_pen_close(pen);
+    }
+    ect_pen_close(pen);
+}
+
+static void write_bytes(const slave_t *s, const char *transition, const char *comment, unsigned int ado,
+                        const uint8_t *data, size_t length)
+{
+    const eni_init_t init = {.transition = transition,
+                             .comment = comment,
+                             .command = ECT_FPWR,
+                             .adp = s->station,
+                             .ado = (uint16_t)ado,
+                             .data = data,
+                             .length = length,
+                             .counter = 1};
+    eni_write_init(s->pen, &init);
+}
+
+static void expect(const slave_t *s, const char *transition, const char *comment, unsigned int ado,
+                   const uint8_t *expected, const uint8_t *mask, size_t length, uint32_t timeout_ms)
+{
+    const eni_init_t init = {.transition = transition,
+                             .comment = comment,
+                             .command = ECT_FPRD,
+                             .adp = s->station,
+                             .ado = (uint16_t)ado,
+                             .length = length,
+                             .counter = 1,
+                             .expected = expected,
+                             .mask = mask,
+                             .timeout_ms = timeout_ms};
+    eni_write_init(s->pen, &init);
+}
+
+static void go_to(const slave_t *s, const char *transition, uint8_t state, uint32_t timeout_ms)
+{
+    const uint8_t request[] = {state, 0}, mask[] = {STATE_MASK, 0};
+    write_bytes(s, transition, "request the state", ECT_REG_AL_CONTROL, request, sizeof request);
+    expect(s, transition, "wait for the state", ECT_REG_AL_STATUS, request, mask, sizeof request, timeout_ms);
+}
+
+static void check_word(const slave_t *s, const char *comment, unsigned int byte, uint32_t value)
+{
+    static const uint8_t idle[2] = {0}, mask[2] = {0, SII_BUSY >> 8};
+    uint8_t request[6], expected[4];
+    ect_store_le16(request, SII_READ);
+    ect_store_le32(request + 2, byte / 2);
+    ect_store_le32(expected, value);
+    write_bytes(s, "IP", comment, ECT_REG_SII_CONTROL, request, sizeof request);
+    expect(s, "IP", "wait for the EEPROM", ECT_REG_SII_CONTROL, idle, mask, sizeof idle, SII_TIMEOUT_MS);
+    expect(s, "IP", comment, ECT_REG_SII_DATA, expected, NULL, sizeof expected, SII_TIMEOUT_MS);
+}
+
+/* --- layout ------------------------------------------------------------------------------------------------------- */
+
+static void set_sm(const slave_t *s, const char *transition, unsigned int n)
+{
+    const ect_sm_t *sm = &s->part->device->sm[n];
+    const uint16_t length = ect_device_sm_bytes(s->part->device, n);
+    uint8_t bytes[SM_BYTES] = {0};
+    if ((sm->flags & ECT_SM_FLAG_VIRTUAL) != 0 || sm->type == ECT_SM_UNUSED)
+        return;
+    ect_store_le16(bytes, sm->start);
+    ect_store_le16(bytes + 2, length);
+    bytes[4] = sm->control;
+    bytes[6] = length > 0;
+    write_bytes(s, transition, "SyncManager", ECT_REG_SM + SM_BYTES * n, bytes, sizeof bytes);
+}
+
+static void set_fmmus(const slave_t *s, bool inputs, uint32_t offset, unsigned int *fmmu)
+{
+    const ect_device_t *device = s->part->device;
+    uint32_t address = (inputs ? ENI_LOGICAL_INPUTS : ENI_LOGICAL_OUTPUTS) + offset;
+    for (unsigned int n = 0; n < device->sm_count; n++) {
+        const uint16_t length = ect_device_sm_bytes(device, n);
+        uint8_t bytes[FMMU_BYTES] = {0};
+        if (ect_sm_role(&device->sm[n]) != role_of(inputs) || length == 0)
+            continue;
+        ect_store_le32(bytes, address);
+        ect_store_le16(bytes + 4, length);
+        bytes[7] = 7; /* last bit */
+        ect_store_le16(bytes + 8, device->sm[n].start);
+        bytes[11] = inputs ? FMMU_READS : FMMU_WRITES;
+        bytes[12] = 1;
+        write_bytes(s, "PS", inputs ? "FMMU of inputs" : "FMMU of outputs", ECT_REG_FMMU + FMMU_BYTES * (*fmmu)++,
+                    bytes, sizeof bytes);
+        address += length;
+    }
+}
+
+static bool has_mailbox(const ect_device_t *device)
+{
+    return device->mailbox_protocols != 0 && device->sm_count >= 2;
+}
+
+static void write_commands(const slave_t *s, const uint32_t offsets[2])
+{
+    const ect_device_t *device = s->part->device;
+    const ect_timeouts_t *t = &device->timeouts;
+    const unsigned int first = has_mailbox(device) ? 2 : 0;
+    unsigned int fmmu = 0;
+    uint8_t station[2], eeprom[1] = {0};
+    ect_store_le16(station, s->station);
+    const eni_init_t address = {.transition = "IP",
+                                .comment = "station address",
+                                .command = ECT_APWR,
+                                .adp = (uint16_t)(0 - s->i),
+                                .ado = ECT_REG_STATION_ADDRESS,
+                                .data = station,
+                                .length = sizeof station,
+                                .counter = 1};
+    ect_pen_open(s->pen, "InitCmds");
+    eni_write_init(s->pen, &address);
+    write_bytes(s, "IP", "EEPROM to the master", ECT_REG_SII_CONFIG, eeprom, sizeof eeprom);
+    check_word(s, "vendor id", ECT_SII_AT_VENDOR, s->part->identity.vendor_id);
+    check_word(s, "product code", ECT_SII_AT_PRODUCT, s->part->identity.product_code);
+    check_word(s, "revision", ECT_SII_AT_REVISION, s->part->identity.revision);
+    for (unsigned int n = 0; n < first; n++)
+        set_sm(s, "IP", n);
+    eeprom[0] = 1;
+    write_bytes(s, "IP", "EEPROM to the slave", ECT_REG_SII_CONFIG, eeprom, sizeof eeprom);
+    go_to(s, "IP", ECT_STATE_PREOP, t->preop_ms != 0 ? t->preop_ms : 3000);
+    for (unsigned int n = first; n < device->sm_count; n++)
+        set_sm(s, "PS", n);
+    set_fmmus(s, false, offsets[0], &fmmu);
+    set_fmmus(s, true, offsets[1], &fmmu);
+    go_to(s, "PS", ECT_STATE_SAFEOP, t->safeop_op_ms != 0 ? t->safeop_op_ms : 10000);
+    go_to(s, "SO", ECT_STATE_OP, t->safeop_op_ms != 0 ? t->safeop_op_ms : 10000);
+    go_to(s, "OS", ECT_STATE_SAFEOP, t->back_to_safeop_ms != 0 ? t->back_to_safeop_ms : 200);
+    go_to(s, "SP", ECT_STATE_PREOP, t->back_to_init_ms != 0 ? t->back_to_init_ms : 5000);
+    go_to(s, "PI", ECT_STATE_INIT, t->back_to_init_ms != 0 ? t->back_to_init_ms : 5000);
+    ect_pen_close(s->pen);
+}
+
+/* --- mailbox ------------------------------------------------------------------------------------------------------ */
+
+static void write_box(ect_pen_t *pen, const char *element, uint16_t start, uint16_t length, bool polled)
+{
+    ect_pen_open(pen, element);
+    ect_pen_number(pen, "Start", start);
+    ect_pen_number(pen, "Length", length);
+    if (polled)
+        ect_pen_number(pen, "PollTime", POLL_MS);
+    ect_pen_close(pen);
+}
+
+static void write_transitions(ect_pen_t *pen, const char *transitions)
+{
+    while (*transitions != '\0') {
+        char one[4] = "";
+        const size_t length = strcspn(transitions, " ");
+        memcpy(one, transitions, length < sizeof one ? length : sizeof one - 1);
+        ect_pen_text(pen, "Transition", one);
+        transitions += length;
+        transitions += strspn(transitions, " ");
+    }
+}
+
+static void write_coe(ect_pen_t *pen, const ect_device_t *device)
+{
+    ect_pen_open(pen, "CoE");
+    ect_pen_open(pen, "InitCmds");
+    for (unsigned int i = 0; i < device->init_command_count; i++) {
+        const ect_init_command_t *command = &device->init_commands[i];
+        ect_pen_open(pen, "InitCmd");
+        ect_pen_flag(pen, "CompleteAccess", command->complete);
+        write_transitions(pen, command->transitions);
+        if (command->comment != NULL)
+            ect_pen_text(pen, "Comment", command->comment);
+        ect_pen_number(pen, "Timeout", MAILBOX_TIMEOUT_MS);
+        ect_pen_number(pen, "Ccs", CCS_DOWNLOAD);
+        ect_pen_number(pen, "Index", command->index);
+        ect_pen_number(pen, "SubIndex", command->subindex);
+        ect_pen_bytes(pen, "Data", command->data, command->size);
+        ect_pen_close(pen);
+    }
+    ect_pen_close(pen);
+    ect_pen_close(pen);
+}
+
+static void write_mailbox(ect_pen_t *pen, const ect_device_t *device)
+{
+    static const struct {
+        uint8_t bit;
+        const char *name;
+    } protocols[] = {{ECT_MAILBOX_AOE, "AoE"}, {ECT_MAILBOX_EOE, "EoE"}, {ECT_MAILBOX_COE, "CoE"},
+                     {ECT_MAILBOX_FOE, "FoE"}, {ECT_MAILBOX_SOE, "SoE"}, {ECT_MAILBOX_VOE, "VoE"}};
+    if (!has_mailbox(device))
+        return;
+    ect_pen_open(pen, "Mailbox");
+    ect_pen_flag(pen, "DataLinkLayer", (ect_device_general_flags(device) & ECT_GENERAL_MAIL_REPEAT) != 0);
+    write_box(pen, "Send", device->sm[0].start, device->sm[0].length, false);
+    write_box(pen, "Recv", device->sm[1].start, device->sm[1].length, true);
+    if (device->boot_out.length > 0) {
+        ect_pen_open(pen, "BootStrap");
+        write_box(pen, "Send", device->boot_out.start, device->boot_out.length, false);
+        write_box(pen, "Recv", device->boot_in.start, device->boot_in.length, false);
+        ect_pen_close(pen);
+    }
+    for (size_t i = 0; i < sizeof protocols / sizeof protocols[0]; i++) {
+        if ((device->mailbox_protocols & protocols[i].bit) != 0)
+            ect_pen_text(pen, "Protocol", protocols[i].name);
+    }
+    if ((device->mailbox_protocols & ECT_MAILBOX_COE) != 0 && device->init_command_count > 0)
+        write_coe(pen, device);
+    ect_pen_close(pen);
+}
+
+/* ------------------------------------------------------------------------------------------------------------------ */
+
+/* The schema has numbers of 32 bits with a sign here. */
+static void write_identity(ect_pen_t *pen, const char *element, uint32_t value)
+{
+    ect_pen_number(pen, element, (int32_t)value);
+}
+
+static const char *name_of(const slave_t *s)
+{
+    return ect_arena_print(s->pen->arena, "Slave %zu (%s)", s->i + 1, s->part->device->type_name);
+}
+
+static void write_info(const slave_t *s)
+{
+    ect_pen_t *pen = s->pen;
+    ect_pen_open(pen, "Info");
+    ect_pen_text(pen, "Name", name_of(s));
+    ect_pen_number(pen, "PhysAddr", s->station);
+    ect_pen_number(pen, "AutoIncAddr", (uint16_t)(0 - s->i));
+    if (s->part->alias != 0) {
+        ect_pen_open(pen, "Identification");
+        ect_pen_attribute(pen, "Value", "%u", s->part->alias);
+        ect_pen_number(pen, "Ado", ECT_REG_STATION_ALIAS);
+        ect_pen_close(pen);
+    }
+    ect_pen_text(pen, "Physics", s->part->device->physics);
+    write_identity(pen, "VendorId", s->part->identity.vendor_id);
+    write_identity(pen, "ProductCode", s->part->identity.product_code);
+    write_identity(pen, "RevisionNo", s->part->identity.revision);
+    if (s->part->identity.serial != 0)
+        write_identity(pen, "SerialNo", s->part->identity.serial);
+    ect_pen_close(pen);
+}
+
+static void write_bits(ect_pen_t *pen, const char *element, uint32_t offset, uint32_t bytes)
+{
+    if (bytes == 0)
+        return;
+    ect_pen_open(pen, element);
+    ect_pen_number(pen, "BitStart", offset * 8);
+    ect_pen_number(pen, "BitLength", bytes * 8);
+    ect_pen_close(pen);
+}
+
+static void write_sm(ect_pen_t *pen, const ect_device_t *device, unsigned int n)
+{
+    static const char *const roles[] = {"", "MBoxOut", "MBoxIn", "Outputs", "Inputs"};
+    const ect_sm_t *sm = &device->sm[n];
+    const uint16_t bytes = ect_device_sm_bytes(device, n);
+    const ect_od_t od = ect_device_od(device, NULL);
+    const ect_object_t *assignment = ect_od_find(&od, (uint16_t)(ECT_OD_ASSIGNMENT + n));
+    char name[8] = "Sm0";
+    if (ect_sm_role(sm) == ECT_SM_UNUSED)
+        return;
+    name[2] = (char)('0' + n);
+    ect_pen_open(pen, name);
+    ect_pen_text(pen, "Type", ect_sm_role(sm) < sizeof roles / sizeof roles[0] ? roles[ect_sm_role(sm)] : "");
+    if (sm->minimum != 0)
+        ect_pen_number(pen, "MinSize", sm->minimum);
+    if (sm->maximum != 0)
+        ect_pen_number(pen, "MaxSize", sm->maximum);
+    ect_pen_number(pen, "DefaultSize", bytes);
+    ect_pen_number(pen, "StartAddress", sm->start);
+    ect_pen_number(pen, "ControlByte", sm->control);
+    ect_pen_number(pen, "Enable", bytes > 0);
+    for (uint32_t k = 1;
+         ect_device_sm_is_process(device, n) && assignment != NULL && k <= ect_od_element(assignment, 0); k++)
+        ect_pen_number(pen, "Pdo", ect_od_element(assignment, k));
+    ect_pen_close(pen);
+}
+
+/* The neighbour towards the master; the first slave has none. */
+static void write_previous(const slave_t *s)
+{
+    const char port[] = {(char)('A' + (s->part->up_port != 0 ? s->part->up_port : 1)), '\0'};
+    if (s->i == 0)
+        return;
+    ect_pen_open(s->pen, "PreviousPort");
+    ect_pen_attribute(s->pen, "Selected", "1");
+    ect_pen_text(s->pen, "Port", port);
+    ect_pen_number(s->pen, "PhysAddr", station_of(s->part->up_port != 0 ? s->part->up : s->i - 1));
+    ect_pen_close(s->pen);
+}
+
+void eni_write_slave(ect_pen_t *pen, const ect_eni_part_t *parts, size_t i, const uint32_t offsets[2])
+{
+    const slave_t s = {.pen = pen, .part = &parts[i], .i = i, .station = station_of(i)};
+    const ect_device_t *device = parts[i].device;
+    ect_pen_open(pen, "Slave");
+    write_info(&s);
+    ect_pen_open(pen, "ProcessData");
+    write_bits(pen, "Send", offsets[0], eni_bytes(device, false));
+    write_bits(pen, "Recv", offsets[1], eni_bytes(device, true));
+    for (unsigned int n = 0; n < device->sm_count; n++)
+        write_sm(pen, device, n);
+    ect_pen_pdos(pen, device, true);
+    ect_pen_pdos(pen, device, false);
+    ect_pen_close(pen);
+    write_mailbox(pen, device);
+    write_commands(&s, offsets);
+    write_previous(&s);
+    ect_pen_close(pen);
+}
+
+/* --- variables ---------------------------------------------------------------------------------------------------- */
+
+/* @return the bit behind the PDO */
+static uint32_t write_pdo_variables(ect_pen_t *pen, const ect_device_t *device, size_t i, uint16_t index, uint32_t bit)
+{
+    const ect_od_t od = ect_device_od(device, NULL);
+    const ect_object_t *pdo = ect_od_find(&od, index);
+    for (uint32_t n = 1; pdo != NULL && n <= ect_od_element(pdo, 0); n++) {
+        const uint32_t mapping = ect_od_element(pdo, n);
+        const ect_entry_t *entry = ect_od_mapped(&od, mapping);
+        if (entry != NULL && (mapping & 0xFF) > 0) {
+            const char *name =
+                ect_arena_print(pen->arena, "Slave %zu (%s).%s.%s", i + 1, device->type_name,
+                                pdo->name != NULL ? pdo->name : "", entry->name != NULL ? entry->name : "");
+            ect_pen_open(pen, "Variable");
+            ect_pen_text(pen, "Name", name);
+            ect_pen_number(pen, "BitSize", mapping & 0xFF);
+            ect_pen_number(pen, "BitOffs", bit);
+            ect_pen_close(pen);
+        }
+        bit += mapping & 0xFF;
+    }
+    return bit;
+}
+
+void eni_write_variables(ect_pen_t *pen, const ect_device_t *device, size_t i, bool inputs, uint32_t offset)
+{
+    const ect_od_t od = ect_device_od(device, NULL);
+    for (unsigned int n = 0; n < device->sm_count; n++) {
+        if (ect_sm_role(&device->sm[n]) != role_of(inputs))
+            continue;
+        const ect_object_t *assignment = ect_od_find(&od, (uint16_t)(ECT_OD_ASSIGNMENT + n));
+        uint32_t bit = offset * 8;
+        for (uint32_t k = 1; ect_device_sm_is_process(device, n) && k <= ect_od_element(assignment, 0); k++)
+            bit = write_pdo_variables(pen, device, i, (uint16_t)ect_od_element(assignment, k), bit);
+        offset += ect_device_sm_bytes(device, n);
+    }
+}

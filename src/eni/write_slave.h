@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Declarations that the files of the writer share: write_slave.c (a slave) and write.c (the network around it).
+ */
+#ifndef ECT_ENI_WRITE_SLAVE_H
+#define ECT_ENI_WRITE_SLAVE_H
+
+#include "eni/part.h"
+#include "esi/pen.h"
+
+ECT_C_BEGIN
+
+enum { ENI_LOGICAL_OUTPUTS = 0x00010000, ENI_LOGICAL_INPUTS = 0x01000000, ENI_FIRST_STATION = 1001 };
+
+/** An InitCmd of a datagram with a physical address. */
+typedef struct eni_init {
+    const char *transition, *comment;
+    uint8_t command;
+    uint16_t adp, ado;
+    const uint8_t *data; /**< NULL: `length` bytes to read */
+    size_t length;
+    size_t counter;
+    bool before_slave;
+    const uint8_t *expected; /**< `length` bytes, NULL: no Validate */
+    const uint8_t *mask;     /**< `length` bytes, NULL: all bits */
+    uint32_t timeout_ms;     /**< of the Validate */
+} eni_init_t;
+
+void eni_write_init(ect_pen_t *pen, const eni_init_t *init);
+
+/** @return bytes of process data in one direction */
+uint32_t eni_bytes(const ect_device_t *device, bool inputs);
+
+/** `<Slave>`. @param offsets  bytes of the outputs and the inputs of the slaves before */
+void eni_write_slave(ect_pen_t *pen, const ect_eni_part_t *parts, size_t i, const uint32_t offsets[2]);
+
+/** `<Variable>` for each entry of the assigned PDOs. @param offset  bytes before, in the image */
+void eni_write_variables(ect_pen_t *pen, const ect_device_t *device, size_t i, bool inputs, uint32_t offset);
+
+ECT_C_END
+
+#endif

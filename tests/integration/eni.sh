@@ -1,0 +1,120 @@
+#!/usr/bin/env bash
+# Network files (ENI) through the command: the bus that a master expects, with ESI files and without, in a bus file, mistakes.
+# usage: eni.sh ECTWIN ECTWIN-CONFORM ENI-FOLDER
+set -u
+ectwin=$(realpath "$1")
+conform=$2
+eni=$(realpath "$3")
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# shellcheck source=tests/support/check.sh
+. "$(dirname "$0")/../support/check.sh"
+
+alone="from the ENI alone, without a dictionary of its own"
+"$ectwin" check "eni:$eni/machine.xml" >"$work/out" 2>"$work/err"
+check "ENI-008, ENI-009: a line for each slave, in order; the hot-connect group is plugged in" \
+  "ectwin: slave 1, Rack 1 (IO8): $alone
+ectwin: slave 2, Drive 2 (AX1): $alone
+ectwin: slave 3, Tool 3 (IO8): $alone; hot-connect group Tool, plugged in" "$(grep '^ectwin: slave' "$work/err")"
+check "the bus can run" "3 twins: eni:$eni/machine.xml" "$(cat "$work/out")"
+check "--quiet: no notes" "" "$("$ectwin" check --quiet "eni:$eni/machine.xml" 2>&1 >/dev/null)"
+sed 's|<AutoIncAddr>65535<|<AutoIncAddr>65533<|' "$eni/machine.xml" >"$work/order.xml"
+check "ENI-008: another place in AutoIncAddr" "its AutoIncAddr is 65533, its place in the file 2" \
+  "$("$ectwin" check "eni:$work/order.xml" 2>&1 | grep -o 'its AutoIncAddr.*')"
+
+mkdir "$work/esi"
+"$ectwin" esi --quiet "eni:$eni/machine.xml#1" -o "$work/esi/io.XML"
+echo nonsense >"$work/esi/broken.xml"
+"$ectwin" check --esi-dir "$work/esi" "eni:$eni/machine.xml" >"$work/out" 2>"$work/err"
+check "ENI-009: --esi-dir: vendor, product and revision pick the ESI" \
+  "slave 1, Rack 1 (IO8): $work/esi/io.XML#@0x00000108/0x00010000
+slave 2, Drive 2 (AX1): $alone
+slave 3, Tool 3 (IO8): $work/esi/io.XML#@0x00000108/0x00010000; hot-connect group Tool, plugged in" \
+  "$(grep -o 'slave [123],.*' "$work/err")"
+for element in VendorId:E57:E58 ProductCode:108:109 RevisionNo:10000:10001; do
+  IFS=: read -r name old new <<<"$element"
+  sed "s|\(<$name>#x0*\)$old<|\1$new<|" "$eni/machine.xml" >"$work/other.xml"
+  check "ENI-009: another $name: not this ESI" "slave 1, Rack 1 (IO8): $alone" \
+    "$("$ectwin" check --esi-dir "$work/esi" "eni:$work/other.xml" 2>&1 | grep -o 'slave 1,.*')"
+done
+
+# A clone reads a bus: what it finds is what a master finds.
+"$ectwin" with --quiet --in-process --virtual-time "eni:$eni/machine.xml" -- "$ectwin" clone -i {} -o "$work/clone" >"$work/out" 2>"$work/err"
+check "ENI-009: identities in the order of the file" "@0x00000108/0x00010000 @0x000002A1/0x00000003 @0x00000108/0x00010000" \
+  "$(grep -o '@0x[^:]*' "$work/out" | xargs)"
+check "ENI-010: the place in the tree" "3:1.2" "$(grep -o '[0-9]:[0-9]\.[0-9]' "$work/clone/bus.yaml" | xargs)"
+image() { # N OFFSET BYTES   a number of the EEPROM of slave N
+  "$ectwin" with --quiet --in-process --virtual-time "${@:4}" "eni:$eni/machine.xml" -- \
+    "$(dirname "$ectwin")/ectwin-probe" -i {} -n "$1" --sii "$work/sii" >/dev/null 2>>"$work/err"
+  od -An -t "u$3" -j "$2" -N "$3" "$work/sii" | tr -d ' '
+}
+check "ENI-009: the serial number" 7 "$(image 2 28 4)"
+check "ENI-021: the identification is the alias" 17 "$(image 3 8 2)"
+check "an option of the command line replaces the value of the file" 9 "$(image 2 28 4 --serial 2:9)"
+"$ectwin" with --quiet --in-process --virtual-time "eni:$eni/machine.xml" -- "$conform" -i {} --slave 2 --only CF-095 >"$work/out" 2>>"$work/err"
+check "a twin of the ENI alone goes to OP (CF-095)" 1 "$(grep -c 'pass CF-095' "$work/out")"
+
+cp "$eni/machine.xml" "$work"
+printf 'ectwin: 1\ntwins:\n- device: fzm1\n- device: eni:machine.xml\n' >"$work/bus.yaml"
+check "in a bus file, relative to it, behind other twins" "4 twins: fzm1,eni:$work/machine.xml" \
+  "$(cd / && "$ectwin" check --quiet "$work/bus.yaml" 2>&1)"
+check "behind other twins the tree moves along" "4:2.2" "$("$ectwin" with --quiet --in-process --virtual-time "$work/bus.yaml" -- \
+  "$ectwin" clone -i {} -o "$work/clone2" >/dev/null 2>&1; grep -o '[0-9]:[0-9]\.[0-9]' "$work/clone2/bus.yaml" | xargs)"
+
+# The other way: a written file is the same bus, and a verify of it with the ESI files of its devices is silent.
+"$ectwin" eni --serial 1:5 --alias 2:17 --wire 3:1.2 fzm1*2,vr-bu-ect-map7 -o "$work/own.xml"
+"$ectwin" check "eni:$work/own.xml" >"$work/out" 2>"$work/err"
+check "ectwin eni: read back, the same slaves" "1, Slave 1 (FZM1): 2, Slave 2 (FZM1): 3, Slave 3 (VR-BU-ECT-Map7):" \
+  "$(grep -o 'slave [123],.*: from' "$work/err" | sed 's/^slave //; s/ from$//' | xargs)"
+"$ectwin" eni --quiet "eni:$work/own.xml" | grep -v -e '<Name>' -e '<Comment>' >"$work/second"
+"$ectwin" eni --quiet "eni:$work/own.xml" --esi-dir "$work" | grep -v -e '<Name>' -e '<Comment>' >"$work/third"
+check "CF-N01: identity, place and layout come back" \
+  "$(grep -A12 '<Info>' "$work/own.xml" | grep -e Physics -e Vendor -e Product -e Revision -e Serial -e PhysAddr -e Identification | xargs)" \
+  "$(grep -A12 '<Info>' "$work/second" | grep -e Physics -e Vendor -e Product -e Revision -e Serial -e PhysAddr -e Identification | xargs)"
+check "CF-N01: ports come back" "$(grep -e '<Port>' "$work/own.xml" | xargs)" "$(grep -e '<Port>' "$work/second" | xargs)"
+check "the same bus gives the same bytes" "$(cat "$work/second")" "$(cat "$work/third")"
+check "--cycle" "<CycleTime>250</CycleTime>" "$("$ectwin" eni --cycle 250 fzm1 | grep -o '<CycleTime>.*')"
+
+verified() { # TITLE CODE LINES ARGUMENT...
+  "$ectwin" verify "${@:4}" >"$work/out" 2>"$work/err"
+  check "$1" "$2 $3" "$? $(cat "$work/out" "$work/err")"
+}
+"$ectwin" esi fzm1 -o "$work/fzm1.xml"
+"$ectwin" esi vr-bu-ect-map7 -o "$work/map7.xml"
+verified "CF-N02: verify: the file with the ESI files of its devices" 0 "" "eni:$work/own.xml" "$work/fzm1.xml" "$work/map7.xml"
+verified "verify: a file alone" 0 "" "eni:$eni/machine.xml"
+verified "ENI-009: verify: a slave of none of the ESI files" 1 \
+  "$eni/machine.xml:$(grep -n -m2 '<Slave>' "$eni/machine.xml" | tail -1 | cut -d: -f1): slave 2, Drive 2 (AX1): no ESI file has vendor 0x00000E57, product 0x000002A1, revision 0x00000003" \
+  "eni:$eni/machine.xml" "$work/esi/io.XML"
+sed 's|<Cnt>9</Cnt>|<Cnt>8</Cnt>|; s|<BitStart>8</BitStart><BitLength>48|<BitStart>8</BitStart><BitLength>40|' "$eni/machine.xml" >"$work/wrong.xml"
+"$ectwin" verify "eni:$work/wrong.xml" >"$work/out"
+check "ENI-014, ENI-016: verify: sizes and counters" \
+  "1 Send has 40 bits, its assigned PDOs 48; Send has 40 bits, its FMMUs 48; Recv has 40 bits, its assigned PDOs 48; Recv has 40 bits, its FMMUs 48; the working counter is 9, not 8" \
+  "$? $(sed 's/.*: slave [0-9]: //; s/.*command: //' "$work/out" | paste -sd';' | sed 's/;/; /g')"
+"$ectwin" with --quiet --in-process --virtual-time fzm1*2,vr-bu-ect-map7 -- "$ectwin" verify "eni:$work/own.xml" slave:{} >"$work/out" 2>"$work/err"
+check "ENI-018: verify: the slaves of a bus: the serial number of the first differs" \
+  "1 serial number 0x00000005, the slave has 0x00000001" "$? $(grep -o 'serial.*' "$work/out")"
+"$ectwin" with --quiet --in-process --virtual-time --serial 1:5 --revision 2:9 fzm1*2 -- "$ectwin" verify "eni:$work/own.xml" slave:{} >"$work/out" 2>"$work/err"
+check "ENI-018: verify: another revision, one slave less" \
+  "1 revision 0x00010000, the slave has 0x00000009 3 slaves, the bus has 2" "$? $(grep -o -e 'revision.*' -e '[0-9] slaves.*' "$work/out" | xargs)"
+verified "verify: slave:IFACE beside a file" 2 "ectwin verify: slave:IFACE is the only operand behind a network file" \
+  "eni:$eni/machine.xml" "$work/fzm1.xml" slave:eth0
+verified "verify: an ESI file that is none" 2 "ectwin verify: $work/none.xml: No such file or directory" "eni:$eni/machine.xml" "$work/none.xml"
+
+refused() { # TITLE CODE MESSAGE ARGUMENT...
+  "$ectwin" check "${@:4}" >"$work/out" 2>"$work/err"
+  check "$1" "$2 ectwin check: $3" "$? $(grep -v '^ectwin: ' "$work/err" | head -1)"
+}
+refused "no such file" 2 "$work/none.xml: No such file or directory" "eni:$work/none.xml"
+refused "no such slave" 1 "eni:$eni/machine.xml#N is one slave, N 1 to 3; 'run' and 'with' take the bus, eni:$eni/machine.xml" \
+  "eni:$eni/machine.xml#4"
+refused "no such folder" 2 "--esi-dir $work/none: No such file or directory" --esi-dir "$work/none" "eni:$eni/machine.xml"
+sed 's|<PhysAddr>1001</PhysAddr></PreviousPort>|<PhysAddr>9</PhysAddr></PreviousPort>|' "$eni/machine.xml" >"$work/tree.xml"
+refused "ENI-010: a neighbour that is not there" 1 \
+  "$work/tree.xml:$(grep -n '<PhysAddr>9<' "$work/tree.xml" | head -1 | cut -d: -f1): PreviousPort has the PhysAddr 9, which no slave before has" \
+  "eni:$work/tree.xml"
+sed 's|<VendorId>[^<]*</VendorId>||' "$eni/machine.xml" >"$work/wrong.xml"
+refused "ENI-001: a slave without VendorId" 2 \
+  "$work/wrong.xml:$(grep -n -m1 '<Physics>' "$work/wrong.xml" | cut -d: -f1): Config/Slave/Info has no VendorId" "eni:$work/wrong.xml"
+exit $failed

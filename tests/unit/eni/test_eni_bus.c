@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: MIT */
+/* The bus of a network file: places in the tree, and twins of what the file has of a slave. */
+#include "from_text.h"
+
+#include "eni/bus.h"
+#include "esi/twin.h"
+
+enum { ROOM = 400 };
+
+/* --- places ------------------------------------------------------------------------------------------------------- */
+
+#define AT(address)         "<PhysAddr>" #address "</PhysAddr>"
+#define PORT(port, address) "<PreviousPort><Port>" port "</Port><PhysAddr>" #address "</PhysAddr></PreviousPort>"
+#define THREE(place)                                                                                                   \
+    ENI_HEAD ENI_SLAVE(AT(1001), "") ENI_SLAVE(AT(1002), PORT("B", 1001)) "\n" ENI_SLAVE(AT(1003), place) ENI_TAIL
+
+static void ENI_010_the_previous_port_is_the_place_in_the_tree(void **state)
+{
+    static const struct {
+        const char *title, *text;
+        size_t up;
+        uint8_t port;
+    } rows[] = {
+        {"without one it is behind the slave before", THREE(""), 0, 0},
+        {"port C of the first", THREE(PORT("C", 1001)), 0, 2},
+        {"port D of the first", THREE(PORT("D", 1001)), 0, 3},
+        {"port B of the second", THREE(PORT("B", 1002)), 1, 1},
+        {"without an address it is a port of the slave before", THREE("<PreviousPort><Port>C</Port></PreviousPort>"), 1,
+         2},
+        {"of several the selected one",
+         THREE(PORT("B", 1002) "<PreviousPort Selected='1'><Port>D</Port><PhysAddr>1001</PhysAddr></PreviousPort>"), 0,
+         3},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char why[ROOM] = "";
+        ect_eni_place_t place;
+        ect_eni_t *eni = eni_of(rows[i].title, rows[i].text);
+        if (!ect_eni_place(eni, 2, &place, why, sizeof why) || place.port != rows[i].port || place.up != rows[i].up)
+            fail_msg("%s: expected %zu.%u, got %zu.%u %s", rows[i].title, rows[i].up, rows[i].port, place.up,
+                     place.port, why);
+        ect_eni_close(eni);
+    }
+}
+
+static void ENI_010_an_impossible_place_is_refused_with_its_line(void **state)
+{
+    static const struct {
+        const char *text, *why;
+    } rows[] = {
+        {THREE(PORT("B", 1003)), "t.xml:2: PreviousPort has the PhysAddr 1003, which no slave before has"},
+        {THREE(PORT("C", 7)), "t.xml:2: PreviousPort has the PhysAddr 7, which no slave before has"},
+        {THREE(PORT("A", 1001)), "t.xml:2: PreviousPort has Port A, which leads to the master"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char why[ROOM] = "";
+        ect_eni_place_t place;
+        ect_eni_t *eni = eni_of(rows[i].why, rows[i].text);
+        assert_false(ect_eni_place(eni, 2, &place, why, sizeof why));
+        assert_string_equal(why, rows[i].why);
+        ect_eni_close(eni);
+    }
+}
+
+static void the_first_slave_is_at_the_master_whatever_its_previous_port(void **state)
+{
+    char why[ROOM] = "";
+    ect_eni_place_t place;
+    (void)state;
+    ect_eni_t *eni = eni_of("first", ENI_ONE("", PORT("D", 99)));
+    assert_true(ect_eni_place(eni, 0, &place, why, sizeof why));
+    assert_int_equal(place.port, 0);
+    ect_eni_close(eni);
+}
+
+static void ENI_021_the_identification_is_the_alias(void **state)
+{
+    (void)state;
+    ect_eni_t *eni = eni_of("alias", ENI_HEAD ENI_SLAVE("<Identification Value='17'><Ado>18</Ado></Identification>", "")
+                                         ENI_SLAVE("", "") ENI_TAIL);
+    assert_int_equal(ect_eni_alias(slave_of(eni, 0)), 17);
+    assert_int_equal(ect_eni_alias(slave_of(eni, 1)), 0);
+    ect_eni_close(eni);
+}
+
+/* --- twins -------------------------------------------------------------------------------------------------------- */
+
+/* The ENI is closed before the twin is used: nothing of the model points into it. */
+static ect_esi_twin_t *twin_of(const char *what, ect_eni_t *eni, size_t i)
+{
+    char why[ROOM] = "";
+    ect_esi_t *esi = ect_eni_device(eni, i, why, sizeof why);
+    ect_eni_close(eni);
+    ect_esi_twin_t *twin = ect_esi_twin_take(esi, "", NULL, 0, why, sizeof why);
+    if (twin == NULL)
+        fail_msg("%s: expected a twin, got: %s", what, why);
+    return twin;
+}
+
+static const ect_device_t *device_of(const ect_esi_twin_t *twin)
+{
+    return ect_esi_twin_product(twin)->device;
+}
+
+static ect_eni_t *machine(void)
+{
+    char why[ROOM] = "";
+    ect_eni_t *eni = ect_eni_open(ENI_FILES "/machine.xml", why, sizeof why);
+    if (eni == NULL)
+        fail_msg("%s", why);
+    return eni;
+}
+
+static void ENI_009_a_slave_alone_makes_a_twin_with_its_identity_and_layout(void **state)
+{
+    static const unsigned int roles[] = {ECT_SM_MAILBOX_OUT, ECT_SM_MAILBOX_IN, ECT_SM_OUTPUTS, ECT_SM_INPUTS};
+    static const uint16_t starts[] = {0x1000, 0x1080, 0x1100, 0x1200};
+    (void)state;
+    ect_esi_twin_t *twin = twin_of("drive", machine(), 1);
+    const ect_device_t *device = device_of(twin);
+    assert_int_equal(device->identity.vendor_id, 0xE57);
+    assert_int_equal(device->identity.product_code, 0x2A1);
+    assert_int_equal(device->identity.revision, 3);
+    assert_string_equal(device->type_name, "Drive 2 (AX1)");
+    assert_string_equal(device->physics, "YY");
+    assert_int_equal(device->sm_count, 4);
+    for (size_t n = 0; n < 4; n++) {
+        assert_int_equal(device->sm[n].type, roles[n]);
+        assert_int_equal(device->sm[n].start, starts[n]);
+    }
+    assert_int_equal(device->sm[0].length, 128);
+    assert_int_equal(ect_device_bytes(device, ECT_SM_OUTPUTS), 6);
+    assert_int_equal(ect_device_bytes(device, ECT_SM_INPUTS), 6);
+    assert_int_equal(device->mailbox_protocols, ECT_MAILBOX_COE);
+    ect_esi_twin_free(twin);
+}
+
+static void ENI_015_objects_that_start_up_commands_write_exist_in_the_twin(void **state)
+{
+    (void)state;
+    ect_esi_twin_t *twin = twin_of("drive", machine(), 1);
+    const ect_od_t od = ect_device_od(device_of(twin), NULL);
+    assert_non_null(ect_od_find(&od, 0x8000));
+    assert_non_null(ect_od_find(&od, 0x1C12));
+    assert_non_null(ect_od_find(&od, 0x6040));
+    assert_null(ect_od_find(&od, 0x8001));
+    ect_esi_twin_free(twin);
+}
+
+#define WRITE_SM(n, data)                                                                                              \
+    "<InitCmd><Transition>PS</Transition><Cmd>5</Cmd><Adp>1001</Adp><Ado>" #n "</Ado><Data>" data "</Data></InitCmd>"
+
+/* As exports have it that list no SyncManagers. */
+static void ENI_013_sync_managers_follow_from_the_registers_that_the_master_writes(void **state)
+{
+    static const char text[] =
+        ENI_ONE("", "<ProcessData><Send><BitStart>0</BitStart><BitLength>16</BitLength></Send></ProcessData>"
+                    "<Mailbox><Send><Start>4096</Start><Length>64</Length></Send><Recv><Start>4160</Start><Length>64</"
+                    "Length></Recv>"
+                    "<Protocol>CoE</Protocol></Mailbox><InitCmds>" WRITE_SM(2064, "0011020064000100001303002000010000")
+                        WRITE_SM(2080, "0014040020000000") "</InitCmds>");
+    (void)state;
+    ect_esi_twin_t *twin = twin_of("registers", eni_of("registers", text), 0);
+    const ect_device_t *device = device_of(twin);
+    assert_int_equal(device->sm_count, 4); /* SyncManager 4 is written and not enabled */
+    assert_int_equal(device->sm[0].start, 0x1000);
+    assert_int_equal(device->sm[1].length, 64);
+    assert_int_equal(device->sm[2].start, 0x1100);
+    assert_int_equal(ect_device_bytes(device, ECT_SM_OUTPUTS), 2); /* no PDO describes them: bytes */
+    assert_int_equal(device->sm[3].start, 0x1300);
+    assert_int_equal(ect_device_bytes(device, ECT_SM_INPUTS), 3);
+    ect_esi_twin_free(twin);
+}
+
+static void ENI_014_a_pdo_belongs_to_the_sync_manager_that_lists_it(void **state)
+{
+    static const char text[] = ENI_ONE(
+        "", "<ProcessData><Sm0><Type>Outputs</Type><StartAddress>4096</StartAddress><ControlByte>100</ControlByte>"
+            "<Pdo>#x1601</Pdo></Sm0>"
+            "<RxPdo Fixed='1'><Index>#x1600</Index><Name>A</Name><Entry><Index>#x7000</Index><SubIndex>1</SubIndex>"
+            "<BitLen>8</BitLen><Name>a</Name><DataType>USINT</DataType></Entry></RxPdo>"
+            "<RxPdo Fixed='1'><Index>#x1601</Index><Name>B</Name><Entry><Index>#x7000</Index><SubIndex>2</SubIndex>"
+            "<BitLen>16</BitLen><Name>b</Name><DataType>UINT</DataType></Entry></RxPdo></ProcessData>");
+    (void)state;
+    ect_esi_twin_t *twin = twin_of("lister", eni_of("lister", text), 0);
+    assert_int_equal(ect_device_bytes(device_of(twin), ECT_SM_OUTPUTS), 2);
+    ect_esi_twin_free(twin);
+}
+
+static void a_boot_mailbox_and_an_explicit_device_id_are_taken_over(void **state)
+{
+    static const char text[] =
+        ENI_ONE("<Identification Value='5'><Ado>308</Ado></Identification>",
+                "<Mailbox><Send><Start>4096</Start><Length>64</Length></Send><Recv><Start>4160</Start><Length>64</"
+                "Length></Recv>"
+                "<BootStrap><Send><Start>4608</Start><Length>256</Length></Send><Receive><Start>4864</Start>"
+                "<Length>256</Length></Receive></BootStrap><Protocol>FoE</Protocol></Mailbox>");
+    (void)state;
+    ect_esi_twin_t *twin = twin_of("boot", eni_of("boot", text), 0);
+    const ect_device_t *device = device_of(twin);
+    assert_int_equal(device->boot_out.start, 0x1200);
+    assert_int_equal(device->boot_in.length, 256);
+    assert_int_equal(ect_device_general_flags(device) & ECT_GENERAL_ID_AL_STATUS, ECT_GENERAL_ID_AL_STATUS);
+    ect_esi_twin_free(twin);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(ENI_010_the_previous_port_is_the_place_in_the_tree),
+        cmocka_unit_test(ENI_010_an_impossible_place_is_refused_with_its_line),
+        cmocka_unit_test(the_first_slave_is_at_the_master_whatever_its_previous_port),
+        cmocka_unit_test(ENI_021_the_identification_is_the_alias),
+        cmocka_unit_test(ENI_009_a_slave_alone_makes_a_twin_with_its_identity_and_layout),
+        cmocka_unit_test(ENI_015_objects_that_start_up_commands_write_exist_in_the_twin),
+        cmocka_unit_test(ENI_013_sync_managers_follow_from_the_registers_that_the_master_writes),
+        cmocka_unit_test(ENI_014_a_pdo_belongs_to_the_sync_manager_that_lists_it),
+        cmocka_unit_test(a_boot_mailbox_and_an_explicit_device_id_are_taken_over),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: MIT */
+/* Contradictions inside a network file: each is one line, and a file without one has none. */
+#include "from_text.h"
+
+#include <stdlib.h>
+
+#include "eni/check.h"
+
+enum { LINES = 2000 };
+
+static void collect(void *ctx, const char *line)
+{
+    char *lines = ctx;
+    size_t used = strlen(lines);
+    (void)snprintf(lines + used, LINES - used, "%s\n", line);
+}
+
+#define BITS(element, bits) "<" element "><BitStart>0</BitStart><BitLength>" #bits "</BitLength></" element ">"
+#define SM2(start, size, control)                                                                                      \
+    "<Sm2><Type>Outputs</Type><DefaultSize>" #size "</DefaultSize><StartAddress>" #start                               \
+    "</StartAddress><ControlByte>" #control "</ControlByte></Sm2>"
+#define RXPDO(bits)                                                                                                    \
+    "<RxPdo "                                                                                                          \
+    "Sm='2'><Index>#x1600</Index><Name>A</Name><Entry><Index>#x7000</Index><SubIndex>1</SubIndex><BitLen>" #bits       \
+    "</BitLen></Entry></RxPdo>"
+#define WRITE(ado, data)            "<InitCmd><Cmd>5</Cmd><Adp>1001</Adp><Ado>" #ado "</Ado><Data>" data "</Data></InitCmd>"
+#define BOX(element, start, length) "<" element "><Start>" #start "</Start><Length>" #length "</Length></" element ">"
+#define DATA(parts, commands)       ENI_ONE("", "<ProcessData>" parts "</ProcessData><InitCmds>" commands "</InitCmds>")
+#define CYCLIC(command, image)                                                                                         \
+    ENI_HEAD ENI_SLAVE("", "") "<Cyclic><Frame>\n<Cmd>" command "</Cmd></Frame></Cyclic><ProcessImage>\n" image        \
+                               "</ProcessImage>" ENI_TAIL
+
+static const struct {
+    const char *title, *text, *lines;
+} rows[] = {
+    {"nothing but a slave", ENI_ONE("", ""), ""},
+    {"ENI-008 another place", ENI_ONE("<AutoIncAddr>65535</AutoIncAddr>", ""),
+     "t.xml:2: slave 1: AutoIncAddr is 65535, by its place in the file 0\n"},
+    {"ENI-010 a neighbour that is not there",
+     ENI_HEAD ENI_SLAVE("", "") "\n" ENI_SLAVE("", "<PreviousPort><Port>B</Port><PhysAddr>9</PhysAddr></PreviousPort>")
+         ENI_TAIL,
+     "t.xml:2: PreviousPort has the PhysAddr 9, which no slave before has\n"},
+    {"ENI-013 a SyncManager that agrees", DATA(SM2(4352, 6, 100), WRITE(2064, "0011060064000100")), ""},
+    {"ENI-013 another start", DATA(SM2(4608, 6, 100), WRITE(2064, "0011060064000100")),
+     "t.xml:2: slave 1: SyncManager 2 is written with start 0x1100; Sm2 has 0x1200\n"},
+    {"ENI-013 another length", DATA(SM2(4352, 7, 100), WRITE(2064, "0011060064000100")),
+     "t.xml:2: slave 1: SyncManager 2 is written with 6 bytes; Sm2 has 7\n"},
+    {"ENI-013 another control byte", DATA(SM2(4352, 6, 36), WRITE(2064, "0011060064000100")),
+     "t.xml:2: slave 1: SyncManager 2 is written with control 0x64; Sm2 has 0x24\n"},
+    {"ENI-013 one that is disabled is not compared", DATA(SM2(4352, 7, 100), WRITE(2064, "0011060064000000")), ""},
+    {"ENI-013 the last write counts",
+     DATA(SM2(4352, 6, 100), WRITE(2064, "0011070064000100") WRITE(2064, "0011060064000100")), ""},
+    {"ENI-013 a mailbox at another place",
+     ENI_ONE("", "<Mailbox>" BOX("Send", 4096, 128) BOX("Recv", 4224, 128) "</Mailbox><InitCmds>" WRITE(
+                     2048, "00108000260001008010400022000100") "</InitCmds>"),
+     "t.xml:2: slave 1: SyncManager 1 is written with 64 bytes at 0x1080; the mailbox has 128 at 0x1080\n"},
+    {"ENI-012 mailboxes that overlap",
+     ENI_ONE("", "<Mailbox>" BOX("Send", 4096, 128) BOX("Recv", 4223, 128) "</Mailbox>"),
+     "t.xml:2: slave 1: its mailboxes overlap\n"},
+    {"ENI-012 mailboxes side by side",
+     ENI_ONE("", "<Mailbox>" BOX("Send", 4096, 128) BOX("Recv", 4224, 128) "</Mailbox>"), ""},
+    {"ENI-012 a mailbox in the registers",
+     ENI_ONE("", "<Mailbox>" BOX("Send", 4096, 128) BOX("Recv", 2048, 128) "</Mailbox>"),
+     "t.xml:2: slave 1: a mailbox begins below 0x1000, where there are registers\n"},
+    {"ENI-014 bits that agree", DATA(BITS("Send", 12) RXPDO(12), ""), ""},
+    {"ENI-014 bits that are rounded to bytes", DATA(BITS("Send", 16) RXPDO(12), ""), ""},
+    {"ENI-014 other bits", DATA(BITS("Send", 13) RXPDO(12), ""),
+     "t.xml:2: slave 1: Send has 13 bits, its assigned PDOs 12\n"},
+    {"ENI-014 a PDO that its SyncManager does not list",
+     DATA(BITS("Send", 8) "<Sm2><Pdo>#x1601</Pdo></Sm2>" RXPDO(12), ""), ""},
+    {"ENI-014 no bits of PDOs that are assigned", DATA(RXPDO(8), ""),
+     "t.xml:2: slave 1: Send has 0 bits, its assigned PDOs 8\n"},
+    {"ENI-013 an FMMU that agrees", DATA(BITS("Recv", 12), WRITE(1536, "00000100020000030011000101000000")), ""},
+    {"ENI-013 an FMMU of other bits", DATA(BITS("Recv", 12), WRITE(1536, "00000100010000030011000101000000")),
+     "t.xml:2: slave 1: Recv has 12 bits, its FMMUs 4\n"},
+    {"ENI-013 an FMMU that ends before it begins",
+     DATA(BITS("Recv", 12), WRITE(1536, "00000100010007000011000101000000")),
+     "t.xml:2: slave 1: Recv has 12 bits, its FMMUs 0\n"},
+    {"ENI-020 an FMMU of a register is none of process data",
+     DATA(BITS("Recv", 12), WRITE(1536, "0000010002000003001100010100000000000000010000000d08000101000000")), ""},
+    {"ENI-017 a command inside the image",
+     CYCLIC("<Cmd>11</Cmd><Addr>0</Addr><DataLength>4</DataLength><OutputOffs>4</OutputOffs>",
+            "<Outputs><ByteSize>8</ByteSize></Outputs>"),
+     ""},
+    {"ENI-017 a command beyond the outputs",
+     CYCLIC("<Cmd>11</Cmd><Addr>0</Addr><DataLength>4</DataLength><OutputOffs>5</OutputOffs>",
+            "<Outputs><ByteSize>8</ByteSize></Outputs>"),
+     "t.xml:2: the command reaches byte 9 of the outputs, which have 8\n"},
+    {"ENI-017 a command beyond the inputs",
+     CYCLIC("<Cmd>12</Cmd><Addr>0</Addr><DataLength>4</DataLength><InputOffs>4294967295</InputOffs>",
+            "<Inputs><ByteSize>8</ByteSize></Inputs>"),
+     "t.xml:2: the command reaches byte 4294967299 of the inputs, which have 8\n"},
+    {"ENI-017 variables side by side, in any order",
+     CYCLIC("<Cmd>0</Cmd>",
+            "<Inputs><ByteSize>2</ByteSize><Variable><BitSize>8</BitSize><BitOffs>8</BitOffs></Variable>"
+            "<Variable><BitSize>8</BitSize><BitOffs>0</BitOffs></Variable></Inputs>"),
+     ""},
+    {"ENI-017 variables that overlap",
+     CYCLIC("<Cmd>0</Cmd>",
+            "<Inputs><ByteSize>2</ByteSize><Variable><Name>a</Name><BitSize>9</BitSize><BitOffs>0</BitOffs></Variable>"
+            "<Variable><Name>b</Name><BitSize>8</BitSize><BitOffs>8</BitOffs></Variable></Inputs>"),
+     "t.xml:3: Variable b begins at bit 8, inside another one\n"},
+    {"ENI-017 a variable beyond the image",
+     CYCLIC("<Cmd>0</Cmd>",
+            "<Outputs><ByteSize>1</ByteSize><Variable><Name>a</Name><BitSize>8</BitSize><BitOffs>1</BitOffs></Variable>"
+            "</Outputs>"),
+     "t.xml:3: Variable a reaches bit 9 of an image of 1 bytes\n"},
+};
+
+static void each_contradiction_is_a_line(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char lines[LINES] = "";
+        size_t expected = 0;
+        ect_eni_t *eni = eni_of(rows[i].title, rows[i].text);
+        size_t count = ect_eni_check(eni, collect, lines);
+        for (const char *c = rows[i].lines; *c != '\0'; c++)
+            expected += *c == '\n';
+        if (strcmp(lines, rows[i].lines) != 0 || count != expected)
+            fail_msg("%s: expected \"%s\", got %zu, \"%s\"", rows[i].title, rows[i].lines, count, lines);
+        ect_eni_close(eni);
+    }
+}
+
+static void a_file_that_brings_its_bus_to_OP_has_no_contradiction(void **state)
+{
+    char lines[LINES] = "", why[400] = "";
+    (void)state;
+    ect_eni_t *eni = ect_eni_open(ENI_FILES "/machine.xml", why, sizeof why);
+    assert_non_null(eni);
+    assert_int_equal(ect_eni_check(eni, collect, lines), 0);
+    assert_string_equal(lines, "");
+    ect_eni_close(eni);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_contradiction_is_a_line),
+        cmocka_unit_test(a_file_that_brings_its_bus_to_OP_has_no_contradiction),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

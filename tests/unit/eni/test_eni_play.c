@@ -1,0 +1,264 @@
+/* SPDX-License-Identifier: MIT */
+/* Network files played on twins: every command gets the reply that the file expects; a line names the one that does
+ * not. */
+#include "bus_of_twins.h"
+
+#include <stdlib.h>
+
+enum { TEXT = 1 << 16 };
+
+static const char *const machine_words[] = {"--quiet", "eni:" ENI_FILES "/machine.xml"};
+
+/* The file of the machine, with one text replaced. NULL: as it is */
+static ect_eni_t *machine_with(const char *from, const char *to)
+{
+    static char file[TEXT], changed[3 * TEXT];
+    char why[400] = "";
+    FILE *in = fopen(ENI_FILES "/machine.xml", "re");
+    assert_non_null(in);
+    file[fread(file, 1, sizeof file - 1, in)] = '\0';
+    (void)fclose(in);
+    char *at = from != NULL ? strstr(file, from) : file;
+    if (at == NULL)
+        fail_msg("the file has no \"%s\"", from);
+    (void)snprintf(changed, sizeof changed, "%.*s%s%s", (int)(at - file), file, from != NULL ? to : "",
+                   at + (from != NULL ? strlen(from) : 0));
+    ect_eni_t *eni = ect_eni_parse("m.xml", changed, strlen(changed), why, sizeof why);
+    if (eni == NULL)
+        fail_msg("%s", why);
+    return eni;
+}
+
+static void CF_N02_the_commands_of_a_file_bring_its_bus_to_OP_with_every_counter_as_expected(void **state)
+{
+    enum { CYCLES = 100 };
+    bus_of_twins_t b;
+    (void)state;
+    bus_open(&b, 2, machine_words);
+    ect_eni_player_t player = {.eni = machine_with(NULL, NULL), .wire = &b.wire};
+    if (!ect_eni_play(&player, ECT_ENI_OPERATIONAL))
+        fail_msg("%s", b.lines);
+    assert_int_equal(player.state, ECT_ENI_OPERATIONAL);
+    for (unsigned int i = 0; i < CYCLES; i++)
+        assert_true(ect_eni_play_cycle(&player));
+    assert_string_equal(b.lines, "");
+    ect_eni_close((ect_eni_t *)(uintptr_t)player.eni);
+    ectwin_bus_close(b.bus);
+}
+
+static void a_state_is_reached_step_by_step(void **state)
+{
+    static const unsigned int steps[] = {ECT_ENI_PREOP, ECT_ENI_PREOP, ECT_ENI_SAFEOP, ECT_ENI_OPERATIONAL};
+    bus_of_twins_t b;
+    (void)state;
+    bus_open(&b, 2, machine_words);
+    ect_eni_t *eni = machine_with(NULL, NULL);
+    ect_eni_player_t player = {.eni = eni, .wire = &b.wire};
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
+        assert_true(ect_eni_play(&player, steps[i]));
+        assert_int_equal(player.state, steps[i]);
+        assert_true(ect_eni_play_cycle(&player));
+    }
+    ect_eni_close(eni);
+    ectwin_bus_close(b.bus);
+}
+
+#define VENDOR                "<Data>570e0000</Data>"
+#define COE(index, sub, data) "<Index>" index "</Index><SubIndex>" sub "</SubIndex><Data>" data "</Data>"
+
+/* The bus is that of the file as it is; the file that is played has one text changed. */
+static const struct {
+    const char *title, *from, *to;
+    unsigned int reached;
+    const char *line; /* without file and line number */
+} changes[] = {
+    {"ENI-018 another identity than expected", VENDOR, "<Data>580e0000</Data>", 0,
+     "EEPROM: check vendor id: the reply is 0xE57, which Validate refuses\n"},
+    {"ENI-018 another number of slaves", "<DataLength>2</DataLength><Cnt>3</Cnt>",
+     "<DataLength>2</DataLength><Cnt>4</Cnt>", 0, "count slaves: the working counter is 3, not 4\n"},
+    {"a slave that is not there", "<Adp>65535</Adp>", "<Adp>65530</Adp>", 0,
+     "station address: the working counter is 0, not 1\n"},
+    {"ENI-013 a mailbox with another length", "00108000260001008010800022000100", "00108100260001008010800022000100", 0,
+     "check PREOP: the reply is 0x11, which Validate refuses\n"},
+    {"ENI-013 a SyncManager with another length", "0011060064000100", "0011050064000100", ECT_ENI_PREOP,
+     "check SAFEOP: the reply is 0x12, which Validate refuses\n"},
+    {"ENI-015 an object that does not exist", COE("32768", "1", "f401"), COE("32769", "1", "f401"), ECT_ENI_PREOP,
+     "slave 2, 8001:1: abort code 0x06020000\n"},
+    {"ENI-015 a value of another size", COE("32768", "1", "f401"), COE("32768", "1", "f4010000"), ECT_ENI_PREOP,
+     "slave 2, 8000:1: abort code 0x06070012\n"},
+    {"ENI-015 an object that is read-only", COE("32768", "1", "f401"), COE("4120", "1", "f4010000"), ECT_ENI_PREOP,
+     "slave 2, 1018:1: abort code 0x06010002\n"},
+    {"ENI-015 a PDO that does not exist", COE("7186", "1", "0016"), COE("7186", "1", "0116"), ECT_ENI_PREOP,
+     "slave 2, 1C12:1: abort code 0x"},
+    {"ENI-015 an object that cannot be read", "<Index>4096</Index><SubIndex>0</SubIndex>",
+     "<Index>4096</Index><SubIndex>1</SubIndex>", ECT_ENI_SAFEOP, "slave 2, 1000:1: abort code 0x06090011\n"},
+};
+
+static void a_command_with_another_reply_is_named_and_the_next_state_is_not_entered(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++) {
+        bus_of_twins_t b;
+        bus_open(&b, 2, machine_words);
+        ect_eni_t *eni = machine_with(changes[i].from, changes[i].to);
+        ect_eni_player_t player = {.eni = eni, .wire = &b.wire};
+        const bool fine = ect_eni_play(&player, ECT_ENI_OPERATIONAL);
+        if (fine || player.state != changes[i].reached || strncmp(b.lines, "m.xml:", 6) != 0 ||
+            strstr(b.lines, changes[i].line) == NULL)
+            fail_msg("%s: expected \"%s\" behind state %u, got state %u and \"%s\"", changes[i].title, changes[i].line,
+                     changes[i].reached, player.state, b.lines);
+        ect_eni_close(eni);
+        ectwin_bus_close(b.bus);
+    }
+}
+
+static void ENI_016_a_cyclic_command_with_another_counter_is_named(void **state)
+{
+    static const struct {
+        const char *from, *to, *line;
+    } rows[] = {
+        {"<Cnt>9</Cnt>", "<Cnt>8</Cnt>", "cyclic command: the working counter is 9, not 8\n"},
+        {"<Addr>65536</Addr>", "<Addr>65544</Addr>", "cyclic command: the working counter is 0, not 9\n"},
+        {"<DataLength>8</DataLength><Cnt>9", "<DataLength>7</DataLength><Cnt>9",
+         "cyclic command: the working counter is 6, not 9\n"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        bus_of_twins_t b;
+        bus_open(&b, 2, machine_words);
+        ect_eni_t *eni = machine_with(rows[i].from, rows[i].to);
+        ect_eni_player_t player = {.eni = eni, .wire = &b.wire};
+        assert_true(ect_eni_play(&player, ECT_ENI_SAFEOP));
+        assert_false(ect_eni_play_cycle(&player));
+        if (strstr(b.lines, rows[i].line) == NULL)
+            fail_msg("expected \"%s\", got \"%s\"", rows[i].line, b.lines);
+        ect_eni_close(eni);
+        ectwin_bus_close(b.bus);
+    }
+}
+
+/* --- comparisons -------------------------------------------------------------------------------------------------- */
+
+/* A wire on which every slave is the same memory: each read gives `value` and a counter of 1. */
+typedef struct fake {
+    uint8_t value[2];
+    unsigned int frames, lines;
+    bool silent;
+} fake_t;
+
+static bool fake_exchange(void *ctx, uint8_t *frame, size_t length)
+{
+    fake_t *fake = ctx;
+    (void)length;
+    fake->frames++;
+    memcpy(frame + 26, fake->value, sizeof fake->value);
+    frame[28] = 1;
+    return !fake->silent;
+}
+
+static void fake_wait(void *ctx, uint64_t ns)
+{
+    (void)ctx;
+    (void)ns;
+}
+
+static void fake_report(void *ctx, const char *line)
+{
+    fake_t *fake = ctx;
+    assert_non_null(strstr(line, "t.xml:"));
+    fake->lines++;
+}
+
+static void ENI_005_every_comparison_of_Validate_decides_with_mask_and_sign(void **state)
+{
+    static const struct {
+        const char *validate;
+        uint8_t value[2];
+        bool fits;
+    } rows[] = {
+        {"<Validate><Data>0102</Data>", {1, 2}, true},
+        {"<Validate><Data>0102</Data>", {1, 3}, false},
+        {"<Validate><Data>0102</Data><DataMask>FF00</DataMask>", {1, 3}, true},
+        {"<Validate Type='NOT_EQ'><Data>0102</Data>", {1, 3}, true},
+        {"<Validate Type='NOT_EQ'><Data>0102</Data>", {1, 2}, false},
+        {"<Validate Type='G'><Data>0102</Data>", {2, 2}, true},
+        {"<Validate Type='G'><Data>0102</Data>", {1, 2}, false},
+        {"<Validate Type='G'><Data>0100</Data>", {0, 0x80}, true},
+        {"<Validate Type='G' Signed='1'><Data>0100</Data>", {0, 0x80}, false},
+        {"<Validate Type='G'><Data>0102</Data><DataMask>00FF</DataMask>", {2, 2}, false},
+        {"<Validate Type='L'><Data>0102</Data>", {0, 2}, true},
+        {"<Validate Type='L'><Data>0102</Data>", {1, 2}, false},
+        {"<Validate Type='EQ_OR_G'><Data>0102</Data>", {1, 2}, true},
+        {"<Validate Type='EQ_OR_G'><Data>0102</Data>", {0, 2}, false},
+        {"<Validate Type='EQ_OR_L'><Data>0102</Data>", {1, 2}, true},
+        {"<Validate Type='EQ_OR_L'><Data>0102</Data>", {2, 2}, false},
+        {"<Validate Type='NONE'><Data>0102</Data>", {9, 9}, true},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char text[700];
+        (void)snprintf(text, sizeof text,
+                       ENI_HEAD "<Slave>" ENI_INFO(
+                           "") "<InitCmds><InitCmd><Transition>IP</Transition><Cmd>4</Cmd>"
+                               "<Ado>0</Ado><DataLength>2</DataLength>%s<Timeout>5</Timeout></Validate></InitCmd>"
+                               "</InitCmds></Slave>" ENI_TAIL,
+                       rows[i].validate);
+        fake_t fake = {.value = {rows[i].value[0], rows[i].value[1]}};
+        const ect_eni_wire_t wire = {.ctx = &fake, .exchange = fake_exchange, .wait = fake_wait, .report = fake_report};
+        ect_eni_t *eni = eni_of(rows[i].validate, text);
+        ect_eni_player_t player = {.eni = eni, .wire = &wire};
+        if (ect_eni_play(&player, ECT_ENI_PREOP) != rows[i].fits || fake.lines != !rows[i].fits)
+            fail_msg("%s with %02X%02X", rows[i].validate, rows[i].value[0], rows[i].value[1]);
+        assert_int_equal(fake.frames, rows[i].fits ? 1 : 6); /* once a millisecond until the end */
+        ect_eni_close(eni);
+    }
+}
+
+static void a_wire_without_replies_is_named(void **state)
+{
+    static const char text[] = ENI_HEAD "<Slave>" ENI_INFO(
+        "") "<InitCmds><InitCmd><Transition>IP</Transition><Cmd>4</Cmd><Ado>0</Ado><DataLength>2</DataLength></InitCmd>"
+            "</InitCmds></Slave><Cyclic><Frame><Cmd><State>PREOP</State><Cmd>7</Cmd><Ado>0</Ado><DataLength>1</"
+            "DataLength>"
+            "</Cmd></Frame></Cyclic>" ENI_TAIL;
+    fake_t fake = {.silent = true};
+    const ect_eni_wire_t wire = {.ctx = &fake, .exchange = fake_exchange, .wait = fake_wait, .report = fake_report};
+    (void)state;
+    ect_eni_t *eni = eni_of("silent", text);
+    ect_eni_player_t player = {.eni = eni, .wire = &wire};
+    assert_false(ect_eni_play(&player, ECT_ENI_PREOP));
+    assert_int_equal(player.reported, 1);
+    player.state = ECT_ENI_PREOP;
+    assert_false(ect_eni_play_cycle(&player));
+    assert_int_equal(player.reported, 2);
+    ect_eni_close(eni);
+}
+
+static void a_mailbox_that_is_too_short_for_CoE_is_named(void **state)
+{
+    static const char text[] =
+        ENI_COE("<Transition>PS</Transition><Index>4096</Index><SubIndex>0</SubIndex><Data>00</Data>");
+    fake_t fake = {.silent = false};
+    const ect_eni_wire_t wire = {.ctx = &fake, .exchange = fake_exchange, .wait = fake_wait, .report = fake_report};
+    (void)state;
+    ect_eni_t *eni = eni_of("short", text);
+    ect_eni_player_t player = {.eni = eni, .wire = &wire};
+    assert_false(ect_eni_play(&player, ECT_ENI_SAFEOP));
+    assert_int_equal(fake.lines, 1);
+    assert_int_equal(fake.frames, 0);
+    ect_eni_close(eni);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(CF_N02_the_commands_of_a_file_bring_its_bus_to_OP_with_every_counter_as_expected),
+        cmocka_unit_test(a_state_is_reached_step_by_step),
+        cmocka_unit_test(a_command_with_another_reply_is_named_and_the_next_state_is_not_entered),
+        cmocka_unit_test(ENI_016_a_cyclic_command_with_another_counter_is_named),
+        cmocka_unit_test(ENI_005_every_comparison_of_Validate_decides_with_mask_and_sign),
+        cmocka_unit_test(a_wire_without_replies_is_named),
+        cmocka_unit_test(a_mailbox_that_is_too_short_for_CoE_is_named),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,304 @@
+/* SPDX-License-Identifier: MIT */
+/* Network files: read as they are found, refused with one line. */
+#include "from_text.h"
+
+#include <stdlib.h>
+
+#define CASE(test) cmocka_unit_test(test)
+
+static void free_eni(ect_eni_t *eni)
+{
+    ect_eni_close(eni);
+}
+
+/* --- refusals ----------------------------------------------------------------------------------------------------- */
+
+static const struct {
+    const char *title, *text, *why;
+} refused[] = {
+    {"ENI-001 another root", "<A/>", "t.xml:1: no ENI file: there is no EtherCATConfig with Config"},
+    {"ENI-001 no Config", "<EtherCATConfig/>", "t.xml:1: no ENI file: there is no EtherCATConfig with Config"},
+    {"ENI-001 no Master", "<EtherCATConfig>\n<Config/></EtherCATConfig>",
+     "t.xml:2: EtherCATConfig/Config has no Master"},
+    {"no slave", ENI_HEAD ENI_TAIL, "t.xml:1: there is no slave in it"},
+    {"a slave without Info", ENI_HEAD "\n\n<Slave/>" ENI_TAIL, "t.xml:3: Config/Slave has no Info"},
+    {"ENI-001 no VendorId", ENI_HEAD "<Slave>\n<Info/></Slave>" ENI_TAIL, "t.xml:2: Config/Slave/Info has no VendorId"},
+    {"ENI-001 no ProductCode", ENI_HEAD "<Slave><Info><VendorId>1</VendorId></Info></Slave>" ENI_TAIL,
+     "t.xml:1: Config/Slave/Info has no ProductCode"},
+    {"ENI-001 no RevisionNo",
+     ENI_HEAD "<Slave><Info><VendorId>1</VendorId><ProductCode>1</ProductCode></Info></Slave>" ENI_TAIL,
+     "t.xml:1: Config/Slave/Info has no RevisionNo"},
+    {"ENI-002 not a number", ENI_ONE("<PhysAddr>1o</PhysAddr>", ""), "t.xml:2: PhysAddr is \"1o\", not a number"},
+    {"ENI-002 beyond its field", ENI_ONE("<PhysAddr>65536</PhysAddr>", ""),
+     "t.xml:2: PhysAddr is 65536, not 0 to 65535"},
+    {"ENI-003 odd digits", ENI_COMMAND("<Cmd>2</Cmd><Adp>0</Adp><Ado>16</Ado><Data>123</Data>"),
+     "t.xml:2: Data has an odd number of hexadecimal digits (3)"},
+    {"ENI-003 no digit", ENI_COMMAND("<Cmd>2</Cmd><Ado>16</Ado><Data>1g</Data>"),
+     "t.xml:2: Data has the character 'g', which is no hexadecimal digit"},
+    {"ENI-004 logical with Ado", ENI_COMMAND("<Cmd>12</Cmd><Addr>0</Addr><Ado>0</Ado><DataLength>1</DataLength>"),
+     "t.xml:2: Cmd 12 has a logical address: Addr, without Adp and Ado"},
+    {"ENI-004 logical without Addr", ENI_COMMAND("<Cmd>10</Cmd><DataLength>1</DataLength>"),
+     "t.xml:2: Cmd 10 has a logical address: Addr, without Adp and Ado"},
+    {"ENI-004 physical with Addr", ENI_COMMAND("<Cmd>4</Cmd><Adp>1</Adp><Ado>0</Ado><Addr>0</Addr>"),
+     "t.xml:2: Cmd 4 has no logical address: Adp and Ado, without Addr"},
+    {"ENI-004 physical without Ado", ENI_COMMAND("<Cmd>4</Cmd><Adp>1</Adp>"),
+     "t.xml:2: Cmd 4 has no logical address: Adp and Ado, without Addr"},
+    {"ENI-004 Data and DataLength", ENI_COMMAND("<Cmd>7</Cmd><Ado>0</Ado><Data>00</Data><DataLength>1</DataLength>"),
+     "t.xml:2: Data and DataLength exclude each other"},
+    {"ENI-004 more than a frame", ENI_COMMAND("<Cmd>7</Cmd><Ado>0</Ado><DataLength>1487</DataLength>"),
+     "t.xml:2: DataLength is 1487, not 0 to 1486"},
+    {"no Cmd", ENI_COMMAND("<Ado>0</Ado>"), "t.xml:2: InitCmd has no Cmd"},
+    {"an unknown Cmd", ENI_COMMAND("<Cmd>15</Cmd><Ado>0</Ado>"), "t.xml:2: Cmd is 15, not 0 to 14"},
+    {"an unknown Transition", ENI_COMMAND("<Transition>PX</Transition><Cmd>7</Cmd><Ado>0</Ado>"),
+     "t.xml:2: Transition is \"PX\", which is none"},
+    {"ENI-005 a mask of another length",
+     ENI_COMMAND("<Cmd>7</Cmd><Ado>0</Ado><DataLength>2</DataLength><Validate><Data>0000</Data>"
+                 "<DataMask>00</DataMask></Validate>"),
+     "t.xml:2: DataMask has 1 bytes, Data of Validate 2"},
+    {"ENI-005 longer than the command",
+     ENI_COMMAND("<Cmd>7</Cmd><Ado>0</Ado><DataLength>1</DataLength><Validate><Data>0000</Data></Validate>"),
+     "t.xml:2: Validate has 2 bytes, more than the command, which has 1"},
+    {"an unknown comparison",
+     ENI_COMMAND("<Cmd>7</Cmd><Ado>0</Ado><DataLength>1</DataLength><Validate Type='LT'><Data>00</Data></Validate>"),
+     "t.xml:2: Validate has the Type \"LT\", which is none"},
+    {"a CoE command without Index", ENI_COE("<Ccs>1</Ccs>"), "t.xml:2: InitCmd has no Index"},
+    {"ENI-010 a Port beyond D", ENI_ONE("", "<PreviousPort><Port>E</Port></PreviousPort>"),
+     "t.xml:2: PreviousPort has the Port \"E\", not A to D"},
+    {"a frame that is too long",
+     ENI_HEAD "<Slave>" ENI_INFO(
+         "") "</Slave><Cyclic>\n<Frame>"
+             "<Cmd><Cmd>10</Cmd><Addr>0</Addr><DataLength>1000</DataLength></Cmd>"
+             "<Cmd><Cmd>10</Cmd><Addr>0</Addr><DataLength>475</DataLength></Cmd></Frame></Cyclic>" ENI_TAIL,
+     "t.xml:2: Frame has 1499 bytes with the headers of its commands; a frame takes 1498"},
+    {"ENI-022 an entity", "<!DOCTYPE a [<!ENTITY b 'c'>]><EtherCATConfig>&b;</EtherCATConfig>",
+     "t.xml: has a document type definition, which no ENI file has: refused"},
+    {"ENI-022 an outside file", "<!DOCTYPE a SYSTEM '/etc/passwd'><EtherCATConfig/>",
+     "t.xml: has a document type definition, which no ENI file has: refused"},
+};
+
+static void a_file_that_cannot_be_read_is_refused_with_its_line(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
+        char why[400] = "";
+        ect_eni_t *eni = ect_eni_parse("t.xml", refused[i].text, strlen(refused[i].text), why, sizeof why);
+        if (eni != NULL || strcmp(why, refused[i].why) != 0)
+            fail_msg("%s: expected \"%s\", got \"%s\"", refused[i].title, refused[i].why, why);
+    }
+}
+
+static void ENI_022_deep_nesting_and_no_xml_are_refused(void **state)
+{
+    enum { DEPTH = 300 };
+    char why[400] = "", text[DEPTH * 3 + 1];
+    (void)state;
+    for (size_t i = 0; i < DEPTH; i++)
+        memcpy(text + 3 * i, "<a>", 3);
+    text[DEPTH * 3] = '\0';
+    assert_null(ect_eni_parse("t.xml", text, strlen(text), why, sizeof why));
+    assert_non_null(strstr(why, "t.xml:1: no well-formed XML: "));
+    assert_null(ect_eni_parse("t.xml", "\0\1", 2, why, sizeof why));
+    assert_non_null(strstr(why, "t.xml:1: no well-formed XML: "));
+    assert_null(ect_eni_open("/nowhere/t.xml", why, sizeof why));
+    assert_string_equal(why, "/nowhere/t.xml: No such file or directory");
+}
+
+static void every_prefix_of_a_file_is_refused_with_one_line(void **state)
+{
+    static const char text[] =
+        ENI_ONE("", "<InitCmds><InitCmd><Cmd>1</Cmd><Ado>0</Ado><Data>00</Data></InitCmd></InitCmds>");
+    (void)state;
+    for (size_t length = 0; length + 1 < sizeof text; length++) {
+        char why[400] = "";
+        assert_null(ect_eni_parse("t.xml", text, length, why, sizeof why));
+        assert_true(why[0] != '\0' && strchr(why, '\n') == NULL);
+    }
+}
+
+/* --- values ------------------------------------------------------------------------------------------------------- */
+
+static void ENI_001_the_root_may_hold_the_configuration_and_unknown_elements_are_skipped(void **state)
+{
+    (void)state;
+    ect_eni_t *eni = eni_of("root", "<Tool><EtherCATConfig><Config><New/><Master/><Slave><New/>" ENI_INFO(
+                                        "<New/>") "</Slave></Config></EtherCATConfig></Tool>");
+    assert_int_equal(ect_eni_network(eni)->slave_count, 1);
+    assert_string_equal(ect_eni_file(eni), "t.xml");
+    free_eni(eni);
+}
+
+static void ENI_002_numbers_have_every_notation_and_negative_identities_are_large_ones(void **state)
+{
+    static const struct {
+        const char *text;
+        uint32_t value;
+    } numbers[] = {{"10", 10}, {" #x1A ", 26}, {"0x1a", 26}, {"-1", UINT32_MAX}, {"#xFFFFFFFF", UINT32_MAX}};
+    (void)state;
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        char text[400];
+        (void)snprintf(text, sizeof text, ENI_HEAD "<Slave>" ENI_INFO("<SerialNo>%s</SerialNo>") "</Slave>" ENI_TAIL,
+                       numbers[i].text);
+        ect_eni_t *eni = eni_of(numbers[i].text, text);
+        assert_int_equal(slave_of(eni, 0)->serial, numbers[i].value);
+        free_eni(eni);
+    }
+}
+
+static void ENI_003_bytes_are_read_across_blanks_and_comments_in_either_case(void **state)
+{
+    (void)state;
+    ect_eni_t *eni =
+        eni_of("hex", ENI_COMMAND("<Cmd>5</Cmd><Adp>-1</Adp><Ado>#x120</Ado><Data>0a <!-- x --> B1</Data>"));
+    const ect_eni_command_t *command = slave_of(eni, 0)->commands;
+    assert_int_equal(command->data.length, 2);
+    assert_memory_equal(command->data.bytes, "\x0A\xB1", 2);
+    assert_int_equal(command->adp, 0xFFFF);
+    assert_int_equal(command->ado, 0x120);
+    assert_int_equal(command->counter, -1);
+    free_eni(eni);
+}
+
+static void ENI_005_a_validate_has_data_mask_and_comparison(void **state)
+{
+    static const char text[] = ENI_COMMAND(
+        "<Transition>IP</Transition><Transition>PS</Transition><BeforeSlave>true</BeforeSlave><Cmd>4</Cmd><Ado>0</Ado>"
+        "<DataLength>4</DataLength><Cnt>1</Cnt><Retries>3</Retries><Validate Type='EQ_OR_G' "
+        "Signed='1'><Data>0102</Data>"
+        "<DataMask>FF00</DataMask><Timeout>20</Timeout></Validate>");
+    (void)state;
+    ect_eni_t *eni = eni_of("validate", text);
+    const ect_eni_command_t *command = slave_of(eni, 0)->commands;
+    const ect_eni_validate_t *validate = &command->validate;
+    assert_int_equal(command->transitions, ECT_ENI_IP | ECT_ENI_PS);
+    assert_true(command->before_slave);
+    assert_int_equal(command->data.length, 4);
+    assert_int_equal(command->counter, 1);
+    assert_int_equal(command->retries, 3);
+    assert_true(validate->given && validate->is_signed);
+    assert_int_equal(validate->compare, ECT_ENI_EQ_OR_G);
+    assert_memory_equal(validate->data.bytes, "\x01\x02", 2);
+    assert_memory_equal(validate->mask.bytes, "\xFF\x00", 2);
+    assert_int_equal(validate->timeout_ms, 20);
+    free_eni(eni);
+}
+
+static void ENI_006_007_data_makes_a_download_whatever_Ccs_and_a_disabled_command_is_kept(void **state)
+{
+    static const struct {
+        const char *body;
+        bool download, disabled, complete;
+    } commands[] = {
+        {"<Ccs>1</Ccs><Index>#x1C12</Index><Data>00</Data>", true, false, false},
+        {"<Ccs>2</Ccs><Index>#x1C12</Index><Data>00</Data>", true, false, false},
+        {"<Ccs>2</Ccs><Index>#x1C12</Index>", false, false, false},
+        {"<Ccs>2</Ccs><Index>#x1C12</Index><Data>00</Data><Disabled>1</Disabled>", true, true, false},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
+        char text[600];
+        (void)snprintf(text, sizeof text,
+                       ENI_HEAD
+                       "<Slave>" ENI_INFO("") "<Mailbox><CoE><InitCmd>%s</InitCmd></CoE></Mailbox></Slave>" ENI_TAIL,
+                       commands[i].body);
+        ect_eni_t *eni = eni_of(commands[i].body, text);
+        const ect_eni_mailbox_t *mailbox = &slave_of(eni, 0)->mailbox;
+        assert_int_equal(mailbox->command_count, 1);
+        assert_int_equal(mailbox->commands[0].index, 0x1C12);
+        assert_int_equal(mailbox->commands[0].download, commands[i].download);
+        assert_int_equal(mailbox->commands[0].disabled, commands[i].disabled);
+        free_eni(eni);
+    }
+}
+
+static void ENI_025_commands_of_other_protocols_are_counted(void **state)
+{
+    (void)state;
+    ect_eni_t *eni = eni_of(
+        "others", ENI_ONE("", "<Mailbox><Protocol>AoE</Protocol><SoE><InitCmds><InitCmd/><InitCmd/></InitCmds></SoE>"
+                              "<EoE><InitCmds><InitCmd/></InitCmds></EoE></Mailbox>"));
+    const ect_eni_mailbox_t *mailbox = &slave_of(eni, 0)->mailbox;
+    assert_int_equal(mailbox->others, 3);
+    assert_true(mailbox->soe && mailbox->eoe && mailbox->aoe && !mailbox->coe && !mailbox->foe && !mailbox->voe);
+    free_eni(eni);
+}
+
+/* --- a whole file ------------------------------------------------------------------------------------------------- */
+
+static ect_eni_t *machine(void)
+{
+    char why[400] = "";
+    ect_eni_t *eni = ect_eni_open(ENI_FILES "/machine.xml", why, sizeof why);
+    if (eni == NULL)
+        fail_msg("%s", why);
+    return eni;
+}
+
+static void a_file_gives_its_slaves_in_order_with_process_data_and_mailbox(void **state)
+{
+    (void)state;
+    ect_eni_t *eni = machine();
+    const ect_eni_network_t *network = ect_eni_network(eni);
+    const ect_eni_slave_t *drive = slave_of(eni, 1), *tool = slave_of(eni, 2);
+    assert_string_equal(network->name, "Machine");
+    assert_int_equal(network->command_count, 4);
+    assert_int_equal(network->slave_count, 3);
+    assert_string_equal(drive->name, "Drive 2 (AX1)");
+    assert_int_equal(drive->address, 1002);
+    assert_int_equal(drive->place.value, 65535);
+    assert_int_equal(drive->serial, 7);
+    assert_int_equal(drive->sends[0].start, 8);
+    assert_int_equal(drive->receives[0].length, 48);
+    assert_int_equal(drive->sms[3].start, 0x1200);
+    assert_int_equal(drive->sms[3].pdos[0], 0x1A00);
+    assert_int_equal(drive->pdo_count, 2);
+    assert_int_equal(drive->pdos[1].entries[1].index, 0x6064);
+    assert_int_equal(drive->mailbox.receive.start, 0x1080);
+    assert_int_equal(drive->mailbox.command_count, 6);
+    assert_true(drive->mailbox.commands[3].complete);
+    assert_false(drive->mailbox.commands[5].download);
+    assert_true(drive->clocked);
+    assert_int_equal(drive->cycle0_ns, 2000000);
+    assert_null(drive->group);
+    assert_string_equal(tool->group, "Tool");
+    assert_int_equal(tool->identification.value, 17);
+    assert_int_equal(tool->identification_ado, 0x0012);
+    assert_int_equal(tool->previous.port, 2);
+    free_eni(eni);
+}
+
+static void a_file_gives_its_cyclic_frames_and_its_process_image(void **state)
+{
+    (void)state;
+    ect_eni_t *eni = machine();
+    const ect_eni_network_t *network = ect_eni_network(eni);
+    const ect_eni_frame_t *frame = network->cyclics[0].frames;
+    assert_int_equal(network->cyclic_count, 1);
+    assert_int_equal(network->cyclics[0].cycle_us, 2000);
+    assert_int_equal(frame->command_count, 2);
+    assert_int_equal(frame->commands[0].states, ECT_ENI_SAFEOP | ECT_ENI_OPERATIONAL);
+    assert_int_equal(frame->commands[0].address, 0x10000);
+    assert_int_equal(frame->commands[0].counter, 9);
+    assert_int_equal(frame->commands[1].input_offset, 8);
+    assert_int_equal(network->inputs.bytes, 10);
+    assert_int_equal(network->outputs.variable_count, 3);
+    assert_int_equal(network->outputs.variables[2].offset, 56);
+    free_eni(eni);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        CASE(a_file_that_cannot_be_read_is_refused_with_its_line),
+        CASE(ENI_022_deep_nesting_and_no_xml_are_refused),
+        CASE(every_prefix_of_a_file_is_refused_with_one_line),
+        CASE(ENI_001_the_root_may_hold_the_configuration_and_unknown_elements_are_skipped),
+        CASE(ENI_002_numbers_have_every_notation_and_negative_identities_are_large_ones),
+        CASE(ENI_003_bytes_are_read_across_blanks_and_comments_in_either_case),
+        CASE(ENI_005_a_validate_has_data_mask_and_comparison),
+        CASE(ENI_006_007_data_makes_a_download_whatever_Ccs_and_a_disabled_command_is_kept),
+        CASE(ENI_025_commands_of_other_protocols_are_counted),
+        CASE(a_file_gives_its_slaves_in_order_with_process_data_and_mailbox),
+        CASE(a_file_gives_its_cyclic_frames_and_its_process_image),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,252 @@
+/* SPDX-License-Identifier: MIT */
+/* Network files that ectwin writes: read back they are the same bus, and played they bring it to OP. */
+#define _GNU_SOURCE
+#include "bus_of_twins.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "bus/chain/catalogue.h"
+#include "eni/bus.h"
+#include "eni/write.h"
+#include "esi/twin.h"
+
+enum { SLAVES = 12, CYCLE_US = 2000, CYCLES = 20 };
+
+/* Devices of the catalogue. */
+static const struct {
+    const char *title, *devices;
+} buses[] = {
+    {"a camera", "fzm1"},
+    {"a base unit", "vr-bu-ect-map1"},
+    {"a base unit with other process data", "vr-bu-ect-map3"},
+    {"a base unit with large process data", "vr-bu-ect-map7"},
+    {"a base unit for several arms", "vr-bu-ect-multiarm"},
+    {"a distance sensor", "optoncdt2300"},
+    {"a drive with a short mailbox", "pmctendo-dd5"},
+    {"one of each", "fzm1,vr-bu-ect-map1,vr-bu-ect-map3,vr-bu-ect-map7,vr-bu-ect-multiarm,optoncdt2300,pmctendo-dd5"},
+};
+
+typedef struct written {
+    ect_arena_t arena;
+    ect_eni_part_t parts[SLAVES];
+    size_t count;
+    const char *file;
+    size_t length;
+    ect_eni_t *eni;
+} written_t;
+
+static void add_part(written_t *w, const char *name)
+{
+    const ect_product_t *product = ect_catalogue_find(name);
+    assert_non_null(product);
+    ect_eni_part_t *part = &w->parts[w->count++];
+    *part = (ect_eni_part_t){.device = product->device, .identity = product->device->identity};
+    part->identity.serial = (uint32_t)w->count;
+}
+
+static void write_parts(const char *title, written_t *w)
+{
+    char why[400] = "";
+    w->file = ect_eni_write(&w->arena, w->parts, w->count, CYCLE_US, &w->length, why, sizeof why);
+    w->eni = w->file != NULL ? ect_eni_parse("w.xml", w->file, w->length, why, sizeof why) : NULL;
+    if (w->eni == NULL)
+        fail_msg("%s: %s", title, why);
+}
+
+static void write_devices(const char *title, const char *devices, written_t *w)
+{
+    char names[300];
+    (void)snprintf(names, sizeof names, "%s", devices);
+    *w = (written_t){.count = 0};
+    for (char *rest = names, *name = strtok_r(rest, ",", &rest); name != NULL; name = strtok_r(NULL, ",", &rest))
+        add_part(w, name);
+    write_parts(title, w);
+}
+
+static void drop(written_t *w)
+{
+    ect_eni_close(w->eni);
+    ect_arena_free(&w->arena);
+}
+
+static void play(const char *title, const written_t *w, const char *device)
+{
+    bus_of_twins_t b;
+    const char *const words[] = {"--quiet", device};
+    bus_open(&b, 2, words);
+    ect_eni_player_t player = {.eni = w->eni, .wire = &b.wire};
+    bool fine = ect_eni_play(&player, ECT_ENI_OPERATIONAL);
+    for (unsigned int i = 0; fine && i < CYCLES; i++)
+        fine = ect_eni_play_cycle(&player);
+    if (!fine)
+        fail_msg("%s on %s: %s", title, device, b.lines);
+    ectwin_bus_close(b.bus);
+}
+
+static void CF_N02_a_written_file_brings_its_devices_to_OP_with_every_counter_as_expected(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof buses / sizeof buses[0]; i++) {
+        written_t w;
+        write_devices(buses[i].title, buses[i].devices, &w);
+        play(buses[i].title, &w, buses[i].devices);
+        drop(&w);
+    }
+}
+
+/* The twins of the file alone are made of the file and nothing else. */
+static void CF_N02_a_written_file_brings_the_twins_that_it_makes_to_OP(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof buses / sizeof buses[0]; i++) {
+        char path[] = "/tmp/eni-XXXXXX", device[40];
+        written_t w;
+        write_devices(buses[i].title, buses[i].devices, &w);
+        const int fd = mkstemp(path);
+        assert_true(fd >= 0 && write(fd, w.file, w.length) == (ssize_t)w.length);
+        (void)close(fd);
+        (void)snprintf(device, sizeof device, "eni:%s", path);
+        play(buses[i].title, &w, device);
+        (void)unlink(path);
+        drop(&w);
+    }
+}
+
+static void CF_N01_a_written_file_is_read_as_the_same_bus(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof buses / sizeof buses[0]; i++) {
+        written_t w;
+        write_devices(buses[i].title, buses[i].devices, &w);
+        const ect_eni_network_t *network = ect_eni_network(w.eni);
+        assert_int_equal(network->slave_count, w.count);
+        for (size_t k = 0; k < w.count; k++) {
+            const ect_eni_slave_t *slave = &network->slaves[k];
+            const ect_device_t *device = w.parts[k].device;
+            char why[400] = "";
+            assert_int_equal(slave->vendor_id, device->identity.vendor_id);
+            assert_int_equal(slave->product_code, device->identity.product_code);
+            assert_int_equal(slave->revision, device->identity.revision);
+            assert_int_equal(slave->serial, k + 1);
+            assert_int_equal((uint16_t)slave->place.value, (uint16_t)(0 - k));
+            assert_string_equal(slave->physics, device->physics);
+            ect_esi_t *esi = ect_eni_device(w.eni, k, why, sizeof why);
+            ect_esi_twin_t *twin = ect_esi_twin_take(esi, "", NULL, 0, why, sizeof why);
+            if (twin == NULL)
+                fail_msg("%s: %s", device->name, why);
+            const ect_device_t *made = ect_esi_twin_product(twin)->device;
+            assert_int_equal(made->sm_count, device->sm_count);
+            assert_int_equal(made->mailbox_protocols, device->mailbox_protocols);
+            for (unsigned int n = 0; n < device->sm_count; n++) {
+                assert_int_equal(made->sm[n].type, device->sm[n].type);
+                assert_int_equal(made->sm[n].start, device->sm[n].start);
+                assert_int_equal(made->sm[n].control, device->sm[n].control);
+                assert_int_equal(ect_device_sm_bytes(made, n), ect_device_sm_bytes(device, n));
+            }
+            ect_esi_twin_free(twin);
+        }
+        drop(&w);
+    }
+}
+
+static void ENI_010_ENI_021_place_and_alias_of_a_slave_come_back(void **state)
+{
+    written_t w = {.count = 0};
+    ect_eni_place_t place;
+    char why[400] = "";
+    (void)state;
+    for (unsigned int i = 0; i < 4; i++)
+        add_part(&w, "fzm1");
+    w.parts[1].alias = 17;
+    w.parts[3].up = 1;
+    w.parts[3].up_port = 2;
+    write_parts("a tree", &w);
+    assert_int_equal(ect_eni_alias(slave_of(w.eni, 0)), 0);
+    assert_int_equal(ect_eni_alias(slave_of(w.eni, 1)), 17);
+    assert_true(ect_eni_place(w.eni, 2, &place, why, sizeof why));
+    assert_int_equal(place.up, 1);
+    assert_int_equal(place.port, 1);
+    assert_true(ect_eni_place(w.eni, 3, &place, why, sizeof why));
+    assert_int_equal(place.up, 1);
+    assert_int_equal(place.port, 2);
+    drop(&w);
+}
+
+static void ENI_017_the_image_holds_every_command_and_its_variables_do_not_overlap(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof buses / sizeof buses[0]; i++) {
+        written_t w;
+        write_devices(buses[i].title, buses[i].devices, &w);
+        const ect_eni_network_t *network = ect_eni_network(w.eni);
+        for (size_t k = 0; k < network->cyclics[0].frame_count; k++) {
+            const ect_eni_frame_t *frame = &network->cyclics[0].frames[k];
+            for (size_t n = 0; n < frame->command_count; n++) {
+                const ect_eni_command_t *command = &frame->commands[n];
+                const ect_eni_image_t *image = command->command == 11 ? &network->outputs : &network->inputs;
+                const uint32_t offset = command->command == 11 ? command->output_offset : command->input_offset;
+                assert_true(offset + command->data.length <= image->bytes);
+            }
+        }
+        const ect_eni_image_t *images[] = {&network->inputs, &network->outputs};
+        for (size_t k = 0; k < 2; k++) {
+            uint32_t end = 0;
+            for (size_t n = 0; n < images[k]->variable_count; n++) {
+                assert_true(images[k]->variables[n].offset >= end);
+                end = images[k]->variables[n].offset + images[k]->variables[n].bits;
+            }
+            assert_true(end <= images[k]->bytes * 8);
+        }
+        drop(&w);
+    }
+}
+
+/* Nine base units have more process data than a datagram. */
+static void process_data_beyond_a_datagram_are_several_commands(void **state)
+{
+    written_t w = {.count = 0};
+    char devices[400] = "";
+    size_t commands = 0;
+    (void)state;
+    for (unsigned int i = 0; i < 10; i++) {
+        add_part(&w, "vr-bu-ect-map7");
+        (void)snprintf(devices + strlen(devices), sizeof devices - strlen(devices), "%svr-bu-ect-map7",
+                       i > 0 ? "," : "");
+    }
+    write_parts("ten base units", &w);
+    const ect_eni_cyclic_t *cyclic = ect_eni_network(w.eni)->cyclics;
+    for (size_t i = 0; i < cyclic->frame_count; i++)
+        commands += cyclic->frames[i].command_count;
+    assert_true(commands > 3);
+    play("ten base units", &w, devices);
+    drop(&w);
+}
+
+static void a_file_of_no_slave_or_of_too_many_is_refused(void **state)
+{
+    char why[400] = "";
+    ect_arena_t arena = {0};
+    size_t length = 0;
+    const ect_eni_part_t part = {.device = NULL};
+    (void)state;
+    assert_null(ect_eni_write(&arena, &part, 0, 1, &length, why, sizeof why));
+    assert_string_equal(why, "a network file has 1 to 64535 slaves, not 0");
+    assert_null(ect_eni_write(&arena, &part, 64536, 1, &length, why, sizeof why));
+    assert_string_equal(why, "a network file has 1 to 64535 slaves, not 64536");
+    ect_arena_free(&arena);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(CF_N02_a_written_file_brings_its_devices_to_OP_with_every_counter_as_expected),
+        cmocka_unit_test(CF_N02_a_written_file_brings_the_twins_that_it_makes_to_OP),
+        cmocka_unit_test(CF_N01_a_written_file_is_read_as_the_same_bus),
+        cmocka_unit_test(ENI_010_ENI_021_place_and_alias_of_a_slave_come_back),
+        cmocka_unit_test(ENI_017_the_image_holds_every_command_and_its_variables_do_not_overlap),
+        cmocka_unit_test(process_data_beyond_a_datagram_are_several_commands),
+        cmocka_unit_test(a_file_of_no_slave_or_of_too_many_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
