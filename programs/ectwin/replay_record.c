@@ -209,7 +209,8 @@ static void pass_modbus(section_t *s, const ect_logged_t *logged)
     const char *text = logged->text;
     const char *end = text + logged->length;
     size_t length = read_hexadecimal(&text, end, request, sizeof request);
-    bool separated = text < end && *text++ == ' ';
+    bool separated = text < end && *text == ' ';
+    text += separated;
     size_t want = read_hexadecimal(&text, end, expected, sizeof expected);
     if (!s->modbus || !separated || text != end || length > sizeof request || want > sizeof expected) {
         replay_wrong(s->replay, "a Modbus request makes no sense");

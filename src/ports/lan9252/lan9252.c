@@ -235,7 +235,8 @@ static int access_parts(ect_lan9252_t *chip, uint16_t address, uint8_t *to, cons
         uint16_t at = (uint16_t)(address + done);
         bytes = part(at, length - done);
         if (at >= ECT_RAM)
-            result = to ? read_ram(chip, at, to + done, (uint16_t)bytes) : write_ram(chip, at, from + done, (uint16_t)bytes);
+            result =
+                to ? read_ram(chip, at, to + done, (uint16_t)bytes) : write_ram(chip, at, from + done, (uint16_t)bytes);
         else
             result = to ? read_csr(chip, at, to + done, bytes) : write_csr(chip, at, from + done, bytes);
     }
