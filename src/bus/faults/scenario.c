@@ -365,6 +365,7 @@ static void step_over(ect_scenario_t *s, ect_scenario_step_t *step)
     ECT_ASSERT(step->progress != ECT_STEP_OVER && s->steps_left > 0);
     step->progress = ECT_STEP_OVER;
     s->steps_left--;
+    s->acted = true; /* a bus without traffic shows it to its clients */
     show_progress(s, step);
 }
 
