@@ -115,7 +115,7 @@ static void prepare_fragment(bridge_t *b)
     const int units = o->sent == 0 ? (o->length + UNIT - 1) / UNIT : o->sent / UNIT;
     (void)prepare(b, ECT_MBXT_EOE, FRAGMENT_HEADER + bytes);
     ec_EOEt *mail = (ec_EOEt *)&b->mail;
-    mail->frameinfo1 = htoes(EOE_HDR_LAST_FRAGMENT_SET(last ? 1 : 0));
+    mail->frameinfo1 = htoes((uint16)EOE_HDR_LAST_FRAGMENT_SET(last ? 1 : 0));
     mail->frameinfo2 = htoes(
         (uint16)(EOE_HDR_FRAG_NO_SET(o->fragment) | EOE_HDR_FRAME_OFFSET_SET(units) | EOE_HDR_FRAME_NO_SET(o->number)));
     memcpy(mail->data, o->frame + o->sent, (size_t)bytes);

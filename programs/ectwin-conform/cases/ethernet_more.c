@@ -193,13 +193,13 @@ void cf_eoe_lengths(cf_t *c)
     uint8_t frame[ROOM] = {0};
     cf_eoe_host_t h, before = {.length = 0};
     const bool lent = begin_frames(c, &h, &before);
-    const uint16_t most = cf_eoe_most(c);
+    const uint16_t most = cf_eoe_most(c), longest = CF_EOE_MOST;
     unsigned int count = 0;
     cf_step(c, "a ping");
     make_ping(frame, &h, CF_EOE_LEAST);
     cf_eoe_send_frame(c, &h, frame, CF_EOE_LEAST, most, 1, -1);
     const bool pings = await_echo(c, frame, CF_EOE_LEAST, CF_MAIL_MS);
-    for (uint16_t length = CF_EOE_LEAST; length <= CF_EOE_MOST; length++) {
+    for (uint16_t length = CF_EOE_LEAST; length <= longest; length++) {
         if (!is_chosen(c, length))
             continue;
         cf_step(c, "%s in a frame of %u bytes", pings ? "a ping" : "an ARP request", length);

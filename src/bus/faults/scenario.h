@@ -69,7 +69,7 @@ typedef struct ect_scenario {
     ect_progress_t progress; /**< for ::ect_progress_plant, from the first ::ect_scenario_tick on */
     uint64_t start_ns;       /* 0: not begun */
     uint64_t frames, cycles;
-    bool acted; /* a step has changed the chain or is over: the devices run, and clients look at the signals */
+    bool acted; /* a step has changed the chain or is over: the devices run, and clients read the signals */
     struct {
         ect_fault_t fault;
         uint64_t frames; /* seen by the fault */
