@@ -161,7 +161,7 @@ static void make_ping(uint8_t *frame, const cf_eoe_host_t *h, uint16_t length)
     icmp[0] = ECHO;
     for (unsigned int i = ICMP_HEADER; i + ETHERNET + IP_HEADER < length; i++)
         icmp[i] = (uint8_t)(i * 7 + i / 256);
-    ect_store_be16(icmp + 2, checksum(icmp, length - ETHERNET - IP_HEADER));
+    ect_store_be16(icmp + 2, checksum(icmp, (unsigned int)(length - ETHERNET - IP_HEADER)));
 }
 
 static bool is_echo(const uint8_t *reply, uint16_t got, const uint8_t *frame, uint16_t length)
