@@ -282,6 +282,17 @@ def contains(what, part, text):
         raise AssertionError(f"{what}: expected {part!r} in {text!r}")
 
 
+def address_goes_back(ectwin, conform):
+    """a slave that fails a case with an address that was set for the case has its previous one afterwards"""
+    twice = f'{conform} -i {{}} --only CF-E03; exec {conform} -i {{}} --only CF-085 --format json'
+    done = subprocess.run([ectwin, "with", "--break", "CF-E03", GATEWAY, "--", "sh", "-c", twice.replace("{}", "$ECTWIN_IFACE")],
+                          capture_output=True, text=True, timeout=300, check=False)
+    first, _, second = done.stdout.partition("{")
+    contains("CF-E03", "1 fail", first)
+    case = next(c for c in json.loads("{" + second)["cases"] if c["id"] == "CF-085")
+    expect("CF-085", ("pass", "it has no address: the arrival of frames cannot be judged"), (case["verdict"], case["reason"]))
+
+
 def exit_codes(ectwin, conform):
     """0 with all passed, 2 without a slave or an interface, 64 for wrong usage, each with a line that names the remedy"""
     done = call_over_network(ectwin, conform, ["fzm1"], ["--only", "CF-001"])
@@ -592,8 +603,8 @@ def dead_slave(ectwin, conform):
 
 
 def command(ectwin, conform, only):
-    tests = [power, in_process, canary, dead_slave, on_request, wrong_file, equal_runs, end_of_frame, files, exit_codes, files_named, interrupted,
-             source_address, formats, report_fields, output_lost, listing, capture] # those that take long first
+    tests = [power, in_process, canary, dead_slave, on_request, wrong_file, address_goes_back, equal_runs, end_of_frame, files, exit_codes,
+             files_named, interrupted, source_address, formats, report_fields, output_lost, listing, capture] # those that take long first
     chosen = [test for test in tests if only in (None, test.__name__)]
 
     def wrong(test):

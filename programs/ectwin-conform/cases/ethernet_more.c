@@ -33,14 +33,28 @@ static uint16_t set_ip(cf_t *c, const uint8_t *data, uint16_t length, bool last)
     return cf_eoe_answer(c, CF_EOE_WAS_SET, &mail);
 }
 
-/* The previous parameters; a slave without any gets the address 0.0.0.0. */
-static void put_back(cf_t *c, const cf_eoe_host_t *before)
+static void put_back(cf_t *c, const uint8_t *data, size_t length)
 {
-    static const uint8_t none[FLAGS + ADDRESS] = {CF_EOE_HAS_IP};
     cf_step(c, "set IP to what it was");
-    const bool had = before->length > FLAGS;
-    cf_expect(c, "result", CF_EOE_DONE,
-              set_ip(c, had ? before->data : none, had ? before->length : (uint16_t)sizeof none, true));
+    const uint16_t result = set_ip(c, data, (uint16_t)length, true);
+    if (result != CF_EOE_DONE)
+        cf_fail(c, "putting back the IP parameters: result 0x%04X", result);
+}
+
+/* After the case the slave gets the previous address, subnet and gateway, 0.0.0.0 for one that was not known. The MAC
+ * stays out: alone it requests DHCP. */
+static void keep(cf_t *c, const cf_eoe_host_t *before)
+{
+    uint8_t data[FLAGS + 3 * ADDRESS] = {NET};
+    const uint8_t known = before->length > FLAGS ? before->data[0] : 0;
+    unsigned int from = FLAGS + ((known & CF_EOE_HAS_MAC) != 0 ? CF_EOE_MAC : 0u), to = FLAGS;
+    for (uint8_t flag = CF_EOE_HAS_IP; flag <= CF_EOE_HAS_GATEWAY; flag = (uint8_t)(flag << 1), to += ADDRESS) {
+        if ((known & flag) == 0 || from + ADDRESS > before->length)
+            continue;
+        memcpy(data + to, before->data + from, ADDRESS);
+        from += ADDRESS;
+    }
+    cf_keep(c, put_back, data, sizeof data);
 }
 
 /* In PREOP, with the parameters that the slave has. */
@@ -67,13 +81,15 @@ static void expect_address(cf_t *c, const char *what, uint8_t host)
     cf_expect_bytes(c, what, wanted + FLAGS, now.data + at, length - FLAGS);
 }
 
-static void require_settings(cf_t *c, uint8_t host)
+/* The runner puts `before` back after the case. */
+static void require_settings(cf_t *c, const cf_eoe_host_t *before, uint8_t host)
 {
     uint8_t data[PARAMETERS];
     cf_step(c, "set IP 192.0.2.%u/24, gateway 192.0.2.1, one field behind the other", host);
     uint16_t result = set_ip(c, data, parameters(data, host, false), true);
     if (result != CF_EOE_DONE)
         cf_skip(c, "the slave takes no address: result 0x%04X", result);
+    keep(c, before);
 }
 
 void cf_eoe_parameters(cf_t *c)
@@ -81,12 +97,11 @@ void cf_eoe_parameters(cf_t *c)
     uint8_t data[PARAMETERS];
     cf_eoe_host_t before = {.length = 0};
     begin(c, &before);
-    require_settings(c, 77);
+    require_settings(c, &before, 77);
     expect_address(c, "the address that was set", 77);
     cf_step(c, "the same in the full layout, without the last flag");
     cf_expect(c, "result", CF_EOE_DONE, set_ip(c, data, parameters(data, 78, true), false));
     expect_address(c, "the address in the full layout", 78);
-    put_back(c, &before);
 }
 
 void cf_eoe_short_parameters(cf_t *c)
@@ -94,7 +109,7 @@ void cf_eoe_short_parameters(cf_t *c)
     uint8_t data[PARAMETERS];
     cf_eoe_host_t before = {.length = 0};
     begin(c, &before);
-    require_settings(c, 77);
+    require_settings(c, &before, 77);
     const uint16_t whole = parameters(data, 99, false);
     for (uint16_t length = 1; length < whole; length++) {
         cf_step(c, "set IP with three fields in %u bytes", length);
@@ -104,20 +119,19 @@ void cf_eoe_short_parameters(cf_t *c)
     }
     cf_step(c, "nothing of these was taken");
     expect_address(c, "the address afterwards", 77);
-    put_back(c, &before);
 }
 
 /* --- frames that get a reply -------------------------------------------------------------------------------------- */
 
-/* Lets the slave reply to ARP. @return whether it got an address for the case */
-static bool begin_frames(cf_t *c, cf_eoe_host_t *h, cf_eoe_host_t *before)
+/* Lets the slave reply to ARP; one without an address gets one for the case. */
+static void begin_frames(cf_t *c, cf_eoe_host_t *h)
 {
     uint8_t frame[ROOM] = {0};
-    begin(c, before);
-    *h = *before;
+    *h = (cf_eoe_host_t){.length = 0};
+    begin(c, h);
     if (!h->has_ip) {
         static const uint8_t lent[ADDRESS] = {192, 0, 2, 77};
-        require_settings(c, lent[3]);
+        require_settings(c, h, lent[3]);
         memcpy(h->ip, lent, ADDRESS);
         h->has_ip = true;
     }
@@ -130,7 +144,6 @@ static bool begin_frames(cf_t *c, cf_eoe_host_t *h, cf_eoe_host_t *before)
     if (h->replies == 0)
         cf_skip(c, "the slave does not reply to ARP: the arrival of frames cannot be judged");
     h->replies = 0;
-    return !before->has_ip;
 }
 
 static uint16_t checksum(const uint8_t *data, unsigned int length)
@@ -191,8 +204,8 @@ static bool is_chosen(const cf_t *c, uint16_t length)
 void cf_eoe_lengths(cf_t *c)
 {
     uint8_t frame[ROOM] = {0};
-    cf_eoe_host_t h, before = {.length = 0};
-    const bool lent = begin_frames(c, &h, &before);
+    cf_eoe_host_t h;
+    begin_frames(c, &h);
     const uint16_t most = cf_eoe_most(c), longest = CF_EOE_MOST;
     unsigned int count = 0;
     cf_step(c, "a ping");
@@ -215,8 +228,6 @@ void cf_eoe_lengths(cf_t *c)
             cf_eoe_take(c, &h, CF_MAIL_MS);
         h.replies = 0;
     }
-    if (lent)
-        put_back(c, &before);
     cf_note(c, "%u lengths, %s", count, pings ? "there and back" : "to the slave: it does not reply to ping");
 }
 
@@ -259,8 +270,8 @@ static void send_wrong(cf_t *c, const wrong_t *wrong, const uint8_t *frame)
 void cf_eoe_wrong_fragments(cf_t *c)
 {
     uint8_t frame[ROOM] = {0};
-    cf_eoe_host_t h, before = {.length = 0};
-    const bool lent = begin_frames(c, &h, &before);
+    cf_eoe_host_t h;
+    begin_frames(c, &h);
     for (size_t i = 0; i < sizeof wrongs / sizeof wrongs[0]; i++) {
         cf_step(c, "%s; then a good frame", wrongs[i].what);
         cf_eoe_arp(frame, &h);
@@ -274,8 +285,6 @@ void cf_eoe_wrong_fragments(cf_t *c)
     cf_eoe_expect_replies(c, &h, "replies to a frame of 1540 bytes", 0);
     cf_eoe_send_frame(c, &h, frame, CF_EOE_LEAST, UNIT, 13, -1);
     cf_eoe_expect_replies(c, &h, "replies to a good frame", 1);
-    if (lent)
-        put_back(c, &before);
 }
 
 /* --- beside other mail -------------------------------------------------------------------------------------------- */
@@ -299,9 +308,9 @@ static unsigned int mails_until_sdo(cf_t *c, unsigned int *replies)
 void cf_eoe_beside_sdo(cf_t *c)
 {
     enum { ROUNDS = 50, UPLOAD = 0x40 };
-    uint8_t frame[ROOM] = {0};
-    cf_eoe_host_t h, before = {.length = 0};
-    const bool lent = begin_frames(c, &h, &before);
+    uint8_t frame[ROOM] = {0}, reply[ROOM];
+    cf_eoe_host_t h;
+    begin_frames(c, &h);
     unsigned int most = 0;
     cf_step(c, "%d times an SDO between two fragments, then one behind a frame whose reply was not fetched",
             (int)ROUNDS);
@@ -315,15 +324,12 @@ void cf_eoe_beside_sdo(cf_t *c)
         unsigned int mails = mails_until_sdo(c, &replies);
         most = mails > most ? mails : most;
         if (replies == 0)
-            cf_expect_that(c, cf_eoe_receive_frame(c, frame + CF_EOE_MOST - 700, CF_MAIL_MS) > 0,
+            cf_expect_that(c, cf_eoe_receive_frame(c, reply, CF_MAIL_MS) > 0,
                            "round %u: expected a reply to the frame with an SDO between its fragments, got none",
                            round + 1);
-        cf_eoe_arp(frame, &h);
     }
     cf_expect_that(c, most <= BESIDE_MOST, "mails until the reply of an SDO: expected at most %d, got %u",
                    (int)BESIDE_MOST, most);
-    if (lent)
-        put_back(c, &before);
     cf_note(c, "the reply of an SDO is one of the next %u mails", most);
 }
 

@@ -27,8 +27,8 @@
  *
  * State of the slave at the start of a case: INIT without an error; SyncManagers, FMMUs, watchdogs, event masks and
  * clocks as after power-on; the EEPROM assigned to the master (::cf_known_state). The runner restores this state after
- * the case, and before that undoes the lasting changes made by ::cf_change and ::cf_sii_write. A case with needs that
- * the slave does not meet is skipped with the reason; its function does not run.
+ * the case, and before that undoes the lasting changes made by ::cf_change, ::cf_keep and ::cf_sii_write. A case with
+ * needs that the slave does not meet is skipped with the reason; its function does not run.
  *
  * End of a case: the function returns (pass, or warn after ::cf_warn), or a step or an expectation does not hold. The
  * step then leaves the function by longjmp. So a case owns nothing that it would have to release (no heap, no files),
@@ -460,6 +460,12 @@ uint32_t cf_download(cf_t *c, uint16_t index, uint8_t sub, bool complete, const 
  */
 uint32_t cf_change(cf_t *c, uint16_t index, uint8_t sub, const void *data, size_t size);
 enum { CF_CHANGE_MOST = 64 };
+/**
+ * Allows the case to change what is neither an object nor a file. The runner calls `put_back` after the case, whatever
+ * its verdict, in PREOP and in the reverse order of the changes.
+ * @param data  the old value, 0..CF_CHANGE_MOST bytes; copied
+ */
+void cf_keep(cf_t *c, void (*put_back)(cf_t *c, const uint8_t *data, size_t size), const void *data, size_t size);
 /** @return a number of 1..8 bytes. An abort ends the case. */
 uint64_t cf_upload_number(cf_t *c, uint16_t index, uint8_t sub);
 /** @return whether an upload succeeds; *code: 0, or the abort code */

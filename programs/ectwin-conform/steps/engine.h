@@ -24,13 +24,14 @@ enum { CF_REASON = 400, CF_STEP = 120 };
 
 /** A lasting change of a case, with the old value. */
 typedef struct cf_undo {
-    enum { CF_UNDO_OBJECT, CF_UNDO_SII, CF_UNDO_FILE } what;
+    enum { CF_UNDO_OBJECT, CF_UNDO_SII, CF_UNDO_FILE, CF_UNDO_CALL } what;
     uint16_t index; /**< index of the object, or word of the EEPROM */
     uint8_t sub;
     uint8_t state; /**< AL state for writing the file */
     size_t size;
     uint8_t data[CF_CHANGE_MOST];
     uint8_t *file; /**< content of the file; freed with the change */
+    void (*put_back)(cf_t *c, const uint8_t *data, size_t size);
 } cf_undo_t;
 
 enum { CF_UNDO_MOST = 64 };

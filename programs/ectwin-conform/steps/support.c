@@ -65,6 +65,15 @@ cf_undo_t *cf_new_undo(cf_t *c)
     return &e->undo[e->undo_count++];
 }
 
+void cf_keep(cf_t *c, void (*put_back)(cf_t *c, const uint8_t *data, size_t size), const void *data, size_t size)
+{
+    cf_expect_that(c, size <= CF_CHANGE_MOST, "a value to put back: expected at most %d bytes, got %zu",
+                   (int)CF_CHANGE_MOST, size);
+    cf_undo_t *u = cf_new_undo(c);
+    *u = (cf_undo_t){.what = CF_UNDO_CALL, .size = size, .put_back = put_back};
+    memcpy(u->data, data, size);
+}
+
 void cf_forget_changes(cf_engine_t *e)
 {
     for (size_t i = 0; i < CF_UNDO_MOST; i++) {

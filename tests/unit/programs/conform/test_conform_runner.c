@@ -202,6 +202,36 @@ static void undo_refused(void **state)
     end_run(&run);
 }
 
+/* Kept values are put back after a failure too, in PREOP and in the reverse order. */
+static void put_number_back(cf_t *c, const uint8_t *data, size_t size)
+{
+    cf_expect_range(c, "bytes that were kept", 2, 2, size);
+    cf_expect(c, "AL status while a value is put back", CF_PREOP, memory[ECT_REG_AL_STATUS]);
+    written[downloads++ % 8] = ect_load_le16(data);
+}
+
+static void keeps_and_fails(cf_t *c)
+{
+    cf_go(c, CF_PREOP);
+    cf_keep(c, put_number_back, "\x11\x11", 2);
+    cf_keep(c, put_number_back, "\x22\x22", 2);
+    cf_fail(c, "midway");
+}
+
+static void undo_kept(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_with_object(&run);
+    assert_int_equal(run_one(&run, keeps_and_fails, CF_COE, &result), CF_FAIL);
+    assert_string_equal(result.reason, "midway");
+    assert_int_equal(downloads, 2);
+    assert_int_equal(written[0], 0x2222);
+    assert_int_equal(written[1], 0x1111);
+    end_run(&run);
+}
+
 /* The canary of a slave with CoE is an upload. */
 static void starts_in_init(cf_t *c)
 {
@@ -759,6 +789,7 @@ int main(void)
         cmocka_unit_test(not_as_before),
         cmocka_unit_test(undo_objects),
         cmocka_unit_test(undo_refused),
+        cmocka_unit_test(undo_kept),
         cmocka_unit_test(silent_mailbox),
         cmocka_unit_test(lost_frames),
         cmocka_unit_test(canary_leaves_init),
