@@ -90,6 +90,7 @@ static void read_address(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_comman
 
 static void read_data(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_bytes_t *data)
 {
+    static const uint8_t zeros[ECT_ENI_DATA]; /* one copy: a small file may have a million of these commands */
     *data = ect_esi_hex(xml, node, "Data");
     const xmlNode *length = ect_esi_child(node, "DataLength");
     if (length == NULL) {
@@ -100,7 +101,7 @@ static void read_data(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_bytes_t *
     if (data->bytes != NULL)
         ect_esi_fail(xml, length, "Data and DataLength exclude each other");
     data->length = (size_t)ect_esi_value(xml, length, 0, ECT_ENI_DATA);
-    data->bytes = ect_arena_alloc(xml->arena, data->length + 1);
+    data->bytes = zeros;
 }
 
 void ect_eni_read_command(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_command_t *command)

@@ -150,6 +150,7 @@ static bool is_blank(char c)
     return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
 
+/* One line: texts go into messages and reports. */
 static const char *trimmed(ect_esi_xml_t *xml, const char *text)
 {
     while (is_blank(*text))
@@ -157,7 +158,12 @@ static const char *trimmed(ect_esi_xml_t *xml, const char *text)
     size_t length = strlen(text);
     while (length > 0 && is_blank(text[length - 1]))
         length--;
-    return length > 0 ? ect_arena_copy(xml->arena, text, length) : "";
+    if (length == 0)
+        return "";
+    char *copy = ect_arena_copy(xml->arena, text, length);
+    for (size_t i = 0; i < length; i++)
+        copy[i] = (char)(is_blank(copy[i]) ? ' ' : copy[i]);
+    return copy;
 }
 
 const char *ect_esi_text(ect_esi_xml_t *xml, const xmlNode *node)

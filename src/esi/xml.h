@@ -85,13 +85,13 @@ const struct _xmlNode *ect_esi_next(const struct _xmlNode *node, const char *nam
 #define ECT_ESI_EACH(node, parent, name)                                                                               \
     for (const struct _xmlNode *node = ect_esi_child(parent, name); node != NULL; node = ect_esi_next(node, name))
 
-/** @return the text of an element without blanks around it; "" for NULL or an empty one */
+/** @return the text of an element, one line without blanks around it; "" for NULL or an empty one */
 const char *ect_esi_text(ect_esi_xml_t *xml, const struct _xmlNode *node);
 
 /** @return the text of a child in English when there are several languages, "" when there is none */
 const char *ect_esi_name(ect_esi_xml_t *xml, const struct _xmlNode *parent, const char *name);
 
-/** @return an attribute's text without blanks around it, "" when it is absent */
+/** @return an attribute's text, one line without blanks around it, "" when it is absent */
 const char *ect_esi_attribute(ect_esi_xml_t *xml, const struct _xmlNode *node, const char *name);
 
 /** @return true when the attribute is 1 or true */

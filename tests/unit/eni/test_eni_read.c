@@ -31,6 +31,8 @@ static const struct {
     {"ENI-002 not a number", ENI_ONE("<PhysAddr>1o</PhysAddr>", ""), "t.xml:2: PhysAddr is \"1o\", not a number"},
     {"ENI-002 beyond its field", ENI_ONE("<PhysAddr>65536</PhysAddr>", ""),
      "t.xml:2: PhysAddr is 65536, not 0 to 65535"},
+    {"ENI-022 a line break in a text that is cited", ENI_ONE("<PhysAddr>#\nx\t1</PhysAddr>", ""),
+     "t.xml:2: PhysAddr is \"# x 1\", not a number"},
     {"ENI-003 odd digits", ENI_COMMAND("<Cmd>2</Cmd><Adp>0</Adp><Ado>16</Ado><Data>123</Data>"),
      "t.xml:2: Data has an odd number of hexadecimal digits (3)"},
     {"ENI-003 no digit", ENI_COMMAND("<Cmd>2</Cmd><Ado>16</Ado><Data>1g</Data>"),
