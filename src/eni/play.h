@@ -26,8 +26,10 @@
 #include "eni/read.h"
 #include "wire/linkage.h"
 
-/** Bytes of a frame without its check sum. */
-enum { ECT_ENI_FRAME = 1514 };
+enum {
+    ECT_ENI_FRAME = 1514,     /**< bytes of a frame without its check sum */
+    ECT_ENI_PATIENCE = 60000, /**< milliseconds for which a command is repeated; a longer `Timeout` counts as this */
+};
 
 /** The way to the bus; the caller's. */
 typedef struct ect_eni_wire {
@@ -47,11 +49,11 @@ typedef struct ect_eni_player {
     size_t reported;    /**< lines so far */
     unsigned int state; /**< reached: 0 or ECT_ENI_INIT, ECT_ENI_PREOP … */
     /* Private. */
-    uint8_t index;        /* of the last datagram */
-    uint8_t mail_counter; /* of the last mail, 1 to 7 */
-    uint64_t idle_ns;     /* since the last cyclic frames */
+    uint8_t index;    /* of the last datagram */
+    uint64_t idle_ns; /* since the last cyclic frames */
     uint8_t frame[ECT_ENI_FRAME];
     uint8_t mail[ECT_ENI_DATA + 1];
+    uint8_t mail_counters[ECT_ENI_SLAVES]; /* of the last mail to each slave, 1 to 7 */
 } ect_eni_player_t;
 
 ECT_C_BEGIN

@@ -48,10 +48,11 @@ static void send_mail(transfer_t *t, size_t length)
                                   .length = box->length,
                                   .data = p->mail};
     const uint8_t *reply;
-    p->mail_counter = (uint8_t)(p->mail_counter % COUNTERS + 1);
+    uint8_t *counter = &p->mail_counters[t->number - 1]; /* a slave drops the mail with the counter of the one before */
+    *counter = (uint8_t)(*counter % COUNTERS + 1);
     ect_store_le16(p->mail, (uint16_t)length);
     ect_store_le32(p->mail + 2, 0);
-    p->mail[5] = (uint8_t)(TYPE_COE | p->mail_counter << 4);
+    p->mail[5] = (uint8_t)(TYPE_COE | *counter << 4);
     ect_store_le16(p->mail + MAIL_HEADER, SDO_REQUEST << NUMBER);
     for (unsigned int i = 0; i < TIMEOUT_MS; i++) {
         if (eni_exchange(p, &write, &reply) == 1)
@@ -70,7 +71,7 @@ static const uint8_t *receive_mail(transfer_t *t)
                                  .address = t->slave->address | (uint32_t)box->start << 16,
                                  .length = box->length,
                                  .data = zeros};
-    const uint32_t most = t->command->timeout_ms > 0 ? t->command->timeout_ms : TIMEOUT_MS;
+    const uint32_t most = t->command->timeout_ms > 0 ? eni_patience(t->command->timeout_ms) : TIMEOUT_MS;
     const uint8_t *reply;
     for (uint32_t i = 0; i <= most; i++) {
         if (eni_exchange(t->p, &read, &reply) == 1)

@@ -36,6 +36,11 @@ static inline eni_datagram_t eni_datagram_of(const ect_eni_command_t *command)
                             .data = command->data.bytes};
 }
 
+static inline uint32_t eni_patience(uint32_t timeout_ms)
+{
+    return timeout_ms < ECT_ENI_PATIENCE ? timeout_ms : ECT_ENI_PATIENCE;
+}
+
 /** Takes note of a reply that line `line` of the file does not expect. */
 __attribute__((format(printf, 3, 4))) void eni_report(ect_eni_player_t *p, int line, const char *format, ...);
 

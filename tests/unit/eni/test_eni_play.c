@@ -214,6 +214,30 @@ static void ENI_005_every_comparison_of_Validate_decides_with_mask_and_sign(void
     }
 }
 
+/* The end of a Validate that never fits. */
+static void ENI_022_a_command_is_repeated_until_its_Timeout_and_a_minute_at_most(void **state)
+{
+    static const struct {
+        const char *timeout;
+        unsigned int frames;
+    } rows[] = {{"59999", 60000}, {"60001", 60001}, {"4294967295", 60001}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char text[700];
+        (void)snprintf(text, sizeof text,
+                       ENI_COMMAND("<Transition>IP</Transition><Cmd>4</Cmd><Ado>0</Ado><DataLength>2</DataLength>"
+                                   "<Validate><Data>0102</Data><Timeout>%s</Timeout></Validate>"),
+                       rows[i].timeout);
+        fake_t fake = {.value = {9, 9}};
+        const ect_eni_wire_t wire = {.ctx = &fake, .exchange = fake_exchange, .wait = fake_wait, .report = fake_report};
+        ect_eni_t *eni = eni_of(rows[i].timeout, text);
+        ect_eni_player_t player = {.eni = eni, .wire = &wire};
+        assert_false(ect_eni_play(&player, ECT_ENI_PREOP));
+        assert_int_equal(fake.frames, rows[i].frames);
+        ect_eni_close(eni);
+    }
+}
+
 static void a_wire_without_replies_is_named(void **state)
 {
     static const char text[] = ENI_HEAD "<Slave>" ENI_INFO(
@@ -249,6 +273,54 @@ static void a_mailbox_that_is_too_short_for_CoE_is_named(void **state)
     ect_eni_close(eni);
 }
 
+/* --- mails -------------------------------------------------------------------------------------------------------- */
+
+/* Slaves that answer every upload, and notice a mail with the counter of the mail before. */
+typedef struct postbox {
+    uint8_t last[2];
+    unsigned int mails, repeated;
+} postbox_t;
+
+static bool postbox_exchange(void *ctx, uint8_t *frame, size_t length)
+{
+    enum { COMMAND = 16, ADP = 18, LENGTH = 22, DATA = 26, FPWR = 5, STATION = 1001, COE = 3, RESPONSE = 0x30 };
+    postbox_t *p = ctx;
+    uint8_t *mail = frame + DATA, *last = &p->last[frame[ADP] - (STATION & 0xFF)];
+    (void)length;
+    if (frame[COMMAND] == FPWR) {
+        const uint8_t counter = mail[5] >> 4;
+        p->repeated += *last == counter;
+        p->mails++;
+        *last = counter;
+    } else {
+        mail[5] = COE;
+        mail[7] = RESPONSE;
+    }
+    mail[frame[LENGTH]] = 1;
+    return true;
+}
+
+static void each_slave_gets_mails_with_counters_of_its_own(void **state)
+{
+#define UPLOAD(transition) "<InitCmd><Transition>" transition "</Transition><Index>4096</Index></InitCmd>"
+#define BOXES(commands)                                                                                                \
+    "<Mailbox><Send><Start>4096</Start><Length>64</Length></Send><Recv><Start>4160</Start><Length>64</Length></Recv>"  \
+    "<CoE>" commands "</CoE></Mailbox>"
+    static const char text[] = ENI_HEAD ENI_SLAVE("<PhysAddr>1001</PhysAddr>", BOXES(UPLOAD("IP") UPLOAD("PS")))
+        ENI_SLAVE("<PhysAddr>1002</PhysAddr>",
+                  BOXES(UPLOAD("IP") UPLOAD("IP") UPLOAD("IP") UPLOAD("IP") UPLOAD("IP") UPLOAD("IP"))) ENI_TAIL;
+    postbox_t postbox = {.mails = 0};
+    const ect_eni_wire_t wire = {
+        .ctx = &postbox, .exchange = postbox_exchange, .wait = fake_wait, .report = fake_report};
+    (void)state;
+    ect_eni_t *eni = eni_of("mails", text);
+    ect_eni_player_t player = {.eni = eni, .wire = &wire};
+    assert_true(ect_eni_play(&player, ECT_ENI_SAFEOP));
+    assert_int_equal(postbox.mails, 8);
+    assert_int_equal(postbox.repeated, 0);
+    ect_eni_close(eni);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -257,6 +329,8 @@ int main(void)
         cmocka_unit_test(a_command_with_another_reply_is_named_and_the_next_state_is_not_entered),
         cmocka_unit_test(ENI_016_a_cyclic_command_with_another_counter_is_named),
         cmocka_unit_test(ENI_005_every_comparison_of_Validate_decides_with_mask_and_sign),
+        cmocka_unit_test(ENI_022_a_command_is_repeated_until_its_Timeout_and_a_minute_at_most),
+        cmocka_unit_test(each_slave_gets_mails_with_counters_of_its_own),
         cmocka_unit_test(a_wire_without_replies_is_named),
         cmocka_unit_test(a_mailbox_that_is_too_short_for_CoE_is_named),
     };
