@@ -34,6 +34,11 @@ bool ect_eni_place(const ect_eni_t *eni, size_t i, ect_eni_place_t *place, char 
     return place->up != i && place->port != 0;
 }
 
+bool ect_eni_is_of_boot(const ect_eni_command_t *command)
+{
+    return command->transitions != 0 && (command->transitions & ~(unsigned int)(ECT_ENI_IB | ECT_ENI_BI)) == 0;
+}
+
 uint16_t ect_eni_alias(const ect_eni_slave_t *slave)
 {
     return slave->identification.given ? (uint16_t)slave->identification.value : 0;

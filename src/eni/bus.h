@@ -33,6 +33,9 @@ typedef struct ect_eni_place {
  */
 bool ect_eni_place(const ect_eni_t *eni, size_t i, ect_eni_place_t *place, char *text, size_t room);
 
+/** @return true: a command of no transition but those to and from BOOT, whose SyncManagers are others */
+bool ect_eni_is_of_boot(const ect_eni_command_t *command);
+
 /** @return the alias or device id by which the master identifies a slave; 0: none */
 uint16_t ect_eni_alias(const ect_eni_slave_t *slave);
 

@@ -46,7 +46,8 @@ static const uint8_t *written(const ect_eni_slave_t *slave, unsigned int at, siz
     for (size_t i = 0; i < slave->command_count; i++) {
         const ect_eni_command_t *command = &slave->commands[i];
         const bool writes = command->command == ECT_APWR || command->command == ECT_FPWR;
-        if (!writes || command->ado > at || at + length > command->ado + command->data.length)
+        if (!writes || ect_eni_is_of_boot(command) || command->ado > at ||
+            at + length > command->ado + command->data.length)
             continue;
         bytes = command->data.bytes + (at - command->ado);
         *line = command->line;

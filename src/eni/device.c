@@ -39,7 +39,7 @@ static const ect_eni_command_t *write_to(const ect_eni_slave_t *slave, unsigned 
 {
     for (size_t i = 0; i < slave->command_count; i++) {
         const ect_eni_command_t *command = &slave->commands[i];
-        bool writes = command->command == ECT_APWR || command->command == ECT_FPWR;
+        bool writes = (command->command == ECT_APWR || command->command == ECT_FPWR) && !ect_eni_is_of_boot(command);
         if (writes && command->ado <= at && at + length <= command->ado + command->data.length &&
             command->data.bytes[at - command->ado + length - 1] != 0)
             return command;
@@ -240,6 +240,15 @@ static void make_clock(const maker_t *m)
     m->device->dc_count = 1;
 }
 
+/* B and H are both ports of fast hot-connect; ESI files have H. */
+static const char *physics_of(const maker_t *m)
+{
+    char *physics = ect_arena_copy(m->arena, m->slave->physics, strlen(m->slave->physics));
+    for (char *port = strchr(physics, 'B'); port != NULL; port = strchr(port, 'B'))
+        *port = 'H';
+    return physics;
+}
+
 static void make_identity(const maker_t *m)
 {
     const ect_eni_slave_t *slave = m->slave;
@@ -248,7 +257,7 @@ static void make_identity(const maker_t *m)
     device->product_code = slave->product_code;
     device->revision = slave->revision;
     device->type = device->name = ect_arena_copy(m->arena, slave->name, strlen(slave->name));
-    device->physics = ect_arena_copy(m->arena, slave->physics, strlen(slave->physics));
+    device->physics = physics_of(m);
     device->line = slave->line;
     device->identification_134 = slave->identification_ado == ECT_REG_AL_STATUS_CODE;
     device->identification_ado.given = slave->identification.given &&

@@ -173,6 +173,29 @@ static void ENI_013_sync_managers_follow_from_the_registers_that_the_master_writ
     ect_esi_twin_free(twin);
 }
 
+static void ENI_013_registers_that_are_written_for_BOOT_are_not_those_of_the_twin(void **state)
+{
+    static const char text[] =
+        ENI_ONE("", "<Mailbox><Protocol>CoE</Protocol></Mailbox><InitCmds><InitCmd><Transition>IB</Transition>"
+                    "<Cmd>5</Cmd><Ado>2048</Ado><Data>00120001260001000013000122000100</Data></InitCmd>"
+                    "<InitCmd><Transition>IP</Transition><Transition>IB</Transition><Cmd>5</Cmd><Ado>2048</Ado>"
+                    "<Data>00104000260001004010400022000100</Data></InitCmd></InitCmds>");
+    (void)state;
+    ect_esi_twin_t *twin = twin_of("boot", eni_of("boot", text), 0);
+    assert_int_equal(device_of(twin)->sm[0].start, 0x1000);
+    assert_int_equal(device_of(twin)->sm[1].start, 0x1040);
+    assert_int_equal(device_of(twin)->sm[1].length, 64);
+    ect_esi_twin_free(twin);
+}
+
+static void ENI_011_every_port_of_Physics_is_one_of_the_twin(void **state)
+{
+    (void)state;
+    ect_esi_twin_t *twin = twin_of("ports", eni_of("ports", ENI_ONE("<Physics>YBK</Physics>", "")), 0);
+    assert_string_equal(device_of(twin)->physics, "YHK");
+    ect_esi_twin_free(twin);
+}
+
 static void ENI_014_a_pdo_belongs_to_the_sync_manager_that_lists_it(void **state)
 {
     static const char text[] = ENI_ONE(
@@ -215,6 +238,8 @@ int main(void)
         cmocka_unit_test(ENI_009_a_slave_alone_makes_a_twin_with_its_identity_and_layout),
         cmocka_unit_test(ENI_015_objects_that_start_up_commands_write_exist_in_the_twin),
         cmocka_unit_test(ENI_013_sync_managers_follow_from_the_registers_that_the_master_writes),
+        cmocka_unit_test(ENI_013_registers_that_are_written_for_BOOT_are_not_those_of_the_twin),
+        cmocka_unit_test(ENI_011_every_port_of_Physics_is_one_of_the_twin),
         cmocka_unit_test(ENI_014_a_pdo_belongs_to_the_sync_manager_that_lists_it),
         cmocka_unit_test(a_boot_mailbox_and_an_explicit_device_id_are_taken_over),
     };

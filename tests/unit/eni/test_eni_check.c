@@ -23,7 +23,10 @@ static void collect(void *ctx, const char *line)
     "<RxPdo "                                                                                                          \
     "Sm='2'><Index>#x1600</Index><Name>A</Name><Entry><Index>#x7000</Index><SubIndex>1</SubIndex><BitLen>" #bits       \
     "</BitLen></Entry></RxPdo>"
-#define WRITE(ado, data)            "<InitCmd><Cmd>5</Cmd><Adp>1001</Adp><Ado>" #ado "</Ado><Data>" data "</Data></InitCmd>"
+#define WRITE(ado, data) "<InitCmd><Cmd>5</Cmd><Adp>1001</Adp><Ado>" #ado "</Ado><Data>" data "</Data></InitCmd>"
+#define WRITE_BOOT(ado, data)                                                                                          \
+    "<InitCmd><Transition>IB</Transition><Cmd>5</Cmd><Adp>1001</Adp><Ado>" #ado "</Ado><Data>" data "</Data></"        \
+    "InitCmd>"
 #define BOX(element, start, length) "<" element "><Start>" #start "</Start><Length>" #length "</Length></" element ">"
 #define DATA(parts, commands)       ENI_ONE("", "<ProcessData>" parts "</ProcessData><InitCmds>" commands "</InitCmds>")
 #define CYCLIC(command, image)                                                                                         \
@@ -54,6 +57,10 @@ static const struct {
      ENI_ONE("", "<Mailbox>" BOX("Send", 4096, 128) BOX("Recv", 4224, 128) "</Mailbox><InitCmds>" WRITE(
                      2048, "00108000260001008010400022000100") "</InitCmds>"),
      "t.xml:2: slave 1: SyncManager 1 is written with 64 bytes at 0x1080; the mailbox has 128 at 0x1080\n"},
+    {"ENI-013 the mailbox of BOOT is another one",
+     ENI_ONE("", "<Mailbox>" BOX("Send", 4096, 128) BOX("Recv", 4224, 128) "</Mailbox><InitCmds>" WRITE_BOOT(
+                     2048, "00120001260001000013000122000100") "</InitCmds>"),
+     ""},
     {"ENI-012 mailboxes that overlap",
      ENI_ONE("", "<Mailbox>" BOX("Send", 4096, 128) BOX("Recv", 4223, 128) "</Mailbox>"),
      "t.xml:2: slave 1: its mailboxes overlap\n"},
