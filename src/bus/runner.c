@@ -62,7 +62,7 @@ static void serve_client(ect_runner_t *r, unsigned int client)
     else if (client == MODBUS)
         ect_modbus_server_serve(r->modbus, r->exchange.chain, now_ns);
     else
-        ect_hosts_serve(r->hosts, r->exchange.chain);
+        ect_hosts_serve(r->hosts, r->exchange.chain, now_ns);
 }
 
 /* After an interruption `fds` has no events. */

@@ -12,7 +12,7 @@
 
 #include "wire/assert.h"
 
-enum { NONE = -1, READS = 4, WRITES = 4 };
+enum { NONE = -1, READS = 4, WRITES = 4, PATIENCE_NS = 1000000000 };
 
 typedef struct host {
     ect_network_t *network;
@@ -20,7 +20,8 @@ typedef struct host {
     const char *path; /* of the socket; NULL: a TAP */
     int listener;     /* NONE: a TAP */
     int fd;           /* each read and write is a frame; NONE: no client */
-    bool paused;      /* its frames wait until the queue has room */
+    bool paused;      /* its frames wait until the queue has room, and its descriptor is not watched */
+    uint64_t full_ns; /* the queue had room at this time, and is full since */
     char name[ECT_PLACE_NAME];
 } host_t;
 
@@ -42,10 +43,11 @@ ect_hosts_t *ect_hosts_new(void)
     return NULL;
 }
 
-static int watch(const ect_hosts_t *h, int operation, int fd, bool on)
+/* A descriptor that is not watched is out of the list: its end would be reported in the list even without EPOLLIN. */
+static int watch(const ect_hosts_t *h, int fd, bool on)
 {
-    struct epoll_event event = {.events = on ? EPOLLIN : 0};
-    return epoll_ctl(h->epoll, operation, fd, &event);
+    struct epoll_event event = {.events = EPOLLIN};
+    return epoll_ctl(h->epoll, on ? EPOLL_CTL_ADD : EPOLL_CTL_DEL, fd, &event);
 }
 
 /* @return whether the place is open; its descriptors are the host's */
@@ -73,16 +75,25 @@ const char *ect_hosts_open(ect_hosts_t *h, const char *place, ect_network_t *net
     host->network = network;
     host->position = position;
     h->list[h->count++] = host;
-    if (watch(h, EPOLL_CTL_ADD, host->path ? host->listener : host->fd, true) == 0)
+    if (watch(h, host->path ? host->listener : host->fd, true) == 0)
         return host->path ? host->path : host->name;
     snprintf(message, ECT_PLACE_MESSAGE, "waiting for '%s' failed: %s", place, strerror(errno));
     return NULL;
 }
 
-/* Whether the host's frames wait; without a link they are read, and lost. */
 static bool is_full(const host_t *host)
 {
     return ect_network_has_link(host->network) && ect_network_room(host->network) == 0;
+}
+
+/* Whether the host's frames wait for the master. Without a link, and when the master has fetched none for a second,
+ * they are read, and lost. */
+static bool waits(host_t *host, uint64_t now_ns)
+{
+    if (is_full(host))
+        return now_ns - host->full_ns < PATIENCE_NS;
+    host->full_ns = now_ns;
+    return false;
 }
 
 int ect_hosts_fd(const ect_hosts_t *h)
@@ -92,13 +103,16 @@ int ect_hosts_fd(const ect_hosts_t *h)
 
 uint64_t ect_hosts_due(const ect_hosts_t *h)
 {
+    uint64_t due_ns = ECT_NEVER;
     uint16_t length;
     for (size_t i = 0; i < h->count; i++) {
         const host_t *host = h->list[i];
         if (ect_network_peek(host->network, &length) || (host->paused && !is_full(host)))
             return 0;
+        if (host->paused)
+            due_ns = ect_earlier(due_ns, host->full_ns + PATIENCE_NS);
     }
-    return ECT_NEVER;
+    return due_ns;
 }
 
 /* One client at a time: the next one waits until this one has ended. */
@@ -109,9 +123,8 @@ static void accept_client(const ect_hosts_t *h, host_t *host)
     host->fd = accept4(host->listener, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (host->fd == NONE)
         return;
-    host->paused = false;
-    (void)watch(h, EPOLL_CTL_MOD, host->listener, false);
-    (void)watch(h, EPOLL_CTL_ADD, host->fd, true);
+    (void)watch(h, host->listener, false);
+    (void)watch(h, host->fd, true);
 }
 
 /* A client has ended, or somebody has removed the TAP. */
@@ -119,8 +132,9 @@ static void end_client(const ect_hosts_t *h, host_t *host)
 {
     close(host->fd);
     host->fd = NONE;
+    host->paused = false;
     if (host->listener != NONE)
-        (void)watch(h, EPOLL_CTL_MOD, host->listener, true);
+        (void)watch(h, host->listener, true);
 }
 
 /* @return whether there was a frame for the host */
@@ -159,31 +173,31 @@ static bool send_frames(const host_t *host)
     return count > 0;
 }
 
-static bool receive_frames(const ect_hosts_t *h, host_t *host)
+static bool receive_frames(const ect_hosts_t *h, host_t *host, uint64_t now_ns)
 {
     unsigned int count = 0;
-    while (count < READS && host->fd != NONE && !is_full(host) && receive_frame(h, host))
+    while (count < READS && host->fd != NONE && !waits(host, now_ns) && receive_frame(h, host))
         count++;
     return count > 0;
 }
 
-static void follow_room(const ect_hosts_t *h, host_t *host)
+static void follow_room(const ect_hosts_t *h, host_t *host, uint64_t now_ns)
 {
-    bool full = is_full(host);
-    if (host->fd == NONE || full == host->paused)
+    bool pause = waits(host, now_ns);
+    if (host->fd == NONE || pause == host->paused)
         return;
-    host->paused = full;
-    (void)watch(h, EPOLL_CTL_MOD, host->fd, !full);
+    host->paused = pause;
+    (void)watch(h, host->fd, !pause);
 }
 
-void ect_hosts_serve(ect_hosts_t *h, ect_chain_t *chain)
+void ect_hosts_serve(ect_hosts_t *h, ect_chain_t *chain, uint64_t now_ns)
 {
     for (size_t i = 0; i < h->count; i++) {
         host_t *host = h->list[(h->turn + i) % h->count];
         accept_client(h, host);
         bool sent = send_frames(host);
-        bool received = receive_frames(h, host);
-        follow_room(h, host);
+        bool received = receive_frames(h, host, now_ns);
+        follow_room(h, host, now_ns);
         if (received)
             ect_chain_wake(chain, host->position);
         if (!sent && !received)

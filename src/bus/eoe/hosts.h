@@ -5,7 +5,8 @@
  *
  * The loop of the twins waits for ::ect_hosts_fd and ::ect_hosts_due and calls ::ect_hosts_serve when no frame of a
  * master waits, so that no Ethernet frame delays process data. A host whose queue is full is not read: its own queue,
- * or its sender, waits. Context: the thread of the chain; no call blocks.
+ * or its sender, waits. After a second in which the master has fetched no frame, further ones are read, dropped and
+ * counted. Context: the thread of the chain; no call blocks.
  */
 #ifndef ECT_BUS_EOE_HOSTS_H
 #define ECT_BUS_EOE_HOSTS_H
@@ -40,12 +41,13 @@ const char *ect_hosts_open(ect_hosts_t *hosts, const char *place, ect_network_t 
 /** A descriptor that is readable when a host has a frame. */
 int ect_hosts_fd(const ect_hosts_t *hosts);
 
-/** When to call ::ect_hosts_serve without a readable descriptor: 0 now, ECT_NEVER. */
+/** When to call ::ect_hosts_serve without a readable descriptor, in the time of its argument: 0 now, ECT_NEVER. */
 uint64_t ect_hosts_due(const ect_hosts_t *hosts);
 
 /** Moves frames of one host: at most four to it and four from it, and wakes its twin. Cost: at most ten system calls,
- * and one for each host without a frame. */
-void ect_hosts_serve(ect_hosts_t *hosts, ect_chain_t *chain);
+ * and one for each host without a frame.
+ * @param now_ns  never decreases */
+void ect_hosts_serve(ect_hosts_t *hosts, ect_chain_t *chain, uint64_t now_ns);
 
 /** Closes all; sockets of ours are removed. NULL: no effect */
 void ect_hosts_close(ect_hosts_t *hosts);

@@ -120,12 +120,12 @@ void __wrap_ect_modbus_server_serve(ect_modbus_server_t *server, ect_chain_t *ch
     __real_ect_modbus_server_serve(server, chain, now_ns);
 }
 
-void __real_ect_hosts_serve(ect_hosts_t *hosts, ect_chain_t *chain);
-void __wrap_ect_hosts_serve(ect_hosts_t *hosts, ect_chain_t *chain);
-void __wrap_ect_hosts_serve(ect_hosts_t *hosts, ect_chain_t *chain)
+void __real_ect_hosts_serve(ect_hosts_t *hosts, ect_chain_t *chain, uint64_t now_ns);
+void __wrap_ect_hosts_serve(ect_hosts_t *hosts, ect_chain_t *chain, uint64_t now_ns);
+void __wrap_ect_hosts_serve(ect_hosts_t *hosts, ect_chain_t *chain, uint64_t now_ns)
 {
     note('H');
-    __real_ect_hosts_serve(hosts, chain);
+    __real_ect_hosts_serve(hosts, chain, now_ns);
 }
 
 static bool stop(void *ctx, int signal_number, bool from_terminal)

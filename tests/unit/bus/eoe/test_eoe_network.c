@@ -373,7 +373,7 @@ static int connect_host(void)
 static bool wants(const ect_hosts_t *hosts)
 {
     struct pollfd fd = {.fd = ect_hosts_fd(hosts), .events = POLLIN};
-    return poll(&fd, 1, 0) > 0 || ect_hosts_due(hosts) == 0;
+    return poll(&fd, 1, 0) > 0 || ect_hosts_due(hosts) <= w.now_ns;
 }
 
 /* As the runner does it. */
@@ -381,7 +381,7 @@ static void serve(ect_hosts_t *hosts)
 {
     for (unsigned int i = 0; wants(hosts); i++) {
         assert_true(i < 1000);
-        ect_hosts_serve(hosts, w.chain);
+        ect_hosts_serve(hosts, w.chain, w.now_ns);
         wire_poll(&w);
     }
 }
@@ -425,6 +425,99 @@ static void socket_of_a_host(void **state)
         assert_int_equal(back[0], n);
     }
     assert_int_equal(value_of("eoe.dropped"), 0);
+    close(host);
+    ect_hosts_close(hosts);
+}
+
+/* The queue, a frame under way and a mail are full. */
+static int fill_the_queue(ect_hosts_t *hosts, unsigned int more)
+{
+    uint8_t frame[FRAME];
+    serve(hosts);
+    int host = connect_host();
+    for (unsigned int n = 0; n < ECT_NETWORK_QUEUE + 2 + more; n++) {
+        fill(frame, n);
+        assert_int_equal(send(host, frame, FRAME, 0), FRAME);
+    }
+    serve(hosts);
+    assert_int_equal(value_of("eoe.dropped"), 0);
+    return host;
+}
+
+static void master_fetches_nothing(void **state)
+{
+    char place[110];
+    uint8_t frame[FRAME], back[SIZE];
+    (void)state;
+    open_network(ECT_NETWORK_HOST);
+    ect_hosts_t *hosts = open_hosts(place);
+    int host = fill_the_queue(hosts, 10);
+    const uint64_t due_ns = ect_hosts_due(hosts);
+    assert_int_equal(due_ns, w.now_ns + 1000 * MS);
+    w.now_ns = due_ns - 1;
+    serve(hosts);
+    assert_int_equal(value_of("eoe.dropped"), 0);
+    w.now_ns = due_ns;
+    serve(hosts);
+    assert_int_equal(value_of("eoe.dropped"), 10);
+    for (unsigned int n = 0; n < ECT_NETWORK_QUEUE + 2; n++) {
+        assert_int_equal(receive_frame(back), FRAME);
+        assert_int_equal(back[0], n);
+    }
+    fill(frame, 99);
+    assert_int_equal(send(host, frame, FRAME, 0), FRAME);
+    serve(hosts);
+    assert_int_equal(receive_frame(back), FRAME);
+    assert_int_equal(back[0], 99);
+    assert_int_equal(value_of("eoe.dropped"), 10);
+    close(host);
+    ect_hosts_close(hosts);
+}
+
+/* No busy loop: serve() returns. */
+static void host_ends_while_it_waits(void **state)
+{
+    char place[110];
+    uint8_t back[SIZE];
+    (void)state;
+    open_network(ECT_NETWORK_HOST);
+    ect_hosts_t *hosts = open_hosts(place);
+    close(fill_the_queue(hosts, 2));
+    serve(hosts);
+    for (unsigned int n = 0; n < 3; n++)
+        assert_int_equal(receive_frame(back), FRAME);
+    serve(hosts);
+    for (unsigned int n = 3; n < ECT_NETWORK_QUEUE + 4; n++) {
+        assert_int_equal(receive_frame(back), FRAME);
+        assert_int_equal(back[0], n);
+    }
+    int next = connect_host();
+    serve(hosts);
+    assert_int_equal(ect_hosts_due(hosts), ECT_NEVER);
+    close(next);
+    ect_hosts_close(hosts);
+}
+
+static void host_never_reads(void **state)
+{
+    enum { FRAMES = 2000 };
+    char place[110];
+    uint8_t frame[FRAME], back[SIZE];
+    (void)state;
+    open_network(ECT_NETWORK_HOST);
+    ect_hosts_t *hosts = open_hosts(place);
+    int host = connect_host();
+    unsigned int taken = 0;
+    for (unsigned int n = 0; n < FRAMES; n++) {
+        fill(frame, n);
+        send_frame(frame, FRAME);
+        serve(hosts);
+    }
+    assert_int_equal(value_of("eoe.received"), FRAMES);
+    while (recv(host, back, sizeof back, 0) == FRAME)
+        assert_int_equal(back[0], (uint8_t)taken++);
+    assert_true(taken > 0 && taken < FRAMES);
+    assert_int_equal(value_of("eoe.dropped"), FRAMES - taken);
     close(host);
     ect_hosts_close(hosts);
 }
@@ -534,6 +627,11 @@ int main(void)
         {"EOE-051: INIT to PREOP forgets both queues", restart, setup, teardown, NULL},
         {"the signals eoe.NAME are listed", signals_are_listed, setup, teardown, NULL},
         {"EOE-054: a host at a socket waits while the queue is full", socket_of_a_host, setup, teardown, NULL},
+        {"EOE-054: frames of a host are dropped once a master has fetched none for a second, oldest kept",
+         master_fetches_nothing, setup, teardown, NULL},
+        {"EOE-054: a host that ends while it waits loses no frame", host_ends_while_it_waits, setup, teardown, NULL},
+        {"EOE-016: frames for a host that never reads are dropped once its socket is full", host_never_reads, setup,
+         teardown, NULL},
         {"EOE-016: one host at a time, and none", host_goes_and_another_comes, setup, teardown, NULL},
         {"EOE-050 EOE-051: frames of a host are lost in INIT", host_of_a_twin_in_init, setup, teardown, NULL},
         {"texts of places, and sockets that are in use", places, setup, teardown, NULL},
