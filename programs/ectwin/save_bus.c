@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "connection.h"
 #include "grow.h"
+#include "network.h"
 #include "output.h"
 #include "products.h"
 #include "run_options.h"
@@ -434,10 +435,10 @@ static void put_list(FILE *file, const char *key, char *const *texts, size_t cou
 
 static void put_device(const save_t *s, FILE *file, const char *device)
 {
-    bool of_file = strncmp(device, "esi:", 4) == 0 || strncmp(device, "sii:", 4) == 0;
-    char *path = of_file ? absolute(s, "", device + 4) : NULL;
+    const char *name = product_file(device);
+    char *path = name ? absolute(s, "", name) : NULL;
     fputs("  - device: ", file);
-    if (of_file) {
+    if (path) {
         char *text = NULL;
         if (asprintf(&text, "%.4s%s", device, relative(s, path)) > 0)
             put_scalar(file, text);
@@ -483,21 +484,23 @@ static void put_signals_of_counts(const save_t *s, FILE *file, const size_t *cou
     }
 }
 
-/* The count of the part of the list that each twin is from. */
+/* The count of the part of the list that each twin is from. The bus of a network file is the rest of the chain. */
 static size_t *counts_of(const save_t *s)
 {
     listed_device_t one;
-    size_t *counts = calloc(ect_chain_count(s->chain), sizeof *counts), at = 0;
+    const size_t all = ect_chain_count(s->chain);
+    size_t *counts = calloc(all, sizeof *counts), at = 0;
     char *copy = copy_text(s, s->devices), *rest = copy;
     while (counts && listed_device_next(s->state, &rest, &one)) {
-        for (size_t i = 0; i < one.count; i++)
-            counts[at++] = one.count;
+        const size_t count = network_path(one.device) ? all - at : one.count;
+        for (size_t i = 0; i < count; i++)
+            counts[at++] = count;
     }
     free(copy);
     return counts;
 }
 
-static void put_twins(const save_t *s, FILE *file)
+static void put_twins(const save_t *s, FILE *file, const size_t *counts)
 {
     listed_device_t one;
     size_t slave = 1;
@@ -509,7 +512,7 @@ static void put_twins(const save_t *s, FILE *file)
             fprintf(file, "    name: %s\n", one.name);
         if (one.count > 1)
             fprintf(file, "    count: %zu\n", one.count);
-        else
+        if (counts[slave - 1] == 1)
             put_signals(s, file, slave);
     }
     free(copy);
@@ -528,7 +531,7 @@ static int write_file(const save_t *s)
     put_options(s, file);
     put_list(file, "fault", s->script, s->script_count);
     put_signals_of_counts(s, file, counts);
-    put_twins(s, file);
+    put_twins(s, file, counts);
     free(counts);
     return output_close(s->who, &out, s->output);
 }
@@ -563,10 +566,10 @@ static void find_devices(save_t *s)
     listed_device_t one;
     char *list = NULL, *copy = copy_text(s, s->devices), *rest = copy;
     while (listed_device_next(s->state, &rest, &one)) {
-        bool of_file = strncmp(one.device, "esi:", 4) == 0 || strncmp(one.device, "sii:", 4) == 0;
+        const char *path = product_file(one.device);
         char prefix[8] = "", *device, *longer = NULL;
-        (void)snprintf(prefix, sizeof prefix, "%.4s", of_file ? one.device : "");
-        device = of_file ? absolute(s, prefix, one.device + 4) : copy_text(s, one.device);
+        (void)snprintf(prefix, sizeof prefix, "%.4s", path ? one.device : "");
+        device = path ? absolute(s, prefix, path) : copy_text(s, one.device);
         if (asprintf(&longer, "%s%s%s%s%s*%zu", list ? list : "", list ? "," : "", one.name ? one.name : "",
                      one.name ? "=" : "", device, one.count) < 0)
             argp_failure(s->state, EXIT_RUN, ENOMEM, "the bus");

@@ -670,6 +670,8 @@ void twin_args_devices(twin_args_t *args, const struct argp_state *state, const 
     char *rest = copy;
     while (listed_device_next(state, &rest, &one)) {
         const char *network = network_path(one.device);
+        if (network && one.count > 1)
+            argp_error(state, "a count is for one device, and eni:%s is a bus: write it once", network);
         if (network && rest)
             argp_error(state, "no device follows behind eni:%s, a bus of any length: put that last", network);
         if (network)

@@ -109,6 +109,8 @@ refused() { # TITLE CODE MESSAGE ARGUMENT...
 refused "no such file" 2 "$work/none.xml: No such file or directory" "eni:$work/none.xml"
 refused "no such slave" 1 "eni:$eni/machine.xml#N is one slave, N 1 to 3; 'run' and 'with' take the bus, eni:$eni/machine.xml" \
   "eni:$eni/machine.xml#4"
+refused "a count of a bus" 1 "a count is for one device, and eni:$eni/machine.xml is a bus: write it once" "eni:$eni/machine.xml*2"
+refused "a device behind a bus" 1 "no device follows behind eni:$eni/machine.xml, a bus of any length: put that last" "eni:$eni/machine.xml,fzm1"
 refused "no such folder" 2 "--esi-dir $work/none: No such file or directory" --esi-dir "$work/none" "eni:$eni/machine.xml"
 sed 's|<PhysAddr>1001</PhysAddr></PreviousPort>|<PhysAddr>9</PhysAddr></PreviousPort>|' "$eni/machine.xml" >"$work/tree.xml"
 refused "ENI-010: a neighbour that is not there" 1 \

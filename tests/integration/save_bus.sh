@@ -89,7 +89,15 @@ again "a command line" "'$ectwin' set -n 2 ru1.on=1; '$ectwin' fault off" --alia
 check "the topology, the identity and a flag" "keep-source-mac: true|serial: 2:77|wire: 3:1.3" \
   "$(grep -E '^(wire|serial|keep)' "$work/machine/one.yaml" | sort | paste -sd'|')"
 check "a signal that was changed back is not there" "" "$(grep -E 'drop|ru1.ready' "$work/machine/one.yaml")"
+cp "$esi/../eni/machine.xml" "$work/machine"
+printf 'ectwin: 1\nesi-dir: .\ntwins:\n  - device: fzm1\n  - device: eni:machine.xml\n    name: line\n' >"$work/machine/network.yaml"
+again "a network file" "'$ectwin' set -n 1 data1=1.5; '$ectwin' unplug line; '$ectwin' unplug 4" --quiet "$work/machine/network.yaml"
+check "a network file: its path, its name, signals of each of its slaves" \
+  "esi-dir: '.'|  - 2:ecat.plug_in=0|  - 4:ecat.plug_in=0|  - device: fzm1|      data1: 1.5|  - device: eni:machine.xml|    name: line" \
+  "$(grep -E 'device|name|plug_in|esi-dir|data1' "$work/machine/one.yaml" | paste -sd'|')"
 said=$("$ectwin" with esi:"$work/machine/drives.xml"#SERVO -- "$ectwin" save-bus 2>"$work/err")
+network=$("$ectwin" with --quiet eni:../machine/machine.xml -- "$ectwin" save-bus 2>"$work/err")
+check "a network file on standard output" "  - device: eni:$work/elsewhere/../machine/machine.xml" "$(grep device <<<"$network")"
 check "standard output has whole paths" "  - device: esi:$work/machine/drives.xml#SERVO" "$(grep device <<<"$said")"
 env -u ECTWIN_SOCKET XDG_RUNTIME_DIR="$work" "$ectwin" save-bus >"$work/out" 2>"$work/err"
 check "no bus: exit code" 2 $?
