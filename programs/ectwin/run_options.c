@@ -21,7 +21,7 @@ const struct argp_option with_options[] = {
     {"in-process", KEY_IN_PROCESS, NULL, 0,
      "Run the twins inside CMD: no network, no namespaces, no rights. Each process of CMD that opens the interface has "
      "a "
-     "bus of its own. CMD must reach its sockets through the C library (docs/IN-PROCESS.md)",
+     "bus of its own. CMD must be linked dynamically with the C library (docs/IN-PROCESS.md)",
      0},
     {"virtual-time", KEY_VIRTUAL_TIME, NULL, 0,
      "With --in-process: a virtual clock, which passes while CMD waits; runs are fast and repeatable", 0},

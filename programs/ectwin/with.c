@@ -428,7 +428,7 @@ static int serve_in_process(with_args_t *args)
         fprintf(
             stderr,
             "ectwin with: '%s' has not opened %s through the C library (a static or setuid program, Go, system calls "
-            "of its own): run it without --in-process\n",
+            "of its own that this kernel or C library does not report): run it without --in-process\n",
             args->command[0], args->masters[0]);
     return status == EXIT_CLEAN && !met ? EXIT_RUN : status;
 }

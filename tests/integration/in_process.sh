@@ -96,6 +96,27 @@ preload_kept() {
 }
 check "A preloaded library of the caller stays" preload_kept
 
+# LeakSanitizer waits in pthread_create() for the new thread, which reads the clock.
+if ! ldd "$ectwin" | grep -q libasan && cc -fsanitize=leak -x c -o "$work/leak" - 2>/dev/null <<'END'; then
+#include <arpa/inet.h>
+#include <net/if.h>
+#include <netpacket/packet.h>
+#include <stdlib.h>
+#include <sys/socket.h>
+int main(void)
+{
+    struct sockaddr_ll to = {.sll_family = AF_PACKET, .sll_protocol = htons(0x88A4)};
+    int fd = socket(AF_PACKET, SOCK_RAW, htons(0x88A4));
+    to.sll_ifindex = (int)if_nametoindex(getenv("ECTWIN_IFACE"));
+    return bind(fd, (struct sockaddr *)&to, sizeof to) == 0 ? 0 : 7;
+}
+END
+  with_leak_sanitizer() { LSAN_OPTIONS=detect_leaks=0 exits 0 with --virtual-time fzm1 -- timeout -s KILL 20 "$work/leak"; }
+  check "A CMD with LeakSanitizer opens the bus on the virtual clock" with_leak_sanitizer
+else
+  echo "skipped a CMD with LeakSanitizer: ectwin has AddressSanitizer, or the compiler has none"
+fi
+
 without_namespaces() {
   unshare -Ur sh -c "echo 0 >/proc/sys/user/max_user_namespaces && exec '$ectwin' with --in-process fzm1,fzm1 -- '$calls' {} real 'sendmmsg*'"
 }

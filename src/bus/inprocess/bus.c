@@ -2,9 +2,11 @@
 #define _GNU_SOURCE
 #include "bus/inprocess/bus.h"
 
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <pthread.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,6 +42,37 @@ static struct {
 
 __thread int ect_inside __attribute__((tls_model("initial-exec")));
 __thread bool ect_in_dlsym __attribute__((tls_model("initial-exec")));
+
+static void *find(const char *name)
+{
+    ect_inside++;
+    ect_in_dlsym = true;
+    void *found = dlsym(RTLD_NEXT, name);
+    ect_in_dlsym = false;
+    ect_inside--;
+    return found;
+}
+
+static __typeof__(&pthread_sigmask) set_mask;
+
+/* No signal is blocked here, so that this comes before the program can have a handler. */
+static void find_mask(void)
+{
+    if (!set_mask)
+        set_mask = (__typeof__(&pthread_sigmask))find("pthread_sigmask");
+}
+
+void *ect_real(const char *name)
+{
+    sigset_t others, before;
+    find_mask();
+    sigfillset(&others);
+    sigdelset(&others, SIGSYS);
+    set_mask(SIG_BLOCK, &others, &before);
+    void *found = find(name);
+    set_mask(SIG_SETMASK, &before, NULL);
+    return found;
+}
 
 const char *ect_bus_name(unsigned int end)
 {
@@ -173,8 +206,9 @@ static void in_child(void)
     state.control_fd = -1;
 }
 
-__attribute__((constructor)) static void watch_forks(void)
+__attribute__((constructor)) static void begin(void)
 {
+    find_mask();
     (void)pthread_atfork(NULL, NULL, in_child);
 }
 

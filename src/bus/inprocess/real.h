@@ -6,7 +6,6 @@
 #ifndef ECT_BUS_INPROCESS_REAL_H
 #define ECT_BUS_INPROCESS_REAL_H
 
-#include <dlfcn.h>
 #include <stdbool.h>
 
 /** The next definition of a function behind this library, found once for each place of use. */
@@ -30,15 +29,10 @@ extern __thread int ect_inside __attribute__((tls_model("initial-exec")));
  */
 extern __thread bool ect_in_dlsym __attribute__((tls_model("initial-exec")));
 
-/** dlsym(RTLD_NEXT, name), during which every replacement is the real function. */
-static inline void *ect_real(const char *name)
-{
-    ect_inside++;
-    ect_in_dlsym = true;
-    void *found = dlsym(RTLD_NEXT, name);
-    ect_in_dlsym = false;
-    ect_inside--;
-    return found;
-}
+/**
+ * dlsym(RTLD_NEXT, name), during which every replacement is the real function, and no handler of a signal runs: one of
+ * SIGCHLD may be the first to call waitpid(). SIGSYS alone is not blocked: system calls without the C library raise it.
+ */
+void *ect_real(const char *name);
 
 #endif

@@ -14,7 +14,8 @@ static int find(struct dl_phdr_info *info, size_t size, void *ctx)
 {
     range_t *found = ctx;
     (void)size;
-    if (!strstr(info->dlpi_name, "/libasan.so") && !strstr(info->dlpi_name, "/libtsan.so"))
+    if (!strstr(info->dlpi_name, "/libasan.so") && !strstr(info->dlpi_name, "/libtsan.so") &&
+        !strstr(info->dlpi_name, "/liblsan.so"))
         return 0;
     for (size_t i = 0; i < info->dlpi_phnum; i++) {
         uintptr_t begin = info->dlpi_addr + info->dlpi_phdr[i].p_vaddr;

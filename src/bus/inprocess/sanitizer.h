@@ -9,7 +9,7 @@
 
 #include <stdbool.h>
 
-/** Whether the process has AddressSanitizer or ThreadSanitizer as a shared library. */
+/** Whether the process has AddressSanitizer, LeakSanitizer or ThreadSanitizer as a shared library. */
 bool ect_sanitizer_is_loaded(void);
 
 /** Whether an address is in the code of that library. */

@@ -59,10 +59,11 @@ static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 static uint64_t now_ns = ECT_VIRTUAL_START_NS;
 static uint64_t bus_next_ns = NEVER;
 static uint64_t orders;
-static unsigned int calls;  /* since serve_in_turn() served a client */
-static uint64_t turns;      /* counts calls and turns, so that a thread without any shows */
-static bool reported;       /* that the run is not reproducible */
-static bool watched;        /* watch_turn() runs in this process */
+static unsigned int calls; /* since serve_in_turn() served a client */
+static uint64_t turns;     /* counts calls and turns, so that a thread without any shows */
+static bool reported;      /* that the run is not reproducible */
+static bool watched;       /* watch_turn() runs in this process */
+static bool watch_begins;  /* LeakSanitizer, with our lock, waits until the thread of watch_turn() has read the clock */
 static uint64_t stopped_ns; /* of real time, since a process was last waited for with success */
 static thread_t *threads;
 static thread_t *running;
@@ -499,7 +500,9 @@ static void watch(void)
     pthread_sigmask(SIG_BLOCK, &all, &before);
     pthread_attr_init(&detached);
     pthread_attr_setdetachstate(&detached, PTHREAD_CREATE_DETACHED);
+    watch_begins = true;
     (void)REAL(pthread_create)(&thread, &detached, watch_turn, NULL);
+    watch_begins = false;
     pthread_attr_destroy(&detached);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
@@ -826,6 +829,8 @@ void ect_virtual_charge(uint64_t cost_ns)
 
 uint64_t ect_virtual_pass(uint64_t cost_ns)
 {
+    if (!self && watch_begins)
+        return now_ns;
     enter();
     lock();
     if (self->state == RUNNING)

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "inprocess_next.h"
+
+#include <stddef.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+
+#include "raw_call.h"
+
+volatile sig_atomic_t next_is_searched;
+volatile sig_atomic_t next_searches;
+
+static pid_t by_wait4(pid_t pid, int *status, int options)
+{
+    return wait4(pid, status, options, NULL);
+}
+
+static __typeof__(&waitpid) choose(void)
+{
+    next_is_searched = 1;
+    next_searches++;
+    (void)raise(SIGCHLD);
+    (void)raw_call(SYS_getpid, 0, 0, 0, 0, 0, 0);
+    next_is_searched = 0;
+    return by_wait4;
+}
+
+pid_t waitpid(pid_t pid, int *status, int options) __attribute__((ifunc("choose")));
