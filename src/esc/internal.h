@@ -176,6 +176,8 @@ typedef struct ect_postponed {
 
 /* Postpones a register write of the master to the end of the frame. @return false: no room, nothing is changed */
 bool ect_esc_postpone_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
+/* Removes SyncManager `n` from the list: the frame has begun its buffer again, which changes hands later. */
+void ect_esc_unlist(ect_esc_t *esc, unsigned int n);
 /* The entry at `*at`, initially 0, which is advanced. @return false: there is none */
 bool ect_esc_next_postponed(ect_esc_t *esc, uint16_t *at, ect_postponed_t *next);
 

@@ -10,9 +10,6 @@
 
 enum { HEADER = 4, LATCHES = 0x8000, MASKED = 0x4000, LENGTH = 0x1FFF };
 
-/* Each SyncManager is in the list at most once, alone or with others. */
-enum { ROOM_TO_CLOSE = HEADER * ECT_ESC_MAX_SM };
-
 static uint8_t *append(ect_esc_t *esc, uint16_t address, unsigned int flags, uint32_t size)
 {
     uint8_t *to = esc->postponed + esc->postponed_length;
@@ -32,11 +29,22 @@ static void list_buffers(ect_esc_t *esc)
     esc->listed = (uint8_t)(esc->listed | set);
 }
 
+void ect_esc_unlist(ect_esc_t *esc, unsigned int n)
+{
+    ect_postponed_t next;
+    uint16_t at = 0, begin = 0;
+    for (; ect_esc_next_postponed(esc, &at, &next); begin = at) {
+        if (next.length == 0)
+            ect_store_le16(esc->postponed + begin, (uint16_t)(next.address & ~(1u << n)));
+    }
+    esc->listed = (uint8_t)(esc->listed & ~(1u << n));
+}
+
 bool ect_esc_postpone_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length)
 {
     uint32_t size = HEADER + length * (access->mask ? 2u : 1u);
     ECT_ASSERT(length > 0 && length <= ECT_REG_USER_RAM);
-    if (esc->postponed_length + size + ROOM_TO_CLOSE > sizeof esc->postponed)
+    if (esc->postponed_length + HEADER + size > sizeof esc->postponed)
         return false;
     unsigned int flags =
         length | (access->latches ? (unsigned int)LATCHES : 0u) | (access->mask ? (unsigned int)MASKED : 0u);

@@ -225,8 +225,10 @@ static bool open_buffer(const area_t *sm, const ect_access_t *access)
     bool closing = access->side == ECT_SIDE_ECAT && (sm->esc->closing & 1u << sm->n) != 0;
     if (closing && is_mailbox(sm->control))
         return false;
-    if (closing)
+    if (closing) {
         forget_close(sm->esc, sm->n);
+        ect_esc_unlist(sm->esc, sm->n);
+    }
     return access->write ? open_write(sm, access->side) : open_read(sm, access->side);
 }
 

@@ -157,6 +157,84 @@ static void begun_again(void **state)
     assert_memory_equal(got, "ABCDEFGHIJKLMNOP", SIZE);
 }
 
+/* Outputs are written in three datagrams at most, with register writes that let the chip latch the time when they
+ * change hands: one of 0 bytes is left out. They change hands where they were completed last. */
+static void completed_among_writes(void **state)
+{
+    static const struct {
+        const char *what;
+        uint16_t before;           /* bytes of the outputs that are written before everything else */
+        bool writes_first;         /* then a register write without an effect on them */
+        uint16_t begun, completed; /* bytes before and after the write that lets the time be latched */
+        bool latched;
+    } rows[] = {
+        {"complete before the write", SIZE, false, 0, 0, false},
+        {"complete after the write", 0, false, 0, SIZE, true},
+        {"begun before the write, completed after it", 0, false, 4, SIZE - 4, true},
+        {"complete, begun again, the write, completed", SIZE, false, 4, SIZE - 4, true},
+        {"complete, another write, begun again, the write, completed", SIZE, true, 4, SIZE - 4, true},
+        {"complete, another write, complete again, the write", SIZE, true, SIZE, 0, false},
+    };
+    static const uint8_t outputs[SIZE] = "ABCDEFGHIJKLMNO";
+    static const uint8_t latches = ECT_SM_ACTIVATE_ENABLE | ECT_SM_ACTIVATE_LATCH_ECAT;
+    chip_t *c = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t got[SIZE];
+        configure(c);
+        c->w.now_ns += 1 * MS;
+        wire_build(&c->w, NOP, 0, 0, "", 1);
+        if (rows[i].before > 0)
+            wire_append(&c->w, APWR, 0, BUFFERED, "0123456789abcdef", rows[i].before);
+        if (rows[i].writes_first)
+            wire_append(&c->w, APWR, 0, 0x0010, "\1\0", 2);
+        if (rows[i].begun > 0)
+            wire_append(&c->w, APWR, 0, BUFFERED, outputs, rows[i].begun);
+        wire_append(&c->w, APWR, 0, 0x0808 + ECT_SM_ACTIVATE, &latches, 1);
+        if (rows[i].completed > 0)
+            wire_append(&c->w, APWR, 0, (uint16_t)(BUFFERED + rows[i].begun), outputs + rows[i].begun,
+                        rows[i].completed);
+        chip_transmit(c);
+        bool latched = ect_load_le32(c->memory + ECT_REG_DC_SM_TIME_ECAT) != 0;
+        if (latched != rows[i].latched)
+            fail_msg("%s: expected %d, got %d", rows[i].what, rows[i].latched, latched);
+        assert_int_equal(ect_esc_pdi_read(&c->esc, BUFFERED, got, SIZE), 0);
+        assert_memory_equal(got, rows[i].begun + rows[i].completed > 0 ? outputs : (const uint8_t *)"0123456789abcdef",
+                            SIZE);
+    }
+}
+
+/* A chip may end a frame late. The PDI reads the previous outputs meanwhile; its access neither loses nor hurries the
+ * new ones. */
+static void pdi_before_the_end(void **state)
+{
+    static const struct {
+        const char *what;
+        uint16_t read; /* bytes that the PDI reads between the pass and the end of the frame */
+    } rows[] = {{"no access", 0}, {"a begun access", 4}, {"a complete access", SIZE}};
+    chip_t *c = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t got[SIZE] = "0123456789abcde", data[SIZE] = "0123456789abcde";
+        configure(c);
+        assert_int_equal(chip_send(c, APWR, BUFFERED, data, SIZE), 1);
+        wire_build(&c->w, APWR, 0, BUFFERED, "ABCDEFGHIJKLMNOP", SIZE);
+        assert_int_equal(ect_esc_pass(&c->esc, c->w.frame, c->w.frame_length, c->w.now_ns), ECT_FRAME_FORWARD);
+        if (rows[i].read > 0)
+            assert_int_equal(ect_esc_pdi_read(&c->esc, BUFFERED, got, rows[i].read), 0);
+        assert_memory_equal(got, data, SIZE);
+        ect_esc_end_of_frame(&c->esc);
+        if (rows[i].read > 0 && rows[i].read < SIZE) {
+            assert_int_equal(ect_esc_pdi_read(&c->esc, (uint16_t)(BUFFERED + rows[i].read), got + rows[i].read,
+                                              (uint16_t)(SIZE - rows[i].read)),
+                             0);
+            assert_memory_equal(got, data, SIZE);
+        }
+        if ((chip_pdi_read(c, 0x0220, 4) & 0x200) == 0)
+            fail_msg("%s: there is no event", rows[i].what);
+        assert_int_equal(ect_esc_pdi_read(&c->esc, BUFFERED, got, SIZE), 0);
+        assert_memory_equal(got, "ABCDEFGHIJKLMNOP", SIZE);
+    }
+}
+
 /* The new FMMU maps the next frame. */
 static void fmmu_and_access(void **state)
 {
@@ -255,6 +333,10 @@ int main(void)
          chip_setup, chip_teardown, NULL},
         {"CF-019: outputs that a frame begins again change hands when they are complete", begun_again, chip_setup,
          chip_teardown, NULL},
+        {"CF-002 CF-019: outputs change hands between the register writes where they were completed last",
+         completed_among_writes, chip_setup, chip_teardown, NULL},
+        {"CF-019: an access of the PDI between a frame and its end reads the previous outputs, and the new ones follow",
+         pdi_before_the_end, chip_setup, chip_teardown, NULL},
         {"CF-028: an FMMU maps the frames after the one that wrote it", fmmu_and_access, chip_setup, chip_teardown,
          NULL},
         {"CF-028: bits that an FMMU writes to a register leave the others as they are at the end of the frame",
