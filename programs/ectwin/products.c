@@ -21,7 +21,14 @@ typedef struct made {
     ect_esi_twin_t *twin;
 } made_t;
 
+/* ESI files stay open for all their twins: that of a bus may be large, and the bus long. */
+typedef struct opened {
+    struct opened *next;
+    ect_esi_t *esi;
+} opened_t;
+
 static made_t *all;
+static opened_t *files;
 static ect_eni_t *network;
 static bool quiet;
 
@@ -38,6 +45,12 @@ __attribute__((destructor)) static void free_all(void)
         ect_esi_twin_free(all->twin);
         free(all);
         all = next;
+    }
+    while (files) {
+        opened_t *next = files->next;
+        ect_esi_close(files->esi);
+        free(files);
+        files = next;
     }
     ect_eni_close(network);
     network = NULL;
@@ -107,6 +120,29 @@ static ect_esi_t *open_slave(const char *path, const char *number, char *message
     return NULL;
 }
 
+/* An ESI file, of which `files` is the owner. */
+static ect_esi_t *open_once(const char *path, char *message)
+{
+    for (const opened_t *file = files; file; file = file->next) {
+        if (strcmp(ect_esi_file(file->esi), path) == 0)
+            return file->esi;
+    }
+    ect_esi_t *esi = ect_esi_open(path, message, PRODUCT_MESSAGE);
+    opened_t *file = esi ? malloc(sizeof *file) : NULL;
+    if (!file) {
+        ect_esi_close(esi);
+        return NULL;
+    }
+    *file = (opened_t){.next = files, .esi = esi};
+    files = file;
+    return esi;
+}
+
+static bool is_esi(const char *name)
+{
+    return !image_of(name) && !network_of(name);
+}
+
 /* Opens what a name of product_file names; *selector is its part that selects a device. */
 static ect_esi_t *open_file(const char *name, const char **selector, char *message)
 {
@@ -120,7 +156,7 @@ static ect_esi_t *open_file(const char *name, const char **selector, char *messa
     if (path && network_of(name))
         esi = open_slave(path, hash ? hash + 1 : "", message);
     else if (path)
-        esi = ect_esi_open(path, message, PRODUCT_MESSAGE);
+        esi = open_once(path, message);
     free(path);
     *selector = hash && !network_of(name) ? hash + 1 : "";
     return esi;
@@ -131,7 +167,13 @@ static const ect_product_t *from_file(const char *name, const ect_module_choice_
 {
     const char *selector;
     ect_esi_t *esi = open_file(name, &selector, message);
-    ect_esi_twin_t *twin = ect_esi_twin_take(esi, selector, modules, module_count, message, PRODUCT_MESSAGE);
+    ect_esi_twin_t *twin = NULL;
+    if (!is_esi(name))
+        twin = ect_esi_twin_take(esi, selector, modules, module_count, message, PRODUCT_MESSAGE);
+    const ect_esi_device_t *model =
+        esi && is_esi(name) ? ect_esi_select(esi, selector, message, PRODUCT_MESSAGE) : NULL;
+    if (model)
+        twin = ect_esi_twin_of(esi, model, modules, module_count, message, PRODUCT_MESSAGE);
     if (!twin || !keep(twin) || !ect_esi_twin_behave(twin, behaviour, message, PRODUCT_MESSAGE))
         return NULL;
     size_t count;
@@ -200,7 +242,8 @@ bool product_list_file(const char *name, char *message)
         printf("%-24s @0x%08" PRIX32 "/0x%08" PRIX32 "  %s%s%s%s\n", heads[i].type, heads[i].product_code,
                heads[i].revision, heads[i].name, *heads[i].extras != '\0' ? " (" : "", heads[i].extras,
                *heads[i].extras != '\0' ? ")" : "");
-    ect_esi_close(esi);
+    if (!is_esi(name))
+        ect_esi_close(esi);
     return true;
 }
 
