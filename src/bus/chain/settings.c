@@ -53,14 +53,34 @@ static bool find_nearest(const ect_chain_t *chain, size_t position, const char *
     return best <= MOST;
 }
 
+/* Finds the part before a dot or colon that is neither a twin nor the group of a signal: "crane.low", "crane:low".
+ * @return the characters of that; 0: it does not */
+static size_t unknown_twin(const ect_chain_t *chain, size_t position, const char *wrong)
+{
+    ect_chain_cursor_t cursor = {0};
+    ect_signal_ref_t ref;
+    size_t length = strcspn(wrong, ".:");
+    if (!ect_chain_names(chain) || wrong[length] == 0 || length >= ECT_NAME_ROOM)
+        return 0;
+    while (ect_chain_next_signal(chain, position, &cursor, &ref)) {
+        if (strncmp(ref.name, wrong, length) == 0 && ref.name[length] == '.')
+            return 0;
+    }
+    return length;
+}
+
 static void report_unknown(const ect_chain_t *chain, size_t position, const char *wrong, char *message)
 {
     char name[ECT_SIGNAL_NAME];
-    (void)ect_chain_resolve(chain, &position, &wrong);
+    size_t twin = ect_chain_resolve(chain, &position, &wrong) ? 0 : unknown_twin(chain, position, wrong);
     int used = snprintf(message, ECT_SIGNAL_MESSAGE, "slave %zu has no signal '%.60s'", position + 1, wrong);
     size_t at = used > 0 ? (size_t)used : 0;
     if (find_nearest(chain, position, wrong, name))
         snprintf(message + at, ECT_SIGNAL_MESSAGE - at, "; did you mean '%s'?", name);
+    else if (twin > 0)
+        snprintf(message + at, ECT_SIGNAL_MESSAGE - at,
+                 ", and no twin has the name '%.*s': 'ectwin get -n 0 ecat.state' lists the names of running twins",
+                 (int)twin, wrong);
     else
         snprintf(message + at, ECT_SIGNAL_MESSAGE - at, ": 'ectwin list-signals DEVICE' lists those of a device%s",
                  ect_chain_count(chain) > 1 ? "; -n chooses the slave" : "");

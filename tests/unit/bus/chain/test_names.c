@@ -164,6 +164,25 @@ static void signals_of_several_twins_are_set_or_none(void **state)
          "slave 2 has no signal 'law'; did you mean 'low'?",
          {{"low", "8"}, {"arm.law", "9"}, {"leg.low", "7"}},
          {1, 2, 3}},
+        {"one is of no twin",
+         "slave 1 has no signal 'crane.low', and no twin has the name 'crane': 'ectwin get -n 0 ecat.state' lists "
+         "the names of running twins",
+         {{"low", "8"}, {"crane.low", "9"}, {"leg.low", "7"}},
+         {1, 2, 3}},
+        {"one is of no twin, as options have it",
+         "slave 1 has no signal 'crane:low', and no twin has the name 'crane': 'ectwin get -n 0 ecat.state' lists "
+         "the names of running twins",
+         {{"low", "8"}, {"crane:low", "9"}, {"leg.low", "7"}},
+         {1, 2, 3}},
+        {"one is not there in a group that is",
+         "slave 1 has no signal 'unit.speed': 'ectwin list-signals DEVICE' lists those of a device; -n chooses the "
+         "slave",
+         {{"low", "8"}, {"unit.speed", "9"}, {"leg.low", "7"}},
+         {1, 2, 3}},
+        {"one is not there in a twin with a name",
+         "slave 2 has no signal 'on.speed': 'ectwin list-signals DEVICE' lists those of a device; -n chooses the slave",
+         {{"low", "8"}, {"arm.on.speed", "9"}, {"leg.low", "7"}},
+         {1, 2, 3}},
     };
     wire_t w;
     (void)state;
