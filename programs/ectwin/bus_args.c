@@ -21,47 +21,71 @@ __attribute__((destructor)) static void free_given(void)
     free(given.words);
 }
 
-/* The option with a long name of `length` characters, or with a letter; NULL: there is none. */
-static const struct argp_option *find_option(const struct argp *argp, const char *name, size_t length, int letter)
+/* The option whose long name begins with `name`, the same one if there is such; NULL: there is none. */
+static const struct argp_option *find_begun(const struct argp *argp, const char *name)
 {
+    const struct argp_option *begun = NULL;
     for (const struct argp_option *o = argp->options; o && (o->name || o->key); o++) {
-        if (letter != 0 ? o->key == letter
-                        : o->name && strlen(o->name) == length && strncmp(o->name, name, length) == 0)
+        if (!o->name || strncmp(o->name, name, strlen(name)) != 0)
+            continue;
+        if (strcmp(o->name, name) == 0)
             return o;
+        begun = o;
     }
     for (const struct argp_child *child = argp->children; child && child->argp; child++) {
-        const struct argp_option *found = find_option(child->argp, name, length, letter);
-        if (found)
+        const struct argp_option *found = find_begun(child->argp, name);
+        if (found && strcmp(found->name, name) == 0)
             return found;
+        begun = begun ? begun : found;
     }
-    return NULL;
+    return begun;
+}
+
+static const struct argp_option *find_letter(const struct argp *argp, int letter)
+{
+    const struct argp_option *found = NULL;
+    for (const struct argp_option *o = argp->options; o && !found && (o->name || o->key); o++)
+        found = o->key == letter ? o : NULL;
+    for (const struct argp_child *child = argp->children; !found && child && child->argp; child++)
+        found = find_letter(child->argp, letter);
+    return found;
+}
+
+bool bus_option_is_path(const struct argp_option *option)
+{
+    static const char twin[] = "[N:]";
+    const char *arg = option->arg ? option->arg : "";
+    if (strncmp(arg, twin, strlen(twin)) == 0)
+        arg += strlen(twin);
+    size_t length = strcspn(arg, "[");
+    return (length == 4 && strncmp(arg, "FILE", length) == 0) || (length == 3 && strncmp(arg, "DIR", length) == 0);
 }
 
 static unsigned int kind_of(void *ctx, const char *name)
 {
     const struct argp *argp = ctx;
-    const struct argp_option *o = find_option(argp, name, strlen(name), 0);
-    if (!o)
+    const struct argp_option *o = find_begun(argp, name);
+    if (!o || strcmp(o->name, name) != 0)
         return ECT_BUS_OPTION_NONE;
     if (!o->arg)
         return ECT_BUS_OPTION_FLAG;
     unsigned int kind = ECT_BUS_OPTION_VALUE;
-    if (strcmp(o->arg, "FILE") == 0 || strcmp(o->arg, "DIR") == 0)
+    if (bus_option_is_path(o))
         kind |= ECT_BUS_OPTION_PATH;
     if (strncmp(o->arg, "[N:]", 4) == 0)
         kind |= ECT_BUS_OPTION_OF_TWIN;
     return kind;
 }
 
-/* Whether the next word belongs to this option. */
-static bool takes_next(const struct argp *argp, const char *word)
+/* Whether the next word belongs to this option, which may be abbreviated: "--see 7", "--realtime 70". */
+static bool takes_next(const struct argp *argp, const char *word, const char *next)
 {
     const struct argp_option *o;
     if (word[1] == '-')
-        o = strchr(word, '=') ? NULL : find_option(argp, word + 2, strlen(word + 2), 0);
+        o = strchr(word, '=') ? NULL : find_begun(argp, word + 2);
     else
-        o = word[2] == '\0' ? find_option(argp, NULL, 0, word[1]) : NULL;
-    return o && o->arg && (o->flags & OPTION_ARG_OPTIONAL) == 0;
+        o = word[2] == '\0' ? find_letter(argp, word[1]) : NULL;
+    return o && o->arg && ((o->flags & OPTION_ARG_OPTIONAL) == 0 || (next && *next >= '0' && *next <= '9'));
 }
 
 /* The place of the first operand; 0: there is none. */
@@ -72,7 +96,7 @@ static int first_operand(const struct argp *argp, int argc, char **argv)
             return i;
         if (strcmp(argv[i], "--") == 0)
             return 0;
-        i += takes_next(argp, argv[i]);
+        i += takes_next(argp, argv[i], i + 1 < argc ? argv[i + 1] : NULL);
     }
     return 0;
 }

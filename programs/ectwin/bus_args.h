@@ -7,6 +7,7 @@
 #define ECTWIN_BUS_ARGS_H
 
 #include <argp.h>
+#include <stdbool.h>
 
 /**
  * Replaces a bus file, the first operand, by the devices and options that it describes. Options of the command line
@@ -16,5 +17,8 @@
  * Ends the program with EXIT_OPEN and one line when the file cannot be read.
  */
 void bus_args_expand(const struct argp *argp, int *argc, char ***argv);
+
+/** @return whether the argument of an option is a path, perhaps that of twin N: FILE, DIR, [N:]FILE[,loop] */
+bool bus_option_is_path(const struct argp_option *option);
 
 #endif

@@ -244,9 +244,8 @@ static bool receive(connection_t *c)
 const char *connection_text(const cJSON *line, const char *member, char room[32])
 {
     const cJSON *value = cJSON_GetObjectItemCaseSensitive(line, member);
-    const char *text = cJSON_GetStringValue(value);
-    if (text)
-        return text;
+    if (cJSON_IsString(value) || (cJSON_IsNumber(value) && value->valuestring))
+        return value->valuestring;
     room[0] = 0;
     if (cJSON_IsNumber(value))
         snprintf(room, 32, "%.15g", value->valuedouble);
@@ -274,11 +273,29 @@ static int output_failed(void)
     return EXIT_CLEAN;
 }
 
+/* Parses a line. A whole number with more digits than cJSON keeps has them as the text of its "value". */
+static cJSON *parse_line(const char *raw)
+{
+    enum { EXACT = 15 };
+    static const char member[] = "\"value\":";
+    cJSON *line = cJSON_Parse(raw);
+    cJSON *value = cJSON_GetObjectItemCaseSensitive(line, "value");
+    const char *digits = strstr(raw, member);
+    digits = digits ? digits + strlen(member) : "";
+    size_t length = strspn(digits, "-0123456789");
+    if (length <= EXACT || !cJSON_IsNumber(value) || !strchr(",}", digits[length]))
+        return line;
+    value->valuestring = cJSON_malloc(length + 1); /* cJSON_Delete frees it */
+    if (value->valuestring)
+        snprintf(value->valuestring, length + 1, "%s", digits);
+    return line;
+}
+
 /* Handles a line of a reply. @return the status of the request; -1: more lines follow */
 static int take_reply(const char *raw, const char *who, void (*print)(const cJSON *line))
 {
     char room[32];
-    cJSON *line = cJSON_Parse(raw);
+    cJSON *line = parse_line(raw);
     const cJSON *ok = cJSON_GetObjectItemCaseSensitive(line, "ok");
     int status = -1;
     if (cJSON_IsBool(ok)) {
@@ -361,7 +378,7 @@ static int wait_for_more(const connection_t *connection, const follow_t *follow,
 
 static bool is_met(const follow_t *follow, const char *line)
 {
-    cJSON *parsed = follow->met ? cJSON_Parse(line) : NULL;
+    cJSON *parsed = follow->met ? parse_line(line) : NULL;
     bool met = parsed && follow->met(follow->ctx, parsed);
     cJSON_Delete(parsed);
     return met;

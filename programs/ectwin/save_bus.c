@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "bus/chain/settings.h"
+#include "bus_args.h"
 #include "commands.h"
 #include "connection.h"
 #include "grow.h"
@@ -20,7 +21,8 @@
 /* An option of the running bus. */
 typedef struct saved_option {
     const struct argp_option *option;
-    char *text; /* NULL: it has no argument */
+    char *text;  /* NULL: it has no argument */
+    size_t path; /* its path begins here: behind N: or NAME: */
 } saved_option_t;
 
 /* A signal that differs from that of the same bus without settings. */
@@ -110,19 +112,12 @@ static char *absolute(const save_t *s, const char *prefix, const char *path)
     return text;
 }
 
-static bool takes_path(const struct argp_option *option)
-{
-    return option->arg && (strcmp(option->arg, "FILE") == 0 || strcmp(option->arg, "DIR") == 0);
-}
-
 static void add_option(save_t *s, const struct argp_option *option, const char *text)
 {
     s->options = grow(s->state, s->options, s->option_count, sizeof *s->options);
     saved_option_t *one = &s->options[s->option_count++];
     *one = (saved_option_t){.option = option};
-    if (text && takes_path(option))
-        one->text = absolute(s, "", text);
-    else if (text)
+    if (text)
         one->text = copy_text(s, text);
 }
 
@@ -200,6 +195,7 @@ static void cut_words(save_t *s, int count, char **words)
     for (size_t i = 0; i < TABLES; i++)
         tables.table[i] = (table_t){s, parsers[i].options};
     (void)argp_parse(&argp, count, words, ARGP_NO_HELP, NULL, &tables);
+    s->state = NULL; /* it has ended */
 }
 
 /* --- the same bus without settings ---------------------------------------------------------------------------------
@@ -380,12 +376,22 @@ static const char *relative(const save_t *s, const char *path)
     return strncmp(path, folder, length) == 0 && path[length] == '/' ? path + length + 1 : path;
 }
 
+static void put_path(const save_t *s, FILE *file, const saved_option_t *o)
+{
+    char *text = NULL;
+    const char *path = bus_option_is_path(o->option) ? relative(s, o->text + o->path) : o->text + o->path;
+    if (asprintf(&text, "%.*s%s", (int)o->path, o->text, path) < 0)
+        argp_failure(NULL, EXIT_RUN, ENOMEM, "the bus");
+    put_scalar(file, text);
+    free(text);
+}
+
 static void put_value(const save_t *s, FILE *file, const saved_option_t *o)
 {
     if (!o->text)
         fputs((o->option->flags & OPTION_ARG_OPTIONAL) != 0 ? "50" : "true", file);
     else
-        put_scalar(file, takes_path(o->option) ? relative(s, o->text) : o->text);
+        put_path(s, file, o);
 }
 
 /* Options of the file: not those of the command that runs it, and not those that the present state replaces. */
@@ -582,6 +588,28 @@ static void find_devices(save_t *s)
     s->devices = list;
 }
 
+/* The paths of options too. */
+static void find_paths(save_t *s)
+{
+    ect_names_t *names = names_of_devices(s->state, s->devices);
+    for (size_t i = 0; i < s->option_count; i++) {
+        saved_option_t *o = &s->options[i];
+        const char *path = o->text;
+        if (!path || !bus_option_is_path(o->option))
+            continue;
+        if (o->option->arg[0] == '[')
+            (void)twin_of(names, &path, 0);
+        o->path = (size_t)(path - o->text);
+        char *prefix = copy_text(s, o->text);
+        prefix[o->path] = 0;
+        char *whole = absolute(s, prefix, path);
+        free(prefix);
+        free(o->text);
+        o->text = whole;
+    }
+    ect_names_free(names);
+}
+
 static int report_refused(const save_t *s)
 {
     int status = EXIT_CLEAN;
@@ -610,6 +638,7 @@ static int save(save_t *s)
         return EXIT_RUN;
     }
     find_devices(s);
+    find_paths(s);
     status = power_on(s, &twins);
     if (status == EXIT_CLEAN)
         status = read_signals(s);

@@ -245,7 +245,25 @@ static char *device_of(reader_t *r, const yaml_node_t *node, const char *device)
 
 /* --- options ------------------------------------------------------------------------------------------------------ */
 
-static char *value_of(reader_t *r, const yaml_node_t *node, const char *key, unsigned int option)
+/* The characters of "N:" or "NAME:" before a value of the bus. */
+static size_t twin_before(const reader_t *r, const char *text)
+{
+    size_t length = strcspn(text, ":");
+    bool number = length > 0 && strspn(text, "0123456789") == length;
+    return text[length] == ':' && (number || number_of(r, text, length) > 0) ? length + 1 : 0;
+}
+
+/* `n`: of the twin that the option is for; 0: of the bus. */
+static char *path_value(reader_t *r, const char *text, unsigned int option, size_t n)
+{
+    size_t before = n == 0 && (option & ECT_BUS_OPTION_OF_TWIN) != 0 ? twin_before(r, text) : 0;
+    char *prefix = print(r, "%.*s", (int)before, text);
+    char *path = prefix ? path_of(r, prefix, text + before) : NULL;
+    free(prefix);
+    return path;
+}
+
+static char *value_of(reader_t *r, const yaml_node_t *node, const char *key, unsigned int option, size_t n)
 {
     const char *text = scalar(r, node, key);
     if (r->failed)
@@ -254,13 +272,13 @@ static char *value_of(reader_t *r, const yaml_node_t *node, const char *key, uns
         check_connection(r, node, text);
     if (strcmp(key, "fault") == 0)
         check_fault(r, node, text);
-    return (option & ECT_BUS_OPTION_PATH) != 0 ? path_of(r, "", text) : print(r, "%s", text);
+    return (option & ECT_BUS_OPTION_PATH) != 0 ? path_value(r, text, option, n) : print(r, "%s", text);
 }
 
 /* `n`: of the twin that the option is for; 0: of the bus. */
 static void add_option(reader_t *r, const yaml_node_t *node, const char *key, unsigned int option, size_t n)
 {
-    char *value = value_of(r, node, key, option);
+    char *value = value_of(r, node, key, option, n);
     if (value && !r->failed)
         add_word(r, n > 0 ? print(r, "--%s=%zu:%s", key, n, value) : print(r, "--%s=%s", key, value));
     free(value);

@@ -123,6 +123,18 @@ check "names of twins in the master's process" 1 "$(grep -c '1 of 1 expectations
 printf 'time,b.data1,c.data1\n0,3,4\n' >"$work/table.csv"
 "$ectwin" with --play "$work/table.csv" b=fzm1,c=fzm1 -- "$ectwin" wait -t 5 c.data1=4 2>"$work/err"
 check "names in the columns of a table" 0 $?
+
+mkdir "$work/waves"
+printf 'time,data1\n0,3\n' >"$work/waves/three.csv"
+printf 'time,data1\n0,4\n' >"$work/waves/four.csv"
+printf "ectwin: 1\nplay: ['b:four.csv']\ntwins:\n- {device: fzm1, play: three.csv}\n- {device: fzm1, name: b}\n" >"$work/waves/bus.yaml"
+said=$("$ectwin" with "$work/waves/bus.yaml" -- sh -c "'$ectwin' wait -t 5 b.data1=4; '$ectwin' get -n 0 data1" 2>"$work/err" | xargs)
+check "play: relative to the file, of a twin and of the bus" "1:data1=3 b.data1=4" "$said"
+for option in "--see 7" "--realtime 70"; do
+  # shellcheck disable=SC2086
+  "$ectwin" check $option "$work/waves/bus.yaml" >"$work/out" 2>"$work/err"
+  check "a bus file behind $option, a value of its own word" "2 twins: fzm1,b=fzm1" "$(cat "$work/out" "$work/err")"
+done
 while IFS='|' read -r devices line; do
   "$ectwin" check "$devices" >"$work/out" 2>"$work/err"
   check "$devices: exit code" 1 $?

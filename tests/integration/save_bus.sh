@@ -95,10 +95,25 @@ again "a network file" "'$ectwin' set -n 1 data1=1.5; '$ectwin' unplug line; '$e
 check "a network file: its path, its name, signals of each of its slaves" \
   "esi-dir: '.'|  - 2:ecat.plug_in=0|  - 4:ecat.plug_in=0|  - device: fzm1|      data1: 1.5|  - device: eni:machine.xml|    name: line" \
   "$(grep -E 'device|name|plug_in|esi-dir|data1' "$work/machine/one.yaml" | paste -sd'|')"
+cd "$work/machine" || exit 1
+printf 'time,data1\n0,3\n9999,3\n' >wave.csv
+again "tables" "'$ectwin' wait -t 5 b.data1=3" --play wave.csv,loop --play=2:wave.csv \
+  --play b:"$work/machine/wave.csv" fzm1,fzm1,b=fzm1
+check "a path of a twin, below the folder" "  - 'wave.csv,loop'|  - 2:wave.csv|  - b:wave.csv" "$(grep 'wave' "$work/machine/one.yaml" | paste -sd'|')"
+again "a number of 64 bits" "'$ectwin' set inputs.position_actual_value=1234567890123456789; '$ectwin' get >'$work/got' inputs.position_actual_value" \
+  --behaviour none esi:drives.xml#WIDE
+check "all its digits, in the file and of get" "inputs.position_actual_value: 1234567890123456789|inputs.position_actual_value=1234567890123456789" \
+  "$(grep -ho 'inputs.position.*' "$work/machine/one.yaml" "$work/got" | paste -sd'|')"
+cd "$work/elsewhere" || exit 1
 said=$("$ectwin" with esi:"$work/machine/drives.xml"#SERVO -- "$ectwin" save-bus 2>"$work/err")
 network=$("$ectwin" with --quiet eni:../machine/machine.xml -- "$ectwin" save-bus 2>"$work/err")
 check "a network file on standard output" "  - device: eni:$work/elsewhere/../machine/machine.xml" "$(grep device <<<"$network")"
 check "standard output has whole paths" "  - device: esi:$work/machine/drives.xml#SERVO" "$(grep device <<<"$said")"
+"$ectwin" with vr-bu-ect-map7 -- sh -c "'$ectwin' set ru1.id=9 && '$ectwin' set ru2.id=1 && '$ectwin' set ru1.id=2 bu.vlaps=1
+  '$ectwin' save-bus" >"$work/out" 2>"$work/err"
+check "values that a twin refuses at its start: exit code" 3 $?
+check "... a line for each" "ru1.id=2|ru2.id=1" "$(sed -n "s/^ectwin save-bus: slave 1: '\(.*\)' is left out, a bus refuses it at its start: .*/\1/p" "$work/err" | paste -sd'|')"
+check "... and the file is without them" "bu.vlaps: 1" "$(grep -oE '(ru.\.id|bu\.vlaps).*' "$work/out")"
 env -u ECTWIN_SOCKET XDG_RUNTIME_DIR="$work" "$ectwin" save-bus >"$work/out" 2>"$work/err"
 check "no bus: exit code" 2 $?
 check "no bus" "ectwin save-bus: no twin of yours is running: start one with 'ectwin run' or 'ectwin with'" "$(head -1 "$work/err")"
