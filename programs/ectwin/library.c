@@ -407,7 +407,7 @@ int ectwin_bus_fault(ectwin_bus_t *bus, const char *fault, uint64_t now_ns, char
 int ectwin_bus_verdict(ectwin_bus_t *bus, char *text, size_t room)
 {
     const ect_scenario_t *s = bus->exchange.scenario;
-    char line[ECT_STEP_ACTION + ECT_STEP_MESSAGE + 64];
+    char line[ECT_STEP_LINE + ECT_STEP_MESSAGE + 64];
     size_t used = 0;
     ect_verdict_t verdict = ect_scenario_end(bus->exchange.scenario);
     if (room > 0)

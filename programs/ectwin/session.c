@@ -51,7 +51,7 @@ static void on_refused(void *ctx, const char *step, const char *why)
 static void on_judged(void *ctx, const ect_scenario_step_t *step)
 {
     const session_t *s = ctx;
-    char text[ECT_STEP_ACTION + ECT_STEP_MESSAGE + 64];
+    char text[ECT_STEP_LINE + ECT_STEP_MESSAGE + 64];
     (void)ect_scenario_print(step, text, sizeof text);
     fprintf(stderr, "%s: %s\n", s->who, text);
 }

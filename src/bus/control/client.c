@@ -446,7 +446,7 @@ static const char *list_faults(ect_client_t *client, const ect_chain_t *chain)
 static const char *list_script(ect_client_t *client, const ect_chain_t *chain, const cJSON *request)
 {
     size_t at = 0;
-    char text[ECT_STEP_ACTION];
+    char text[ECT_STEP_LINE];
     if (!client->scenario)
         return "no faults can be set here";
     const char *why = read_offset(request, SIZE_MAX / 2, &at);

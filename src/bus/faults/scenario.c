@@ -196,7 +196,7 @@ static const ect_fault_t *fault_at(const ect_scenario_t *s, const ect_chain_t *c
 
 bool ect_scenario_left(const ect_scenario_t *s, const ect_chain_t *chain, size_t i, char *text)
 {
-    _Static_assert((int)ECT_FAULT_TEXT <= (int)ECT_STEP_ACTION, "a fault has room");
+    _Static_assert((int)ECT_FAULT_TEXT <= (int)ECT_STEP_LINE, "a fault has room");
     const ect_fault_t *fault;
     for (size_t n = 0; (fault = fault_at(s, chain, n)) != NULL; n++) {
         if (fault->kind == ECT_FAULT_COUNT || is_of_step(s, fault))
@@ -208,7 +208,7 @@ bool ect_scenario_left(const ect_scenario_t *s, const ect_chain_t *chain, size_t
     }
     for (size_t n = 0; n < s->step_count; n++) {
         if (s->steps[n].progress != ECT_STEP_OVER && i-- == 0) {
-            memcpy(text, s->steps[n].text, ECT_STEP_ACTION);
+            memcpy(text, s->steps[n].text, ECT_STEP_LINE);
             return true;
         }
     }
@@ -371,7 +371,7 @@ static void step_over(ect_scenario_t *s, ect_scenario_step_t *step)
 
 static void judge(ect_scenario_t *s, ect_scenario_step_t *step, bool met, const char *why)
 {
-    char text[ECT_STEP_ACTION + ECT_STEP_MESSAGE + 64];
+    char text[ECT_STEP_LINE + ECT_STEP_MESSAGE + 64];
     s->verdict.met += met;
     s->verdict.failed += !met;
     step->met = met;
@@ -424,7 +424,7 @@ static void act(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step
 static void undo(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step, uint64_t now_ns)
 {
     ect_fault_t fault = step->plan.fault;
-    char text[ECT_STEP_ACTION + 16];
+    char text[ECT_STEP_LINE + 16];
     fault.tag = tag_of(s, step, false);
     s->acted = true;
     snprintf(text, sizeof text, "end of: %s", step->text);

@@ -33,8 +33,8 @@ enum { ECT_SCENARIO_FAULTS = 8, ECT_SCENARIO_STEPS = 256, ECT_SCENARIO_NAME = 80
 /** One line of a script, and how far it is. Private, but for `text` and `line`, `met` and `why`. */
 typedef struct ect_scenario_step {
     ect_step_t plan;
-    char text[ECT_STEP_ACTION]; /* as it was written, without comment, cut where it is longer */
-    unsigned int line;          /* in its file, from 1; 0: none */
+    char text[ECT_STEP_LINE]; /* as it was written, without comment */
+    unsigned int line;        /* in its file, from 1; 0: none */
     enum { ECT_STEP_WAITS, ECT_STEP_ACTS, ECT_STEP_OVER } progress;
     uint8_t reached;              /* milestones */
     bool current;                 /* the present milestone, or the end, has been prepared */
@@ -162,7 +162,7 @@ bool ect_scenario_show(const ect_scenario_t *s, const ect_chain_t *chain, size_t
 /**
  * Writes the i-th line, from 0, of a script that sets the same faults again and does what is still to come: faults that
  * last, without those of a step that will end them, and steps that are not over.
- * @param[out] text  ECT_STEP_ACTION bytes. @return false: there is no such line
+ * @param[out] text  ECT_STEP_LINE bytes. @return false: there is no such line
  */
 bool ect_scenario_left(const ect_scenario_t *s, const ect_chain_t *chain, size_t i, char *text);
 

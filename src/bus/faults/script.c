@@ -10,6 +10,7 @@
 
 enum { NS_PER_S = 1000000000 };
 
+_Static_assert((int)ECT_STEP_LINE >= (int)ECT_WORDS_ROOM, "a line has room");
 static const ect_words_limits_t limits = {"a line", " \t", ECT_WORDS_ROOM - 1, ECT_WORDS_MOST};
 
 static bool take_number(ect_words_t *w, uint64_t minimum, uint64_t maximum, uint64_t *value)

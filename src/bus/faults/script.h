@@ -33,6 +33,7 @@ ECT_C_BEGIN
 enum {
     ECT_STEP_MILESTONES = 4, /**< most milestones before the action */
     ECT_STEP_ACTION = 128,   /**< room of an action as text */
+    ECT_STEP_LINE = 256,     /**< room of a line */
     ECT_STEP_MESSAGE = ECT_FAULT_MESSAGE,
 };
 

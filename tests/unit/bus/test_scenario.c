@@ -226,7 +226,7 @@ static void ends(void **state)
 /* The lines of a script that does the same from now on, one behind the other. */
 static void expect_left(const rig_t *r, const char *want)
 {
-    char all[8 * ECT_STEP_ACTION] = "", text[ECT_STEP_ACTION];
+    char all[8 * ECT_STEP_LINE] = "", text[ECT_STEP_LINE];
     for (size_t i = 0; ect_scenario_left(&r->s, r->w.chain, i, text); i++) {
         strcat(all, text);
         strcat(all, "; ");
@@ -248,6 +248,18 @@ static void is_left(void **state)
     expect_left(r, "drop 0%; corrupt 0%; al never slave 2; at 70ms hang slave 2; expect ecat.state=1 for 80ms; ");
     advance(r, 20 * MS);
     expect_left(r, "drop 0%; corrupt 0%; al never slave 2; ");
+}
+
+static void the_longest_line_is_left(void **state)
+{
+    static const char fault[] = "hang slave 2";
+    char line[ECT_STEP_LINE], want[ECT_STEP_LINE + 8];
+    rig_t *r = *state;
+    snprintf(line, sizeof line, "%-*s%s", (int)(sizeof line - sizeof fault), "at 70ms", fault);
+    assert_int_equal(strlen(line), ECT_STEP_LINE - 1);
+    snprintf(want, sizeof want, "%s; ", line);
+    START(r, line);
+    expect_left(r, want);
 }
 
 static void hangs_for_a_time(void **state)
@@ -685,6 +697,7 @@ int main(int argc, char **argv)
         TEST("a step without a slave waits for SDO transfers of any", transfers_of_any),
         TEST("faults end after a time, at a time, in a state, and come again with it", ends),
         TEST("a saved script has faults that last and steps that are not over", is_left),
+        TEST("a line of 255 characters is left whole", the_longest_line_is_left),
         TEST("a slave hangs for a time", hangs_for_a_time),
         TEST("a step sets signals; their end sets the value from before", sets),
         TEST("a signal that is set takes effect for the first frame from its time on", in_its_cycle),
