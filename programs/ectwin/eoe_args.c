@@ -8,6 +8,7 @@
 
 #include "grow.h"
 #include "text/number.h"
+#include "twin_names.h"
 
 enum { KEY_EOE = 0x300 };
 
@@ -27,14 +28,14 @@ static bool is_place(const char *text)
 static void add(eoe_args_t *args, const struct argp_state *state, const char *text)
 {
     uint64_t number = 0;
-    const char *end = ect_number_begins(text, 0, UINT64_MAX, &number);
-    bool numbered = end && *end == ':';
-    const char *place = numbered ? end + 1 : text;
+    const char *colon = strchr(text, ':');
+    const char *place = colon && !is_place(text) ? colon + 1 : text;
+    bool numbered = place != text && ect_number_begins(text, 0, UINT64_MAX, &number) == colon;
     if ((numbered && (number == 0 || number > UINT16_MAX)) || !is_place(place))
         argp_error(state, "--eoe takes tap, tapNAME, unix:PATH or echo, or one of them for a twin, as 2:tap0, not '%s'",
                    text);
     args->settings = grow(state, args->settings, args->count, sizeof *args->settings);
-    args->settings[args->count++] = (eoe_setting_t){numbered ? (size_t)number : 0, text, place};
+    args->settings[args->count++] = (eoe_setting_t){0, text, place};
 }
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -83,6 +84,18 @@ static size_t find_twin(const eoe_setting_t *setting, const ect_twin_config_t *t
     return i;
 }
 
+/* "N:" or "NAME:", if the option has it. @return whether there is such a number or name; else see message */
+static bool take_twin(const ect_names_t *names, eoe_setting_t *setting, char *message)
+{
+    const char *rest = setting->text;
+    setting->twin = setting->place != rest ? twin_of(names, &rest, 0) : 0;
+    if (setting->place == setting->text || setting->twin != 0)
+        return true;
+    snprintf(message, EOE_MESSAGE, "--eoe %.80s: no twin is named '%.*s': name it in the list, as %.*s=DEVICE",
+             setting->text, (int)strcspn(rest, ":"), rest, (int)strcspn(rest, ":"), rest);
+    return false;
+}
+
 /* @return whether it was done; else see message */
 static bool join_one(eoe_args_t *args, eoe_setting_t *setting, const ect_twin_config_t *twins, char *message)
 {
@@ -115,7 +128,7 @@ static bool join_rest(eoe_args_t *args, ect_twin_config_t *twins)
     return true;
 }
 
-bool eoe_args_join(eoe_args_t *args, ect_twin_config_t *twins, size_t count, char *message)
+bool eoe_args_join(eoe_args_t *args, const ect_names_t *names, ect_twin_config_t *twins, size_t count, char *message)
 {
     const char *host = eoe_args_host(args);
     if (host && !args->has_hosts) {
@@ -129,7 +142,7 @@ bool eoe_args_join(eoe_args_t *args, ect_twin_config_t *twins, size_t count, cha
     args->network_count = args->networks ? count : 0;
     bool done = args->networks != NULL;
     for (size_t i = 0; done && i < args->count; i++)
-        done = join_one(args, &args->settings[i], twins, message);
+        done = take_twin(names, &args->settings[i], message) && join_one(args, &args->settings[i], twins, message);
     return done && join_rest(args, twins);
 }
 

@@ -10,13 +10,14 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "bus/chain/names.h"
 #include "bus/chain/twin_config.h"
 #include "bus/eoe/hosts.h"
 #include "bus/eoe/network.h"
 
-/** "[N:]PLACE" of --eoe. */
+/** "[N:]PLACE" of --eoe, with the number or the name of a twin. */
 typedef struct eoe_setting {
-    size_t twin;      /**< from 1; 0: the first with EoE */
+    size_t twin;      /**< from 1, set by ::eoe_args_join */
     const char *text; /**< the option, as given */
     const char *place;
 } eoe_setting_t;
@@ -39,10 +40,11 @@ const char *eoe_args_host(const eoe_args_t *args);
 
 /**
  * Puts a network behind each twin with EoE, before the chain is made.
+ * @param names         of the twins; NULL: none
  * @param[out] message  on failure one line, EOE_MESSAGE bytes
  * @return whether it was done
  */
-bool eoe_args_join(eoe_args_t *args, ect_twin_config_t *twins, size_t count, char *message);
+bool eoe_args_join(eoe_args_t *args, const ect_names_t *names, ect_twin_config_t *twins, size_t count, char *message);
 
 /**
  * Opens the hosts that the options ask for, in the network of this moment.

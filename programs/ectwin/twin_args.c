@@ -931,7 +931,7 @@ int twin_args_power_on(twin_args_t *args, const char *who, uint64_t now_ns, ect_
     args->power_on_ns = now_ns;
     if (!open_files(args, who) || !open_memories(args, who) || !open_eeproms(args, who))
         return EXIT_OPEN;
-    if (!eoe_args_join(&args->eoe, args->twins, args->count, message)) {
+    if (!eoe_args_join(&args->eoe, args->names, args->twins, args->count, message)) {
         twin_args_report(args, who, "%s", message);
         return EXIT_USAGE;
     }
