@@ -95,7 +95,7 @@ class Twin:
     def signals(self, pattern: str = "*", slave: Slave = 1) -> List[Signal]:
         """The signals of a slave, with range and meaning."""
         lines = self._ask({"op": "list", "pattern": pattern, "slave": slave})
-        return [Signal(*(line.get(field) for field in Signal._fields)) for line in lines]
+        return [Signal(**{field: line[field] for field in Signal._fields if field in line}) for line in lines]
 
     def set(self, values: Settings, slave: Slave = 1) -> None:
         """Sets {name: value}: all of them or none. A value that is bytes is sent as hexadecimal digits."""
