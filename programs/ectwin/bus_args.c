@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "buses/bus_file.h"
-#include "commands.h"
 
 /* Words of the command line until the program ends: options point into them. */
 static struct {
@@ -122,4 +121,25 @@ void bus_args_expand(const struct argp *argp, int *argc, char ***argv)
         *word++ = i == operand ? given.file.devices : (*argv)[i];
     *argv = given.words;
     *argc += (int)given.file.count;
+}
+
+error_t bus_operand_parse(bus_operand_t *bus, int key, char *text, struct argp_state *state)
+{
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &bus->twins;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (bus->devices)
+            argp_error(state, "one bus at a time: a bus file, or devices with commas between them");
+        bus->devices = text;
+        return 0;
+    case ARGP_KEY_END:
+        if (!bus->devices)
+            argp_error(state, "no bus: name a bus file or devices");
+        twin_args_devices(&bus->twins, state, bus->devices);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
 }

@@ -9,6 +9,8 @@
 #include <argp.h>
 #include <stdbool.h>
 
+#include "commands.h"
+
 /**
  * Replaces a bus file, the first operand, by the devices and options that it describes. Options of the command line
  * come after those of the file, and therefore replace them.
@@ -20,5 +22,18 @@ void bus_args_expand(const struct argp *argp, int *argc, char ***argv);
 
 /** @return whether the argument of an option is a path, perhaps that of twin N: FILE, DIR, [N:]FILE[,loop] */
 bool bus_option_is_path(const struct argp_option *option);
+
+/** The bus that a command is about. */
+typedef struct bus_operand {
+    twin_args_t twins;
+    const char *devices; /**< as on the command line */
+} bus_operand_t;
+
+/**
+ * Parser of argp for a command about one bus, a bus file or devices: reads the operand and the options of twins, which
+ * are the command's first child.
+ * @return ARGP_ERR_UNKNOWN: neither the operand nor its end. A missing or second operand ends the program with one line
+ */
+error_t bus_operand_parse(bus_operand_t *bus, int key, char *text, struct argp_state *state);
 
 #endif

@@ -2,33 +2,10 @@
 #include <stdio.h>
 
 #include "bus_args.h"
-#include "commands.h"
-
-typedef struct check_args {
-    twin_args_t twins;
-    const char *devices;
-} check_args_t;
 
 static error_t parse(int key, char *text, struct argp_state *state)
 {
-    check_args_t *args = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &args->twins;
-        return 0;
-    case ARGP_KEY_ARG:
-        if (args->devices)
-            argp_error(state, "one bus at a time: a bus file, or devices with commas between them");
-        args->devices = text;
-        return 0;
-    case ARGP_KEY_END:
-        if (!args->devices)
-            argp_error(state, "no bus: name a bus file or devices");
-        twin_args_devices(&args->twins, state, args->devices);
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
+    return bus_operand_parse(state->input, key, text, state);
 }
 
 int command_check(int argc, char **argv)
@@ -38,11 +15,10 @@ int command_check(int argc, char **argv)
         .parser = parse,
         .args_doc = "BUS.yaml|eni:FILE.xml|DEVICE[,DEVICE...]",
         .doc = "Checks a bus file, or a chain of devices with its options, without running it: its devices exist, its "
-               "signals, "
-               "connections and faults fit. Opens neither an interface nor a store.",
+               "signals, connections and faults fit. Opens neither an interface nor a store.",
         .children = children,
     };
-    check_args_t args = {0};
+    bus_operand_t args = {0};
     ect_chain_t *chain;
     bus_args_expand(&argp, &argc, &argv);
     argp_parse(&argp, argc, argv, 0, NULL, &args);

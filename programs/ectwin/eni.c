@@ -9,8 +9,8 @@
 enum { KEY_CYCLE = 0x300, CYCLE_US = 1000, CYCLE_MOST_US = 1000000 };
 
 typedef struct eni_args {
-    twin_args_t twins;
-    const char *devices, *output;
+    bus_operand_t bus;
+    const char *output;
     uint32_t cycle_us;
 } eni_args_t;
 
@@ -24,27 +24,14 @@ static error_t parse(int key, char *text, struct argp_state *state)
 {
     eni_args_t *args = state->input;
     switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &args->twins;
-        return 0;
     case 'o':
         args->output = text;
         return 0;
     case KEY_CYCLE:
         args->cycle_us = (uint32_t)ect_argument_number(state, "--cycle", text, 1, CYCLE_MOST_US);
         return 0;
-    case ARGP_KEY_ARG:
-        if (args->devices)
-            argp_error(state, "one bus at a time: a bus file, or devices with commas between them");
-        args->devices = text;
-        return 0;
-    case ARGP_KEY_END:
-        if (!args->devices)
-            argp_error(state, "no bus: name a bus file or devices");
-        twin_args_devices(&args->twins, state, args->devices);
-        return 0;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return bus_operand_parse(&args->bus, key, text, state);
     }
 }
 
@@ -54,9 +41,9 @@ static int write_bus(const eni_args_t *args, const char *who)
     ect_arena_t arena = {0};
     size_t length = 0;
     int status = EXIT_RUN;
-    ect_eni_part_t *parts = calloc(args->twins.count, sizeof *parts);
-    for (size_t i = 0; parts && i < args->twins.count; i++) {
-        const ect_twin_config_t *twin = &args->twins.twins[i];
+    ect_eni_part_t *parts = calloc(args->bus.twins.count, sizeof *parts);
+    for (size_t i = 0; parts && i < args->bus.twins.count; i++) {
+        const ect_twin_config_t *twin = &args->bus.twins.twins[i];
         parts[i] = (ect_eni_part_t){.device = twin->device,
                                     .identity = twin->identity,
                                     .alias = twin->alias,
@@ -64,7 +51,7 @@ static int write_bus(const eni_args_t *args, const char *who)
                                     .up_port = twin->up_port};
     }
     const char *file =
-        parts ? ect_eni_write(&arena, parts, args->twins.count, args->cycle_us, &length, why, sizeof why) : NULL;
+        parts ? ect_eni_write(&arena, parts, args->bus.twins.count, args->cycle_us, &length, why, sizeof why) : NULL;
     if (file)
         status = output_save(who, args->output, file, length);
     else
@@ -89,6 +76,6 @@ int command_eni(int argc, char **argv)
     bus_args_expand(&argp, &argc, &argv);
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     int status = write_bus(&args, argv[0]);
-    twin_args_free(&args.twins);
+    twin_args_free(&args.bus.twins);
     return status;
 }
