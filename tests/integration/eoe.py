@@ -269,6 +269,9 @@ def refusals():
 if sys.argv[1] == "--inside":
     globals()["inside_" + sys.argv[2]](sys.argv[3], sys.argv[4], int(sys.argv[6]))
     sys.exit(failed)
+if not os.access("/dev/net/tun", os.R_OK | os.W_OK):
+    print("/dev/net/tun is missing or not open to this user: no TAP can be made")
+    sys.exit(77)
 ectwin, bridge_program, gateway = sys.argv[1:4]
 only = sys.argv[4] if len(sys.argv) > 4 else ""
 size = int(sys.argv[5]) if len(sys.argv) > 5 else 1000000

@@ -39,7 +39,10 @@ static void explain_tap(const char *name, char *message)
 {
     if (errno == ENOENT || errno == ENODEV)
         snprintf(message, ECT_PLACE_MESSAGE, "there is no /dev/net/tun: 'sudo modprobe tun' loads its driver");
-    else if (errno == EPERM || errno == EACCES)
+    else if (errno == EACCES)
+        snprintf(message, ECT_PLACE_MESSAGE,
+                 "/dev/net/tun is not open to this user: 'sudo chmod a+rw /dev/net/tun' opens it");
+    else if (errno == EPERM)
         snprintf(message, ECT_PLACE_MESSAGE,
                  "'%s' needs CAP_NET_ADMIN: 'sudo ip tuntap add dev %s mode tap user %u' makes it for you, or 'ectwin "
                  "with' in a network of its own",
