@@ -63,16 +63,9 @@ static uint16_t fetch(const ect_eoe_t *eoe, void *instance, uint8_t *frame, uint
 static const ect_device_t *netdev(void)
 {
     static const ect_eoe_t entry = {ECT_EOE_PROTOCOL, offsetof(netdev_t, eoe), .received = received, .fetch = fetch};
-    static const ect_protocol_t *protocols[8];
+    static const ect_protocol_t *protocols[TESTDEV_PROTOCOLS];
     static ect_device_t device;
-    size_t count = 0;
-    device = testdev;
-    for (; testdev.protocols[count]; count++)
-        protocols[count] = testdev.protocols[count];
-    protocols[count] = &entry.protocol;
-    device.protocols = protocols;
-    device.mailbox_protocols |= ECT_MAILBOX_EOE;
-    device.instance_size = sizeof(netdev_t);
+    device = testdev_with(&entry.protocol, protocols, ECT_MAILBOX_EOE, sizeof(netdev_t));
     device.sm[1].minimum = device.sm[1].maximum = 0;
     device.boot_out = device.boot_in = (ect_boot_mailbox_t){0};
     return &device;

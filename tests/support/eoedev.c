@@ -148,17 +148,10 @@ const ect_device_t *eoedev(bool careless)
                                                .request = careless_request,
                                                .next = next,
                                                .reset = reset}};
-    static const ect_protocol_t *protocols[2][8];
+    static const ect_protocol_t *protocols[2][TESTDEV_PROTOCOLS];
     static ect_device_t devices[2];
-    size_t count = 0;
     ect_device_t *device = &devices[careless];
-    *device = testdev;
-    for (; testdev.protocols[count]; count++)
-        protocols[careless][count] = testdev.protocols[count];
-    protocols[careless][count] = &entries[careless];
+    *device = testdev_with(&entries[careless], protocols[careless], ECT_MAILBOX_EOE, sizeof(eoedev_t));
     device->name = careless ? "careless" : "network";
-    device->protocols = protocols[careless];
-    device->mailbox_protocols |= ECT_MAILBOX_EOE;
-    device->instance_size = sizeof(eoedev_t);
     return device;
 }

@@ -107,8 +107,7 @@ ect_foe_t *filedev_entry(void)
 const ect_device_t *filedev_in(uint16_t read_states, uint16_t write_states, uint32_t busy_ms)
 {
     static ect_device_t device;
-    static const ect_protocol_t *protocols[8];
-    size_t count = 0;
+    static const ect_protocol_t *protocols[TESTDEV_PROTOCOLS];
     foe = (ect_foe_t){.protocol = ECT_FOE_PROTOCOL,
                       .offset = offsetof(filedev_t, transfer),
                       .read_states = read_states,
@@ -120,17 +119,8 @@ const ect_device_t *filedev_in(uint16_t read_states, uint16_t write_states, uint
                       .write = write_file,
                       .ready = ready,
                       .close = close_file};
-    device = testdev;
-    while (testdev.protocols[count]) {
-        protocols[count] = testdev.protocols[count];
-        count++;
-    }
-    protocols[count] = &foe.protocol;
-    protocols[count + 1] = NULL;
+    device = testdev_with(&foe.protocol, protocols, ECT_MAILBOX_FOE, sizeof(filedev_t));
     device.name = "filedev";
-    device.protocols = protocols;
-    device.mailbox_protocols |= ECT_MAILBOX_FOE;
-    device.instance_size = sizeof(filedev_t);
     device.boot_out = (ect_boot_mailbox_t){testdev.sm[0].start, testdev.sm[0].length};
     device.boot_in = (ect_boot_mailbox_t){testdev.sm[1].start, testdev.sm[1].length};
     return &device;

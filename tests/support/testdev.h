@@ -54,6 +54,13 @@ typedef struct testdev {
 
 extern const ect_device_t testdev;
 
+enum { TESTDEV_PROTOCOLS = 8 };
+
+/* The device with a protocol more. `list` gets its protocols and lives as long as the device; `mailbox` is an
+ * ECT_MAILBOX_... of the SII. */
+ect_device_t testdev_with(const ect_protocol_t *protocol, const ect_protocol_t *list[TESTDEV_PROTOCOLS],
+                          uint8_t mailbox, size_t instance_size);
+
 struct wire;
 /* The instance behind the twin at `position`. */
 testdev_t *testdev_of(struct wire *w, size_t position);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/testdev.h"
 
+#include <assert.h>
+
 #define AT(member) ECT_OFFSET(testdev_t, member)
 #define RW         ECT_ACCESS_RW
 
@@ -186,3 +188,19 @@ const ect_device_t testdev = {
     .sdo_write = sdo_write,
     .sdo_written = sdo_written,
 };
+
+ect_device_t testdev_with(const ect_protocol_t *protocol, const ect_protocol_t *list[TESTDEV_PROTOCOLS],
+                          uint8_t mailbox, size_t instance_size)
+{
+    ect_device_t device = testdev;
+    size_t count = 0;
+    for (; testdev.protocols[count]; count++)
+        list[count] = testdev.protocols[count];
+    assert(count + 1 < TESTDEV_PROTOCOLS);
+    list[count] = protocol;
+    list[count + 1] = NULL;
+    device.protocols = list;
+    device.mailbox_protocols |= mailbox;
+    device.instance_size = instance_size;
+    return device;
+}

@@ -81,16 +81,9 @@ static const ect_eoe_t entry = {
 
 static const ect_device_t *netdev(void)
 {
-    static const ect_protocol_t *protocols[8];
+    static const ect_protocol_t *protocols[TESTDEV_PROTOCOLS];
     static ect_device_t device;
-    size_t count = 0;
-    device = testdev;
-    for (; testdev.protocols[count]; count++)
-        protocols[count] = testdev.protocols[count];
-    protocols[count] = &entry.protocol;
-    device.protocols = protocols;
-    device.mailbox_protocols |= ECT_MAILBOX_EOE;
-    device.instance_size = sizeof(netdev_t);
+    device = testdev_with(&entry.protocol, protocols, ECT_MAILBOX_EOE, sizeof(netdev_t));
     device.sm[0].start = SM0;
     device.sm[1].start = SM1;
     for (unsigned int n = 0; n < 2; n++)
