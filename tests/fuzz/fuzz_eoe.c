@@ -7,15 +7,15 @@
 #include <assert.h>
 #include <string.h>
 
-#include "bus/chain/chain.h"
 #include "bus/eoe/network.h"
+#include "fuzz/datagram.h"
 #include "support/testdev.h"
 #include "wire/bytes.h"
 #include "wire/registers.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-enum { FPRD = 4, FPWR = 5, MAILBOX = 128, ETHERCAT_FRAME = 1600, MAIL_HEADER = 6, HEADER = 4, UNIT = 32 };
+enum { MAILBOX = 128, MAIL_HEADER = 6, HEADER = 4, UNIT = 32 };
 enum { LAST = 1, STAMPED = 2, SIX_BITS = 0x3F, LONGEST = 1514, TAGGED = 1518, SHORTEST = 14, STAMP = 4, ROOM = 2048 };
 enum { EOE = 2, FULL = 96, FIFO = 256, MOST_MAILS = 4096, MOST_STEPS = 400 };
 
@@ -82,24 +82,12 @@ static uint8_t next(session_t *s)
 static uint16_t next_length(session_t *s)
 {
     const uint16_t high = next(s);
-    return (uint16_t)((high << 8 | next(s)) % ETHERCAT_FRAME);
+    return (uint16_t)((high << 8 | next(s)) % FUZZ_FRAME);
 }
 
-/* One datagram to station address 0, that of an unconfigured slave. @return working counter */
 static unsigned int send(const session_t *s, uint8_t command, uint16_t address, uint8_t *data, uint16_t length)
 {
-    uint8_t frame[ETHERCAT_FRAME] = {0};
-    frame[12] = 0x88;
-    frame[13] = 0xA4;
-    ect_store_le16(frame + 14, (uint16_t)(0x1000 | (length + 12)));
-    frame[16] = command;
-    ect_store_le16(frame + 20, address);
-    ect_store_le16(frame + 22, length);
-    memcpy(frame + 26, data, length);
-    (void)ect_chain_process(s->chain, frame, 28u + length, 1);
-    (void)ect_chain_poll(s->chain, 1);
-    memcpy(data, frame + 26, length);
-    return frame[26 + length];
+    return fuzz_send(s->chain, 1, command, address, data, length);
 }
 
 static void request_state(const session_t *s, uint8_t request)

@@ -6,14 +6,14 @@
 #include <assert.h>
 #include <string.h>
 
-#include "bus/chain/chain.h"
+#include "fuzz/datagram.h"
 #include "support/filedev.h"
 #include "wire/bytes.h"
 #include "wire/registers.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-enum { FPRD = 4, FPWR = 5, MAILBOX = 128, FRAME = 1600 };
+enum { MAILBOX = 128 };
 
 typedef struct session {
     ect_chain_t *chain;
@@ -30,21 +30,9 @@ static uint8_t next(session_t *s)
     return *s->data++;
 }
 
-/* One datagram to station address 0, that of an unconfigured slave. */
 static unsigned int send(session_t *s, uint8_t command, uint16_t address, uint8_t *data, uint16_t length)
 {
-    uint8_t frame[FRAME] = {0};
-    frame[12] = 0x88;
-    frame[13] = 0xA4;
-    ect_store_le16(frame + 14, (uint16_t)(0x1000 | (length + 12)));
-    frame[16] = command;
-    ect_store_le16(frame + 20, address);
-    ect_store_le16(frame + 22, length);
-    memcpy(frame + 26, data, length);
-    (void)ect_chain_process(s->chain, frame, 28u + length, s->now_ns);
-    (void)ect_chain_poll(s->chain, s->now_ns);
-    memcpy(data, frame + 26, length);
-    return frame[26 + length];
+    return fuzz_send(s->chain, s->now_ns, command, address, data, length);
 }
 
 static void set_sms(session_t *s)
