@@ -656,6 +656,27 @@ static void refused_lines(void **state)
     assert_int_equal(r->s.step_count, 0);
 }
 
+enum { STEP_TEXT = 768 };
+
+/* The meaning of a step, each member of it. */
+static void describe(const ect_step_t *step, char *text)
+{
+    char fault[ECT_FAULT_TEXT] = "";
+    int used = snprintf(text, STEP_TEXT, "%u milestones%s%s, action %d of slave %u '%s'", step->when_count,
+                        step->repeats ? ", repeats" : "", step->holds ? ", holds" : "", (int)step->action, step->slave,
+                        step->text);
+    for (unsigned int i = 0; i <= ECT_STEP_MILESTONES; i++) {
+        const ect_milestone_t *m = i < ECT_STEP_MILESTONES ? &step->when[i] : &step->until;
+        used += snprintf(text + used, STEP_TEXT - (size_t)used, "; %s %d %llu slave %u, SDO %d %04x %d:%u %d",
+                         m == &step->until ? "until" : "when", (int)m->kind, (unsigned long long)m->value, m->slave,
+                         m->object.named, m->object.index, m->object.has_sub, m->object.sub, (int)m->object.transfer);
+    }
+    if (step->action == ECT_ACTION_FAULT)
+        ect_fault_print(&step->fault, fault);
+    used += snprintf(text + used, STEP_TEXT - (size_t)used, "; fault '%s'", fault);
+    assert_true(used < STEP_TEXT);
+}
+
 static void any_order(void **state)
 {
     static const char *const rows[][2] = {
@@ -675,13 +696,15 @@ static void any_order(void **state)
     ect_names_t *names = ect_names_new(2);
     assert_true(names && ect_names_add(names, 1, "arm"));
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        ect_step_t steps[2];
+        char meaning[2][STEP_TEXT];
         for (unsigned int n = 0; n < 2; n++) {
-            if (!ect_step_read(rows[i][n], names, &steps[n], r->message))
+            ect_step_t step;
+            if (!ect_step_read(rows[i][n], names, &step, r->message))
                 fail_msg("'%s': %s", rows[i][n], r->message);
+            describe(&step, meaning[n]);
         }
-        if (memcmp(&steps[0], &steps[1], sizeof steps[0]) != 0)
-            fail_msg("'%s' and '%s' differ", rows[i][0], rows[i][1]);
+        if (strcmp(meaning[0], meaning[1]) != 0)
+            fail_msg("'%s' and '%s' differ:\n%s\n%s", rows[i][0], rows[i][1], meaning[0], meaning[1]);
     }
     ect_names_free(names);
 }

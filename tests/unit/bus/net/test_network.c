@@ -501,6 +501,19 @@ static bool is_readable(int fd)
     return poll(&one, 1, 0) == 1;
 }
 
+/* Whether the messages come to an end. The kernel sends one of the link's operational state up to a second late. */
+static bool ends(int fd)
+{
+    const struct timespec late = {.tv_nsec = 200000000};
+    for (unsigned int n = 0; n < 10; n++) {
+        ect_packet_links_seen(fd);
+        if (!is_readable(fd))
+            return true;
+        nanosleep(&late, NULL);
+    }
+    return false;
+}
+
 static void watched_links(void **state)
 {
     (void)state;
@@ -508,16 +521,14 @@ static void watched_links(void **state)
         skip();
     int fd = ect_packet_watch_links();
     assert_true(fd >= 0);
-    assert_false(is_readable(fd));
+    assert_true(ends(fd));
     set_up("ecat1", false);
     assert_true(is_readable(fd));
-    ect_packet_links_seen(fd);
-    assert_false(is_readable(fd));
+    assert_true(ends(fd));
     for (unsigned int n = 0; n < 2000; n++) /* more messages than there is room for */
         set_up("ecat1", n % 2 == 0);
     assert_true(is_readable(fd));
-    ect_packet_links_seen(fd);
-    assert_false(is_readable(fd));
+    assert_true(ends(fd));
     set_up("ecat1", true);
     close(fd);
 }
