@@ -24,8 +24,7 @@ static struct kernel {
 
 /* --- calls -------------------------------------------------------------------------------------------------------- */
 
-/* A sanitizer in the program calls some of them too, before the tests begin: the kernel answers what is not a twin's.
- */
+/* A sanitizer in the program calls some of them too, before the tests begin: other limits are the kernel's. */
 int __wrap_prctl(int option, ...);
 long __wrap_syscall(long number, ...);
 int __wrap_ect_sandbox_enter(bool children, bool files);
