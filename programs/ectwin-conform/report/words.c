@@ -2,6 +2,8 @@
 /* Shared by all reports: counts, names of verdicts, escaped text. */
 #include "report/report.h"
 
+#include "text/utf8.h"
+
 cf_counts_t cf_count(const cf_run_t *run, const cf_section_t *section)
 {
     cf_counts_t counts = {{0}};
@@ -29,37 +31,14 @@ void cf_frames_text(const cf_result_t *result, char *text, size_t room)
         snprintf(text + used, room - (size_t)used, ", seen in %u", result->frame);
 }
 
-/* Bytes of the well-formed UTF-8 sequence of two bytes or more (Unicode, table 3-7); 0: none, a slave may send
- * anything. */
-static size_t utf8(const unsigned char *at)
-{
-    static const struct {
-        unsigned char first, last, second_least, second_most, length;
-    } forms[] = {{0xC2, 0xDF, 0x80, 0xBF, 2}, {0xE0, 0xE0, 0xA0, 0xBF, 3}, {0xE1, 0xEC, 0x80, 0xBF, 3},
-                 {0xED, 0xED, 0x80, 0x9F, 3}, {0xEE, 0xEF, 0x80, 0xBF, 3}, {0xF0, 0xF0, 0x90, 0xBF, 4},
-                 {0xF1, 0xF3, 0x80, 0xBF, 4}, {0xF4, 0xF4, 0x80, 0x8F, 4}};
-    for (size_t i = 0; i < sizeof forms / sizeof forms[0]; i++) {
-        if (at[0] < forms[i].first || at[0] > forms[i].last)
-            continue;
-        if (at[1] < forms[i].second_least || at[1] > forms[i].second_most)
-            return 0;
-        for (size_t n = 2; n < forms[i].length; n++) {
-            if ((at[n] & 0xC0) != 0x80)
-                return 0;
-        }
-        return forms[i].length;
-    }
-    return 0;
-}
-
 void cf_clean(char *text)
 {
-    unsigned char *at = (unsigned char *)text;
-    while (*at != 0) {
-        size_t length = *at >= 0x80 ? utf8(at) : 1;
-        if (length == 0 || *at == 0x7F || (*at < 0x20 && *at != '\n'))
-            *at = '?';
-        at += length > 0 ? length : 1;
+    while (*text != 0) {
+        const unsigned char byte = (unsigned char)*text;
+        size_t length = byte >= 0x80 ? ect_utf8_begins(text) : 1;
+        if (length == 0 || byte == 0x7F || (byte < 0x20 && byte != '\n'))
+            *text = '?';
+        text += length > 0 ? length : 1;
     }
 }
 
@@ -81,16 +60,16 @@ static const char *entity(unsigned char byte)
 
 void cf_put_escaped(FILE *to, const char *text)
 {
-    const unsigned char *at = (const unsigned char *)text;
-    while (*at != 0) {
-        const char *escaped = entity(*at);
-        size_t length = *at >= 0x80 ? utf8(at) : 0;
+    while (*text != 0) {
+        const unsigned char byte = (unsigned char)*text;
+        const char *escaped = entity(byte);
+        size_t length = ect_utf8_begins(text);
         if (length > 0)
-            (void)fwrite(at, length, 1, to);
+            (void)fwrite(text, length, 1, to);
         else if (escaped)
             fputs(escaped, to);
         else
-            fputc((*at < 0x20 && *at != '\n') || *at >= 0x7F ? '?' : *at, to);
-        at += length > 0 ? length : 1;
+            fputc((byte < 0x20 && byte != '\n') || byte >= 0x7F ? '?' : byte, to);
+        text += length > 0 ? length : 1;
     }
 }

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "bus/control/line.h"
+#include "text/utf8.h"
 #include "wire/assert.h"
 
 #include <inttypes.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -18,18 +20,31 @@ static void put(ect_line_t *line, const char *text, size_t length)
     line->length += length;
 }
 
-static void put_character(ect_line_t *line, char c)
+/* U+0080 to U+009F control a terminal as the characters below the space do. */
+static bool controls(const char *sequence)
+{
+    return (unsigned char)sequence[0] == 0xC2 && (unsigned char)sequence[1] < 0xA0;
+}
+
+/* Puts the first character of a text. @return its bytes */
+static size_t put_character(ect_line_t *line, const char *text)
 {
     char escape[ESCAPE_ROOM + 1];
-    unsigned char byte = (unsigned char)c;
+    unsigned char byte = (unsigned char)*text;
+    size_t length = ect_utf8_begins(text);
+    if (length > 0) {
+        put(line, controls(text) ? "?" : text, controls(text) ? 1 : length);
+        return length;
+    }
     if (byte < ' ') {
         snprintf(escape, sizeof escape, "\\u%04x", byte);
         put(line, escape, ESCAPE_ROOM);
-        return;
+        return 1;
     }
-    if (c == '"' || c == '\\')
+    if (byte == '"' || byte == '\\')
         line->text[line->length++] = '\\';
-    line->text[line->length++] = byte < 0x7F ? c : '?';
+    line->text[line->length++] = byte < 0x7F ? *text : '?';
+    return 1;
 }
 
 /* @return whether there is room for a member with `length` bytes of value; if not, it is left out */
@@ -58,7 +73,7 @@ void ect_line_string(ect_line_t *line, const char *key, const char *value)
         return;
     line->text[line->length++] = '"';
     while (*value != 0 && line->length + ESCAPE_ROOM + 1 + END_ROOM <= ECT_LINE_ROOM)
-        put_character(line, *value++);
+        value += put_character(line, value);
     line->text[line->length++] = '"';
 }
 

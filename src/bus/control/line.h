@@ -3,8 +3,9 @@
  * @file
  * One line of JSON, written member by member into a buffer of fixed size, without allocation.
  *
- * A line is always complete and valid: a text that does not fit is cut, a member that does not fit is left out, and a
- * character that is not visible ASCII is written as an escape (control characters) or as '?' (all others).
+ * A line is always complete and valid: a text that does not fit is cut between two characters, a member that does not
+ * fit is left out, and a text is UTF-8. A control character of ASCII is written as an escape; '?' stands for a byte
+ * that is no UTF-8, for U+007F and for the control characters from U+0080 to U+009F.
  */
 #ifndef ECT_BUS_CONTROL_LINE_H
 #define ECT_BUS_CONTROL_LINE_H

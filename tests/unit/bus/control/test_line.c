@@ -62,6 +62,52 @@ static void full_lines(void **state)
     }
 }
 
+/* Texts of users are UTF-8; any other byte becomes '?', as does a control character that is no ASCII. */
+static void characters(void **state)
+{
+    static const struct {
+        const char *value, *want;
+    } rows[] = {
+        {"at 0s hang slave 1 \xE2\x82\xAC", "{\"a\":\"at 0s hang slave 1 \xE2\x82\xAC\"}\n"},
+        {"M\xC3\xBCller", "{\"a\":\"M\xC3\xBCller\"}\n"},
+        {"\xF0\x9F\x99\x82.", "{\"a\":\"\xF0\x9F\x99\x82.\"}\n"},
+        {"\xC2\xA0", "{\"a\":\"\xC2\xA0\"}\n"},
+        {"\xC2\x80\xC2\x9Fx\x7F", "{\"a\":\"??x?\"}\n"},
+        {"\xFCx", "{\"a\":\"?x\"}\n"},
+        {"\xE2\x82", "{\"a\":\"??\"}\n"},
+    };
+    ect_line_t line;
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_line_begin(&line);
+        ect_line_string(&line, "a", rows[i].value);
+        ect_line_end(&line);
+        assert_text(&line, rows[i].want);
+    }
+}
+
+/* A long text of characters of two, three and four bytes is cut between two of them. */
+static void whole_characters(void **state)
+{
+    static const char *const fillers[] = {"\xC3\xBC", "\xE2\x82\xAC", "\xF0\x9F\x99\x82"};
+    enum { HEAD = sizeof "{\"t\":\"" - 1, TAIL = sizeof "\"}\n" - 1, ONE = 4 };
+    char text[ECT_LINE_ROOM + ONE];
+    ect_line_t line;
+    (void)state;
+    for (size_t c = 0; c < sizeof fillers / sizeof fillers[0]; c++) {
+        const size_t size = strlen(fillers[c]);
+        for (size_t at = 0; at < ECT_LINE_ROOM; at += size)
+            memcpy(text + at, fillers[c], size + 1);
+        ect_line_begin(&line);
+        ect_line_string(&line, "t", text);
+        ect_line_end(&line);
+        const size_t length = line.length - HEAD - TAIL;
+        assert_int_equal(length % size, 0);
+        assert_in_range(length, ECT_LINE_ROOM - 32, ECT_LINE_ROOM);
+        assert_memory_equal(line.text + HEAD, text, length);
+    }
+}
+
 /* The longest value that has room, and the next longer one; a space is no control character. */
 static void exact_room(void **state)
 {
@@ -88,6 +134,8 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"members of every kind, with escapes", members, NULL, NULL, NULL},
         {"a text that does not fit is cut, and the line is complete", full_lines, NULL, NULL, NULL},
+        {"a text of UTF-8 is written as it is, any other byte as '?'", characters, NULL, NULL, NULL},
+        {"a text is cut between two characters of UTF-8", whole_characters, NULL, NULL, NULL},
         {"the longest member that has room is written, a longer one is left out", exact_room, NULL, NULL, NULL},
     };
     if (argc > 1)
