@@ -233,11 +233,7 @@ class Twin:
 
     def messages(self) -> str:
         """Standard error of twins that were started here in a private network."""
-        if self._log is None:
-            return ""
-        self._log.seek(0)
-        lines = self._log.read().decode(errors="replace").splitlines(True)
-        return "".join(line for line in lines if not line.startswith('{"event":"ready"'))
+        return _messages(self._log) if self._log else ""
 
     def close(self) -> None:
         """Closes the connection; twins that were started here end, with all programs that run beside them."""
@@ -402,12 +398,18 @@ def _first_lines(process: "subprocess.Popen[Any]", count: int) -> List[str]:
     return received.decode().split("\n")[: received.count(b"\n")]
 
 
+def _messages(log: IO[bytes]) -> str:
+    """Standard error, but for the line that says that the twin is ready."""
+    log.seek(0)
+    lines = log.read().decode(errors="replace").splitlines(True)
+    return "".join(line for line in lines if not line.startswith('{"event":"ready"'))
+
+
 def _failed(process: "subprocess.Popen[Any]", log: Optional[IO[bytes]]) -> Error:
     status = process.wait()
     if log is None:
         return Error(f"ectwin has ended with status {status}; what it says is on standard error")
-    log.seek(0)
-    return Error(f"ectwin has ended with status {status}: {log.read().decode(errors='replace').strip()}")
+    return Error(f"ectwin has ended with status {status}: {_messages(log).strip()}")
 
 
 def _start_on(interface: str, words: List[str], program: str) -> Twin:
@@ -441,6 +443,8 @@ def _start_private(words: List[str], program: str) -> Twin:
         lines = _first_lines(process, 5)
         if len(lines) < 5:
             raise _failed(process, log)
+        if not lines[0]:
+            raise Error(f"the twin has no control socket: {_messages(log).strip()}")
         twin = Twin(lines[0], process)
     except BaseException:
         process.terminate()

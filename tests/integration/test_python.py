@@ -8,7 +8,9 @@ test_python.py --start ECTWIN IFACE     starts twins itself on an interface
 
 import os
 import sys
+import tempfile
 import unittest
+import unittest.mock
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python"))
 import ectwin  # noqa: E402
@@ -147,6 +149,13 @@ class Start(unittest.TestCase):
             ectwin.start("fzm1", "nosuch0", program=self.program)
         with self.assertRaisesRegex(ectwin.Error, "ended with status 1"):
             ectwin.start("nosuch", self.interface, program=self.program)
+
+    def test_no_control_socket(self):
+        with tempfile.TemporaryDirectory() as folder, unittest.mock.patch.dict(os.environ, XDG_RUNTIME_DIR=folder):
+            with open(os.path.join(folder, "ectwin"), "wb"):
+                pass
+            with self.assertRaisesRegex(ectwin.Error, f"no control socket in '{folder}/ectwin': it is not a folder"):
+                ectwin.start("fzm1", program=self.program)
 
     def test_periodic_data(self):
         with ectwin.start("vr-bu-ect-map7", self.interface, program=self.program) as twin:
