@@ -399,7 +399,7 @@ def _first_lines(process: "subprocess.Popen[Any]", count: int) -> List[str]:
 
 
 def _messages(log: IO[bytes]) -> str:
-    """Standard error, but for the line that says that the twin is ready."""
+    """Standard error without the ready line."""
     log.seek(0)
     lines = log.read().decode(errors="replace").splitlines(True)
     return "".join(line for line in lines if not line.startswith('{"event":"ready"'))
