@@ -20,6 +20,7 @@
 #include <sys/auxv.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/random.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -66,6 +67,24 @@ static void results_are_those_of_the_kernel(void **state)
     assert_true(page > 0);
     *(volatile char *)page = 1;
     assert_int_equal(raw_call(SYS_munmap, page, 4096, 0, 0, 0, 0), 0);
+    assert_dispatched();
+}
+
+static void a_path_at_a_bad_address_is_refused(void **state)
+{
+    static const struct {
+        long number, a[4];
+    } calls[] = {{SYS_open, {1, O_RDONLY}},
+                 {SYS_openat, {AT_FDCWD, 1, O_RDONLY}},
+                 {SYS_newfstatat, {AT_FDCWD, 1}},
+                 {SYS_readlinkat, {AT_FDCWD, 1}}};
+    char room[256];
+    (void)state;
+    for (size_t i = 0; i < sizeof calls / sizeof *calls; i++) {
+        const long *a = calls[i].a;
+        bool reads = i < 2;
+        assert_int_equal(raw_call(calls[i].number, a[0], a[1], reads ? a[2] : (long)room, sizeof room, 0, 0), -EFAULT);
+    }
     assert_dispatched();
 }
 
@@ -231,6 +250,31 @@ static void threads_are_dispatched(void **state)
     assert_ptr_equal(result, &mark);
 }
 
+/* The code of the vDSO passes a flag that it does not know on to the kernel, by a call outside the C library. */
+static void *fill_at_random(void *arg)
+{
+    enum { NOT_KNOWN = 0x100 };
+    char bytes[16];
+    assert_int_equal(getrandom(bytes, sizeof bytes, 0), sizeof bytes);
+    errno = 0;
+    assert_int_equal(getrandom(bytes, sizeof bytes, NOT_KNOWN), -1);
+    assert_int_equal(errno, EINVAL);
+    assert_int_equal(raw_call(SYS_getpid, 0, 0, 0, 0, 0, 0), getpid());
+    return arg;
+}
+
+static void threads_read_random_bytes(void **state)
+{
+    enum { THREADS = 4 };
+    pthread_t threads[THREADS];
+    (void)state;
+    for (size_t i = 0; i < THREADS; i++)
+        assert_int_equal(pthread_create(&threads[i], NULL, fill_at_random, NULL), 0);
+    for (size_t i = 0; i < THREADS; i++)
+        assert_int_equal(pthread_join(threads[i], NULL), 0);
+    (void)fill_at_random(NULL);
+}
+
 static void children_are_dispatched(void **state)
 {
     static const struct {
@@ -313,6 +357,8 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"Results and errors are those of the kernel; errno stays", results_are_those_of_the_kernel, NULL, NULL, NULL},
+        {"A path at a bad address is refused, and ends no program", a_path_at_a_bad_address_is_refused, NULL, NULL,
+         NULL},
         {"Floating point registers survive calls", floating_point_survives, NULL, NULL, NULL},
         {"The program's own action of SIGSYS stays", own_action_of_sigsys_stays, NULL, NULL, NULL},
         {"SIGSYS ends a program without an action", sigsys_ends_a_program_without_an_action, NULL, NULL, NULL},
@@ -322,6 +368,8 @@ int main(int argc, char **argv)
          NULL},
         {"A signal stack that a call sets stays", a_signal_stack_stays, NULL, NULL, NULL},
         {"Threads are dispatched", threads_are_dispatched, NULL, NULL, NULL},
+        {"Threads read random bytes, which the vDSO may leave to the kernel", threads_read_random_bytes, NULL, NULL,
+         NULL},
         {"Children of fork, vfork and clone are dispatched", children_are_dispatched, NULL, NULL, NULL},
         {"The vDSO is hidden on the virtual clock, and there alone", the_vdso_is_hidden_on_the_virtual_clock, NULL,
          NULL, NULL},

@@ -45,11 +45,20 @@ static void a_handler_runs_after_the_search(void **state)
     assert_int_equal(handled_in_search, 0);
 }
 
+static void a_search_within_ends_no_other(void **state)
+{
+    (void)state;
+    assert_true(next_searches > 0); /* of the first test */
+    assert_int_equal(next_clocks, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         {"A handler that calls waitpid() runs after the search for it, and a call of the program's own works within",
          a_handler_runs_after_the_search, NULL, NULL, NULL},
+        {"A search in a call that comes within a search leaves that one as it is", a_search_within_ends_no_other, NULL,
+         NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -7,9 +7,11 @@
 
 #include <signal.h>
 
-/** The dynamic linker searches now: a SIGCHLD has been sent, and a system call without the C library been made. */
+/** The dynamic linker searches now: a SIGCHLD has been sent, and system calls without the C library been made. */
 extern volatile sig_atomic_t next_is_searched;
 /** Number of searches. */
 extern volatile sig_atomic_t next_searches;
+/** Searches in which a system call has changed the clock that is read. */
+extern volatile sig_atomic_t next_clocks;
 
 #endif

@@ -45,10 +45,11 @@ __thread bool ect_in_dlsym __attribute__((tls_model("initial-exec")));
 
 static void *find(const char *name)
 {
+    bool nested = ect_in_dlsym; /* a call of a function that dlsym() runs to choose another */
     ect_inside++;
     ect_in_dlsym = true;
     void *found = dlsym(RTLD_NEXT, name);
-    ect_in_dlsym = false;
+    ect_in_dlsym = nested;
     ect_inside--;
     return found;
 }
