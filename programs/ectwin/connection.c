@@ -20,6 +20,7 @@
 #include "bus/control/endpoint.h"
 #include "commands.h"
 #include "text/number.h"
+#include "text/utf8.h"
 
 enum { LINE_ROOM = 2048 };
 
@@ -30,20 +31,33 @@ struct connection {
     char received[LINE_ROOM]; /* the beginning of the next line */
 };
 
+/* Bytes of the visible character that a text begins with; 0: it is none. */
+static size_t visible(const char *text)
+{
+    if (*text >= ' ' && *text <= '~')
+        return 1;
+    return ect_utf8_controls(text) ? 0 : ect_utf8_begins(text);
+}
+
 void print_text(FILE *stream, const char *text)
 {
-    for (; *text != 0; text++) {
-        if (*text >= ' ' && *text <= '~')
-            fputc(*text, stream);
+    while (*text != 0) {
+        size_t length = visible(text);
+        if (length > 0)
+            (void)fwrite(text, length, 1, stream);
         else
             fprintf(stream, "\\x%02x", (unsigned char)*text);
+        text += length > 0 ? length : 1;
     }
 }
 
 void print_json(const char *text)
 {
-    for (; *text != 0; text++)
-        putchar(*text >= ' ' && *text <= '~' ? *text : '?');
+    while (*text != 0) {
+        size_t length = visible(text);
+        (void)fwrite(length > 0 ? text : "?", length > 0 ? length : 1, 1, stdout);
+        text += length > 0 ? length : 1;
+    }
     putchar('\n');
     fflush(stdout);
 }

@@ -8,6 +8,7 @@
 #ifndef ECT_TEXT_UTF8_H
 #define ECT_TEXT_UTF8_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "wire/linkage.h"
@@ -39,6 +40,13 @@ static inline size_t ect_utf8_begins(const char *text)
         return forms[i].length;
     }
     return 0;
+}
+
+/** Whether a well-formed sequence is U+0080 to U+009F, which control a terminal as the characters below the space do.
+ */
+static inline bool ect_utf8_controls(const char *sequence)
+{
+    return (unsigned char)sequence[0] == 0xC2 && (unsigned char)sequence[1] < 0xA0;
 }
 
 ECT_C_END

@@ -20,12 +20,6 @@ static void put(ect_line_t *line, const char *text, size_t length)
     line->length += length;
 }
 
-/* U+0080 to U+009F control a terminal as the characters below the space do. */
-static bool controls(const char *sequence)
-{
-    return (unsigned char)sequence[0] == 0xC2 && (unsigned char)sequence[1] < 0xA0;
-}
-
 /* Puts the first character of a text. @return its bytes */
 static size_t put_character(ect_line_t *line, const char *text)
 {
@@ -33,7 +27,7 @@ static size_t put_character(ect_line_t *line, const char *text)
     unsigned char byte = (unsigned char)*text;
     size_t length = ect_utf8_begins(text);
     if (length > 0) {
-        put(line, controls(text) ? "?" : text, controls(text) ? 1 : length);
+        put(line, ect_utf8_controls(text) ? "?" : text, ect_utf8_controls(text) ? 1 : length);
         return length;
     }
     if (byte < ' ') {

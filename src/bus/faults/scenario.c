@@ -384,21 +384,32 @@ static void judge(ect_scenario_t *s, ect_scenario_step_t *step, bool met, const 
 }
 
 /* Sets signals; with an end the value of the one before is noted first. */
-static void set_signals(const ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step, const char *text,
-                        uint64_t now_ns)
+static void set_signals(const ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step, uint64_t now_ns)
 {
     enum { MOST = ECT_STEP_ACTION / 4 };
-    char rooms[MOST][ECT_STEP_ACTION], message[ECT_SIGNAL_MESSAGE], value[ECT_SIGNAL_TEXT_ROOM];
+    char rooms[MOST][ECT_STEP_ACTION], message[ECT_SIGNAL_MESSAGE];
     ect_setting_t settings[MOST];
     ect_signal_ref_t ref;
+    const char *text = step->plan.text;
     size_t count = 0, position = step->plan.slave - 1u;
     while (count < MOST && next_setting(&text, rooms[count], &settings[count]))
         count++;
-    if (step->plan.until.kind != ECT_MILESTONE_NONE && ect_chain_signal(chain, position, settings[0].name, &ref)) {
-        ect_signal_read(&ref, value);
-        snprintf(step->before, sizeof step->before, "%.60s=%.60s", settings[0].name, value);
-    }
+    if (step->plan.until.kind != ECT_MILESTONE_NONE && ect_chain_signal(chain, position, settings[0].name, &ref))
+        ect_signal_read(&ref, step->before);
     if (!ect_settings_apply(chain, position, settings, count, now_ns, message))
+        refuse(s, step, message);
+}
+
+/* The end of SET: a step with an end has one signal. */
+static void set_again(const ect_scenario_t *s, ect_chain_t *chain, const ect_scenario_step_t *step, uint64_t now_ns)
+{
+    char room[ECT_STEP_ACTION], message[ECT_SIGNAL_MESSAGE];
+    const char *text = step->plan.text;
+    ect_setting_t setting;
+    bool named = next_setting(&text, room, &setting);
+    ECT_ASSERT(named && *text == 0);
+    setting.value = step->before;
+    if (named && !ect_settings_apply(chain, step->plan.slave - 1u, &setting, 1, now_ns, message))
         refuse(s, step, message);
 }
 
@@ -409,7 +420,7 @@ static void act(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step
     show_progress(s, step);
     if (step->plan.action == ECT_ACTION_SET) {
         note(s, step->text);
-        set_signals(s, chain, step, step->plan.text, now_ns);
+        set_signals(s, chain, step, now_ns);
     } else if (step->plan.action == ECT_ACTION_FAULT) {
         ect_fault_t fault = step->plan.fault;
         fault.tag = tag_of(s, step, false);
@@ -432,7 +443,7 @@ static void undo(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *ste
     if (step->plan.action == ECT_ACTION_FAULT)
         end_fault(s, chain, &fault, now_ns);
     else
-        set_signals(s, chain, step, step->before, now_ns);
+        set_again(s, chain, step, now_ns);
 }
 
 /* Whether the condition of an expectation is fulfilled now; if not, `why` is a line. */

@@ -36,12 +36,12 @@ typedef struct ect_scenario_step {
     char text[ECT_STEP_LINE]; /* as it was written, without comment */
     unsigned int line;        /* in its file, from 1; 0: none */
     enum { ECT_STEP_WAITS, ECT_STEP_ACTS, ECT_STEP_OVER } progress;
-    uint8_t reached;              /* milestones */
-    bool current;                 /* the present milestone, or the end, has been prepared */
-    bool left;                    /* of AGAIN: the slave has left the state */
-    uint64_t base_ns;             /* time of the milestone before ... */
-    uint64_t base_cycles;         /* ... and frames with process data by then */
-    char before[ECT_STEP_ACTION]; /* "NAME=VALUE" that the end of SET sets again */
+    uint8_t reached;                   /* milestones */
+    bool current;                      /* the present milestone, or the end, has been prepared */
+    bool left;                         /* of AGAIN: the slave has left the state */
+    uint64_t base_ns;                  /* time of the milestone before ... */
+    uint64_t base_cycles;              /* ... and frames with process data by then */
+    char before[ECT_SIGNAL_TEXT_ROOM]; /* value that the end of SET sets again */
     bool met;
     char why[ECT_STEP_MESSAGE]; /* of an expectation that has failed */
 } ect_scenario_step_t;

@@ -56,13 +56,12 @@ static void note_refused(void *ctx, const char *fault, const char *why)
     snprintf(r->refused, sizeof r->refused, "%s: %s", fault, why);
 }
 
-static int setup(void **state)
+static void open_rig(void **state, const ect_device_t *device, const ect_plant_t *plant)
 {
     rig_t *r = calloc(1, sizeof *r);
-    const ect_product_t *product = ect_catalogue_find("fzm1");
     ect_twin_config_t twins[TWINS];
     for (unsigned int i = 0; i < TWINS; i++)
-        twins[i] = ect_twin_default(product->device, product->plant);
+        twins[i] = ect_twin_default(device, plant);
     wire_open_twins(&r->w, twins, TWINS);
     for (unsigned int i = 0; i < TWINS; i++)
         wire_configure_mailbox(&r->w, i);
@@ -70,6 +69,12 @@ static int setup(void **state)
     r->x = (ect_exchange_t){.chain = r->w.chain, .scenario = &r->s, .send = send, .clock = read_clock, .ctx = r};
     r->w.poll = run;
     *state = r;
+}
+
+static int setup(void **state)
+{
+    const ect_product_t *product = ect_catalogue_find("fzm1");
+    open_rig(state, product->device, product->plant);
     return 0;
 }
 
@@ -286,6 +291,38 @@ static void sets(void **state)
     expect_signal(r, 1, "ecat.latch1", "1");
     expect_signal(r, 0, "ecat.latch0", "0");
     assert_string_equal(r->refused, "");
+}
+
+/* A device with a text behind its instance, which is longer than the words of a script. */
+static void sets_a_text_again(void **state)
+{
+    static const char *const before[] = {"", "width of the part", "!\"=,;\\ until 5s",
+                                         ("a text of 100 characters with spaces, longer than sixty, is set again as it "
+                                          "was, up to its last ...#")};
+    static ect_device_t device;
+    static ect_signal_t signal;
+    static ect_signal_group_t group;
+    static ect_plant_t plant;
+    rig_t *r;
+    device = *ect_catalogue_find("fzm1")->device;
+    signal = (ect_signal_t){
+        .name = "text", .meaning = "a text", .type = ECT_SIGNAL_TEXT, .access = ECT_SIGNAL_WRITE, .maximum = 100};
+    group = (ect_signal_group_t){.offset = (unsigned int)device.instance_size, .signal_count = 1, .signals = &signal};
+    plant = (ect_plant_t){.signal_groups = &group, .signal_group_count = 1};
+    device.instance_size += 101;
+    for (size_t i = 0; i < sizeof before / sizeof before[0]; i++) {
+        const ect_setting_t setting = {"text", before[i]};
+        teardown(state);
+        open_rig(state, &device, &plant);
+        r = *state;
+        assert_true(ect_settings_apply(r->w.chain, 1, &setting, 1, r->w.now_ns, r->message));
+        START(r, "at 10ms set 2:text=x until 20ms");
+        advance(r, 19 * MS);
+        expect_signal(r, 1, "text", "x");
+        advance(r, MS);
+        expect_signal(r, 1, "text", before[i]);
+        assert_string_equal(r->refused, "");
+    }
 }
 
 /* The devices run at the time of a step, and before the next frame. */
@@ -723,6 +760,7 @@ int main(int argc, char **argv)
         TEST("a line of 255 characters is left whole", the_longest_line_is_left),
         TEST("a slave hangs for a time", hangs_for_a_time),
         TEST("a step sets signals; their end sets the value from before", sets),
+        TEST("the end of a step sets a text with spaces, of any length, again", sets_a_text_again),
         TEST("a signal that is set takes effect for the first frame from its time on", in_its_cycle),
         TEST("a row of a table takes effect for the first frame from its time on", table_in_its_cycle),
         TEST("rows of a table that are late are played one time after the other", late_table),
