@@ -90,7 +90,7 @@ static void expect_end(const char *what, double want_ms, double off_ms)
 {
     while (ect_402_task_active(&axis) && steps < 20000 * STEPS_A_MS)
         step();
-    double ms = (double)steps / STEPS_A_MS;
+    double ms = (double)steps / (double)STEPS_A_MS;
     if (fabs(ms - want_ms) > off_ms)
         fail_msg("%s: expected its end after %.0f ms, got %.2f", what, want_ms, ms);
 }
