@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Refuses an #include that the table "Who may include whom" of docs/DESIGN.md does not allow.  usage: layers.py ROOT
+"""Refuses an #include that the table "Permitted includes" of docs/DESIGN.md does not allow.  usage: layers.py ROOT
 
 A row of the table names rooms and the rooms whose headers each may include beside its own. `X` in a row stands for any one
 folder: a file of devices/fzm1 falls under devices/X and may not include devices/eclink. A room covers the folders below it
@@ -16,7 +16,7 @@ FOREIGN = {"ethercat.h"}  # SOEM's, by its own convention in quotes
 
 def read_table(page):
     """Room -> the rooms it may include."""
-    section = page.read_text().split("Who may include whom", 1)[1]
+    section = page.read_text().split("## Permitted includes", 1)[1]
     table = {}
     for left, right in re.findall(r"^\| ([^|]+?) \| ([^|]+?) \|$", section, re.M):
         if left == "room" or set(left) <= set("-"):
