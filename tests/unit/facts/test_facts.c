@@ -394,6 +394,31 @@ static void each_assignment_names_its_sync_manager(void **state)
     }
 }
 
+/* A slave without assignments fixes the SyncManagers of its PDOs: they are unknown, not none. */
+static void without_an_assignment_the_sync_managers_of_pdos_are_unknown(void **state)
+{
+    static const struct {
+        unsigned int index;
+        bool assigned;
+    } rows[] = {{0x1601, false}, {0x1C11, false}, {0x1C12, true}, {0x1C13, true}, {0x1C14, false}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char json[300];
+        ect_facts_t f = {.source = "slave"};
+        (void)snprintf(json, sizeof json,
+                       "{\"objects\": [{\"index\": 5632, \"entries\": [{\"subindex\": 0, \"value\": \"00\"}]},"
+                       "{\"index\": %u, \"entries\": [{\"subindex\": 0, \"value\": \"00\"}]}]}",
+                       rows[i].index);
+        assert_true(ect_facts_of_dictionary(&f, json));
+        size_t known = 0;
+        for (size_t n = 0; n < f.count; n++)
+            known += f.list[n].kind == ECT_FACT_PDO_SM;
+        if (known != rows[i].assigned)
+            fail_msg("%04X: expected %d, got %zu", rows[i].index, rows[i].assigned, known);
+        ect_facts_free(&f);
+    }
+}
+
 /* Texts that users and slaves may have written. */
 static void any_dictionary_is_read_or_refused(void **state)
 {
@@ -494,6 +519,38 @@ static void an_image_has_a_fact_of_each_field(void **state)
 }
 
 /* The PDOs of a slave with CoE may be in its dictionary alone: an image with PDOs of one direction is whole. */
+/* The default of a constant is its value: a difference is one of the description, and reported there. */
+static void a_constant_has_no_default(void **state)
+{
+    static const uint16_t number = 0x1234;
+    static const struct {
+        uint16_t access;
+        const void *data;
+        const char *text;
+    } rows[] = {{ECT_ACCESS_RO, NULL, "05"}, /* zeros at the end count for nothing */
+                {ECT_ACCESS_RO | ECT_ACCESS_SHARED, &number, "none"},
+                {ECT_ACCESS_RO | ECT_ACCESS_DESCRIPTION, ECT_OFFSET(ect_device_t, ebus_ma), "none"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_entry_t entry = {.data_type = ECT_TYPE_UNSIGNED16,
+                                   .bit_length = 16,
+                                   .access = rows[i].access,
+                                   .name = "Number",
+                                   .value = 5,
+                                   .data = (void *)(uintptr_t)rows[i].data};
+        const ect_object_t object = {
+            .index = 0x2000, .object_code = ECT_OBJECT_VAR, .name = "Number", .entries = &entry};
+        ect_device_t device = testdev;
+        ect_facts_t f = {.source = "description"};
+        device.objects = &object;
+        device.object_count = 1;
+        ect_facts_of_device(&f, &device);
+        assert_string_equal(text_of(&f, ECT_FACT_ENTRY, 0x2000, 0), "16 bits");
+        assert_string_equal(text_of(&f, ECT_FACT_ENTRY_DEFAULT, 0x2000, 0), rows[i].text);
+        ect_facts_free(&f);
+    }
+}
+
 static void an_image_with_coe_has_all_pdos_or_none(void **state)
 {
     static const struct {
@@ -557,8 +614,10 @@ int main(void)
         cmocka_unit_test(texts_of_a_file_follow_only_without_other_differences),
         cmocka_unit_test(a_dictionary_has_facts_of_objects_and_of_pdos),
         cmocka_unit_test(each_assignment_names_its_sync_manager),
+        cmocka_unit_test(without_an_assignment_the_sync_managers_of_pdos_are_unknown),
         cmocka_unit_test(any_dictionary_is_read_or_refused),
         cmocka_unit_test(an_image_has_a_fact_of_each_field),
+        cmocka_unit_test(a_constant_has_no_default),
         cmocka_unit_test(an_image_with_coe_has_all_pdos_or_none),
         cmocka_unit_test(an_image_shorter_than_its_header_is_one_fact),
         cmocka_unit_test(objects_with_facts_elsewhere_are_known),

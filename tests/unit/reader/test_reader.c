@@ -125,6 +125,41 @@ static void the_pdi_gets_the_eeprom_back(void **state)
     liar_close(&l);
 }
 
+/* A slave whose PDI owns the interface, or uses it: the bytes at 0500h and 0501h, the low half of the number. The high
+ * half has what the reader writes, a digit a byte and its value plus one. */
+static bool says_who_owns(liar_t *l, uint8_t *d, uint16_t ado, uint8_t *data, uint16_t length, uint8_t *wkc)
+{
+    (void)wkc;
+    if (ado != ECT_REG_SII_CONFIG)
+        return true;
+    if (d[0] == APRD)
+        ect_store_le16(data, (uint16_t)l->number);
+    for (uint16_t i = 0; d[0] == APWR && i < length; i++)
+        l->number = (l->number >> 16 << 20) | (uint64_t)(data[i] + 1u) << 16 | (l->number & 0xFFFF);
+    return true;
+}
+
+static void the_eeprom_is_taken_from_a_pdi_that_uses_it(void **state)
+{
+    static const struct {
+        uint16_t owner;
+        uint64_t written;
+    } rows[] = {{0x0000, 0}, {0x0001, 0x1}, {0x0100, 0x31}, {0x0101, 0x31}, {0xFE00, 0}, {0x00FE, 0}, {0x0300, 0x31}};
+    static const liar_kind_t kind = {.datagram = says_who_owns};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        size_t size;
+        liar_t l;
+        open_reader(&l, &testdev, &kind);
+        l.number = rows[i].owner;
+        assert_int_equal(ect_reader_sii(&reader, image, 128, &size), ECT_READER_OK);
+        if (l.number >> 16 != rows[i].written)
+            fail_msg("0x%04X: expected %" PRIx64 ", got %" PRIx64, rows[i].owner, rows[i].written, l.number >> 16);
+        l.kind = NULL;
+        close_reader(&l);
+    }
+}
+
 /* --- states ------------------------------------------------------------------------------------------------------- */
 
 static void a_slave_in_init_returns_to_init_with_the_sync_managers_it_had(void **state)
@@ -269,6 +304,35 @@ static void frames_are_broadcasts_from_a_local_address(void **state)
     assert_int_equal(ect_reader_preop(&reader), ECT_READER_OK);
     assert_int_equal(l.number, PREOP | ECT_AL_ACKNOWLEDGE); /* the upper byte is reserved */
     assert_int_equal(wire_read8(&l.w, 0, ECT_REG_SII_CONFIG), 0);
+    close_reader(&l);
+}
+
+/* The data of a read that the reader has just sent, in reader.frame. */
+static bool sends_zeros_in_reads(liar_t *l, uint8_t *d, uint16_t ado, uint8_t *data, uint16_t length, uint8_t *wkc)
+{
+    static const uint8_t zeros[ECT_READER_MAIL];
+    (void)ado;
+    (void)data;
+    (void)wkc;
+    if (d[0] == APRD) {
+        assert_memory_equal(reader.frame + 26, zeros, length);
+        l->number++;
+    }
+    return true;
+}
+
+/* A slave that does not process a datagram returns its data: the previous content of a buffer is no reply. */
+static void the_data_of_a_read_are_sent_as_zeros(void **state)
+{
+    static const liar_kind_t kind = {.datagram = sends_zeros_in_reads};
+    uint8_t bytes[8];
+    liar_t l;
+    (void)state;
+    open_reader(&l, &testdev, &kind);
+    memset(bytes, 0x5A, sizeof bytes);
+    l.number = 0;
+    assert_int_equal(ect_reader_registers(&reader, 0x0000, bytes, sizeof bytes), ECT_READER_OK);
+    assert_int_equal(l.number, 1);
     close_reader(&l);
 }
 
@@ -539,6 +603,7 @@ static void the_pdos_of_some_sync_managers_are_read(void **state)
         assert_int_equal(ect_reader_json_assigned(&reader, cases[i].sms, file), ECT_READER_OK);
         assert_int_equal(fclose(file), 0);
         cJSON *root = cJSON_Parse(json);
+        assert_int_equal(cJSON_GetObjectItem(root, "slave")->valuedouble, 1);
         assert_true(cJSON_IsFalse(cJSON_GetObjectItem(root, "described")));
         assert_true(cJSON_IsTrue(cJSON_GetObjectItem(root, "complete")));
         const cJSON *object;
@@ -547,6 +612,58 @@ static void the_pdos_of_some_sync_managers_are_read(void **state)
         assert_int_equal(cases[i].expected[n], 0);
         cJSON_Delete(root);
         free(json);
+    }
+    close_reader(&l);
+}
+
+static liar_mail_t one_object(liar_t *l, const uint8_t *r)
+{
+    static const uint8_t list[6] = {2, 0, 0, 0, 1, 0};
+    uint8_t reply[8];
+    if (r[7] >> 4 != 8 || (r[8] & 0x7F) != 1)
+        return LIAR_PASSES;
+    memcpy(reply, list, sizeof list);
+    ect_store_le16(reply + 6, 0x1000);
+    liar_set_coe_mail(l, 8, reply, sizeof reply);
+    return LIAR_REPLIES;
+}
+
+static void a_list_of_one_object_is_a_description(void **state)
+{
+    static const liar_kind_t kind = {.request = one_object};
+    char *json = NULL;
+    size_t length;
+    liar_t l;
+    (void)state;
+    open_reader(&l, &testdev, &kind);
+    FILE *file = open_memstream(&json, &length);
+    assert_int_equal(ect_reader_json(&reader, ECT_READER_IDENTITY_AND_PDOS, file), ECT_READER_OK);
+    assert_int_equal(fclose(file), 0);
+    assert_non_null(strstr(json, "\"described\": true, \"objects\": [\n  {\"index\": 4096, \"type\": 7"));
+    assert_null(strstr(json, "4104"));
+    free(json);
+    close_reader(&l);
+}
+
+/* Mails are numbered 1 to 7, and 1 again; 0 would be a mail without a number (ETG.1000.4 clause 5.6). */
+static liar_mail_t keeps_counters(liar_t *l, const uint8_t *r)
+{
+    assert_int_equal(r[5] >> 4, l->number % 7 + 1);
+    l->number = r[5] >> 4;
+    return LIAR_PASSES;
+}
+
+static void mails_are_numbered_from_1_to_7(void **state)
+{
+    static const liar_kind_t kind = {.request = keeps_counters};
+    liar_t l;
+    (void)state;
+    open_reader(&l, &testdev, &kind);
+    for (unsigned int i = 0; i < 9; i++) {
+        uint8_t value[4];
+        size_t size = sizeof value;
+        assert_int_equal(ect_reader_upload(&reader, 0x1018, 1, false, value, &size), ECT_READER_OK);
+        assert_int_equal(l.number, i % 7 + 1);
     }
     close_reader(&l);
 }
@@ -856,6 +973,7 @@ int main(void)
         cmocka_unit_test(a_part_of_the_eeprom_is_read),
         cmocka_unit_test(the_content_of_an_eeprom_ends_at_the_end_mark),
         cmocka_unit_test(the_pdi_gets_the_eeprom_back),
+        cmocka_unit_test(the_eeprom_is_taken_from_a_pdi_that_uses_it),
         cmocka_unit_test(a_slave_in_init_returns_to_init_with_the_sync_managers_it_had),
         cmocka_unit_test(a_slave_at_work_stays_in_its_state),
         cmocka_unit_test(a_slave_with_the_error_flag_is_acknowledged),
@@ -863,6 +981,7 @@ int main(void)
         cmocka_unit_test(the_third_of_three_slaves_is_read_and_the_others_are_left_alone),
         cmocka_unit_test(a_slave_is_addressed_by_its_station_address),
         cmocka_unit_test(frames_are_broadcasts_from_a_local_address),
+        cmocka_unit_test(the_data_of_a_read_are_sent_as_zeros),
         cmocka_unit_test(uploads_of_every_length_arrive_whole),
         cmocka_unit_test(an_object_is_uploaded_by_complete_access),
         cmocka_unit_test(an_abort_is_reported_with_its_code_and_the_next_upload_works),
@@ -871,6 +990,8 @@ int main(void)
         cmocka_unit_test(all_values_are_uploaded_when_wanted),
         cmocka_unit_test(without_sdo_information_identity_and_pdos_are_read),
         cmocka_unit_test(the_pdos_of_some_sync_managers_are_read),
+        cmocka_unit_test(a_list_of_one_object_is_a_description),
+        cmocka_unit_test(mails_are_numbered_from_1_to_7),
         cmocka_unit_test(the_first_mail_continues_the_counter_of_the_mail_before),
         cmocka_unit_test(the_json_text_has_every_field),
         cmocka_unit_test(a_wire_that_loses_a_fifth_of_the_frames_changes_nothing),
