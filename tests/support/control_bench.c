@@ -17,6 +17,7 @@
 
 bench_work_t work;
 bool refuses_events;
+int receive_error;
 
 ssize_t __real_recv(int fd, void *buffer, size_t size, int flags);
 ssize_t __wrap_recv(int fd, void *buffer, size_t size, int flags);
@@ -38,6 +39,11 @@ void __wrap_ect_lamps_update(ect_lamps_t *lamps, const ect_slave_t *slave, bool 
 ssize_t __wrap_recv(int fd, void *buffer, size_t size, int flags)
 {
     work.receives++;
+    if (receive_error != 0) {
+        errno = receive_error;
+        receive_error = 0;
+        return -1;
+    }
     return __real_recv(fd, buffer, size, flags);
 }
 

@@ -46,6 +46,11 @@ static void set(wire_t *w, const char *text)
         fail_msg("'%s': %s", text, why);
 }
 
+static void keep_still(wire_t *w)
+{
+    (void)w;
+}
+
 static uint32_t write_u32(wire_t *w, uint32_t value)
 {
     uint8_t data[4];
@@ -90,6 +95,27 @@ static void aborts(void **state)
         }
         ect_chain_fault_end(w->chain, 0);
     }
+}
+
+/* The stack reads a request of a fault in one piece or in several: each is a piece of the same request. */
+static void aborts_in_pieces(void **state)
+{
+    static const uint8_t upload[] = {0x00, 0x20, 0x40, 0x00, 0x20, 0, 0, 0, 0, 0};
+    enum { START = 0x1000, HALF = 64 };
+    wire_t *w = *state;
+    const ect_pdi_t *pdi = ect_chain_slave(w->chain, 1)->config.pdi;
+    uint8_t whole[2 * HALF], pieces[2 * HALF];
+    set(w, "abort 0x2000 0x08000020 slave 2");
+    w->poll = keep_still;
+    assert_int_equal(wire_mail_request(w, 1, 3, upload, sizeof upload), 1);
+    assert_int_equal(pdi->read(pdi->ctx, START, whole, sizeof whole - 1), 0); /* the last byte would empty the buffer */
+    assert_int_equal(ect_load_le16(whole + 9), 0); /* an object that there is not, in place of 2000h */
+    for (uint16_t size = 1; size < HALF; size++) {
+        for (uint16_t at = 0; at + size < 2 * HALF; at = (uint16_t)(at + size))
+            assert_int_equal(pdi->read(pdi->ctx, (uint16_t)(START + at), pieces + at, size), 0);
+        assert_memory_equal(pieces, whole, (2u * HALF - 1) / size * size);
+    }
+    w->poll = NULL;
 }
 
 /* 1000 bytes take a start and some segments; the second request of the transfer is the first segment. */
@@ -155,6 +181,9 @@ static void changed_headers(void **state)
         uint8_t want = rows[i].value == 0xFF ? before[rows[i].offset] & rows[i].mask : rows[i].value;
         if ((mail[rows[i].offset] & rows[i].mask) != want)
             fail_msg("%s: expected 0x%02X, got 0x%02X", rows[i].fault, want, mail[rows[i].offset] & rows[i].mask);
+        unsigned int counter = (before[5] >> 4 & 7u) % 7 + 1; /* nothing else is changed */
+        if (i < 2)
+            assert_int_equal(mail[5] >> 4, counter);
         ect_chain_fault_end(w->chain, 0);
         assert_int_equal(request(w, mail), 10);
         assert_int_equal(mail[5] & 0x0F, 3);
@@ -329,6 +358,42 @@ static void sizes(void **state)
     assert_int_equal(enter_op(w), 8);
 }
 
+/* The SyncManagers of the process data, and no byte behind the registers that are read. */
+static void sizes_of_process_data_alone(void **state)
+{
+    enum { REGISTERS = 4 * 8, BEHIND = 8 };
+    wire_t *w = *state;
+    const ect_pdi_t *pdi = ect_chain_slave(w->chain, 1)->config.pdi;
+    uint8_t before[REGISTERS], changed[REGISTERS + BEHIND], none[BEHIND];
+    wire_configure_process_data(w, 1);
+    assert_int_equal(pdi->read(pdi->ctx, ECT_REG_SM, before, REGISTERS), 0);
+    set(w, "pdo-size 1 slave 2");
+    pdi = ect_chain_slave(w->chain, 1)->config.pdi;
+    memset(changed, 0x5A, sizeof changed);
+    memset(none, 0x5A, sizeof none);
+    for (uint16_t length = 16; length <= REGISTERS; length = (uint16_t)(length + 8)) {
+        memset(changed, 0x5A, sizeof changed);
+        assert_int_equal(pdi->read(pdi->ctx, ECT_REG_SM, changed, length), 0);
+        for (uint16_t at = 0; at < length; at = (uint16_t)(at + 8))
+            assert_int_equal(ect_load_le16(changed + at + 2), ect_load_le16(before + at + 2) - (at >= 16));
+        assert_memory_equal(changed + length, none, BEHIND);
+    }
+}
+
+/* A twin with a fault sleeps until an event, unless a mail of it is lost: the stack has to see the empty buffer. */
+static void sleeps(void **state)
+{
+    wire_t *w = *state;
+    uint8_t mail[ROOM];
+    set(w, "mail lost 1st slave 2");
+    assert_true(ect_chain_poll(w->chain, w->now_ns) > w->now_ns + MS);
+    assert_int_equal(request(w, mail), -1);
+    wire_advance(w, MS);
+    assert_true(ect_chain_poll(w->chain, w->now_ns) > w->now_ns + MS);
+    set(w, "mail type 0% slave 2");
+    assert_true(ect_chain_poll(w->chain, w->now_ns) > w->now_ns + MS);
+}
+
 /* --- several ------------------------------------------------------------------------------------------------------ */
 
 static void listed(void **state)
@@ -398,6 +463,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         TEST("CF-030: SDO transfers are aborted with any code, and the device never gets them", aborts),
+        TEST("CF-030: a request that is aborted is read in pieces of any size", aborts_in_pieces),
         TEST("CF-033: a transfer is aborted at any of its requests", aborts_in_the_middle),
         TEST("CF-026: a repeated request gets the same abort", repeated_request),
         TEST("mails with a wrong type, length and counter", changed_headers),
@@ -410,6 +476,8 @@ int main(int argc, char **argv)
         TEST("a slave refuses a state with any AL status code", refuses),
         TEST("a slave never reaches a state", never_comes),
         TEST("process data of another size are refused, after a reset too", sizes),
+        TEST("the sizes of process data change, and nothing else that is read", sizes_of_process_data_alone),
+        TEST("a twin with a fault sleeps until there is work", sleeps),
         TEST("faults above the wire are listed, at most eight of a slave, and ended", listed),
         TEST("SDO transfers are counted", counts),
         TEST("a share of the transfers, the same with the same seed", shares),

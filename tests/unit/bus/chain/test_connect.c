@@ -91,6 +91,23 @@ static void through_twins(void **state)
     expect(2, "load", "3");
 }
 
+/* Each connection has the value of its own source, with its fraction. */
+static void real_values(void **state)
+{
+    const ect_connection_t list[] = {from_to(0, "load", 1, "load"), from_to(0, "friction", 1, "friction"),
+                                     from_to(0, "brake", 1, "brake")};
+    (void)state;
+    connect(list, COUNT(list));
+    set(0, "load", "-7.25");
+    expect(1, "load", "-7.25");
+    expect(1, "friction", "0.05");
+    set(0, "friction", "2.5");
+    set(0, "brake", "1e-07");
+    expect(1, "load", "-7.25");
+    expect(1, "friction", "2.5");
+    expect(1, "brake", "1e-07");
+}
+
 static void at_the_limits(void **state)
 {
     ect_connection_t list[] = {from_to(0, "analog", 1, "analog"), from_to(0, "analog", 1, "di1"),
@@ -254,6 +271,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         {"a value passes through twins in one poll, with factor and offset", through_twins, setup, teardown, NULL},
+        {"a signal with a fraction sets one", real_values, setup, teardown, NULL},
         {"values stop at the limits of the target; inversion", at_the_limits, setup, teardown, NULL},
         {"a value is rounded to the nearest integer, a half away from zero", rounded, setup, teardown, NULL},
         {"the time of the next value of all connections, and the twins whose signals are set", next_time, setup,

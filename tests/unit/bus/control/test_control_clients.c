@@ -3,6 +3,7 @@
 #define _GNU_SOURCE
 #include "support/control_bench.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -427,6 +428,54 @@ static void zero_bytes_and_long_requests(void **state)
     close_bench(&b);
 }
 
+static void interrupted_reads_are_repeated(void **state)
+{
+    static const struct {
+        int error;
+        bool served;
+    } rows[] = {{EAGAIN, true}, {EINTR, true}, {ECONNRESET, false}, {ENOMEM, false}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char got[256];
+        bench_t b;
+        open_bench(&b, "fzm1", 1);
+        int fd = connect_client(&b);
+        serve(&b);
+        set_nonblocking(fd);
+        receive_error = rows[i].error;
+        send_text(fd, "{\"op\":\"get\",\"pattern\":\"data1\"}\n");
+        serve(&b);
+        assert_int_equal(receive_error, 0);
+        receive_text(fd, got, sizeof got);
+        if ((strstr(got, OK) != NULL) != rows[i].served)
+            fail_msg("after %s: got '%s'", strerror(rows[i].error), got);
+        close(fd);
+        serve(&b);
+        close_bench(&b);
+    }
+}
+
+static void a_client_that_is_gone_before_its_refusal(void **state)
+{
+    int fds[ECT_CONTROL_CLIENTS];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+        fds[i] = connect_client(&b);
+        serve(&b);
+    }
+    close(connect_client(&b));
+    serve(&b);
+    close(fds[0]);
+    serve(&b);
+    expect_part(&b, "{\"op\":\"get\"}\n", OK);
+    for (size_t i = 1; i < ECT_CONTROL_CLIENTS; i++)
+        close(fds[i]);
+    serve(&b);
+    close_bench(&b);
+}
+
 static void the_17th_client_gets_the_reason(void **state)
 {
     char got[256];
@@ -535,6 +584,10 @@ int main(int argc, char **argv)
         {"A request of 4095 bytes waits for its line feed", the_line_feed_of_the_longest_request, NULL, NULL, NULL},
         {"Attack: zero bytes and endless requests are refused", zero_bytes_and_long_requests, NULL, NULL, NULL},
         {"Attack: the 17th client gets the reason, and is closed", the_17th_client_gets_the_reason, NULL, NULL, NULL},
+        {"A read that is interrupted is repeated, one that fails ends the connection", interrupted_reads_are_repeated,
+         NULL, NULL, NULL},
+        {"Attack: a client that is gone before it is refused harms no other", a_client_that_is_gone_before_its_refusal,
+         NULL, NULL, NULL},
         {"Attack: without descriptors a client gets the reason", no_descriptors, NULL, NULL, NULL},
         {"Attack: without any descriptor nothing spins", no_descriptors_at_all, NULL, NULL, NULL},
     };

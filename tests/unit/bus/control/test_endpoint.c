@@ -63,6 +63,8 @@ static int must_listen(char path[ECT_ENDPOINT_PATH])
     int fd = ect_endpoint_listen(NULL, path, message);
     if (fd < 0)
         fail_msg("%s", message);
+    assert_int_equal(fcntl(fd, F_GETFD) & FD_CLOEXEC, FD_CLOEXEC);
+    assert_int_equal(fcntl(fd, F_GETFL) & O_NONBLOCK, O_NONBLOCK);
     return fd;
 }
 
@@ -302,9 +304,12 @@ static void descriptor_0(void **state)
 static void dead_sockets_of_others(void **state)
 {
     char folder[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH], left[ECT_ENDPOINT_PATH], live[ECT_ENDPOINT_PATH];
-    char file[ECT_ENDPOINT_PATH + 16];
+    char file[ECT_ENDPOINT_PATH + 16], hidden[ECT_ENDPOINT_PATH + 16];
     (void)state;
     runtime_folder("left", folder);
+    close(must_listen(path));
+    snprintf(hidden, sizeof hidden, "%s/.sock", folder);
+    assert_int_equal(rename(path, hidden), 0);
     close(must_listen(path));
     snprintf(left, sizeof left, "%.900s/1.sock", folder);
     snprintf(live, sizeof live, "%.900s/2.sock", folder);
@@ -317,6 +322,7 @@ static void dead_sockets_of_others(void **state)
     assert_int_equal(access(left, F_OK), -1);
     assert_int_equal(access(live, F_OK), 0);
     assert_int_equal(access(file, F_OK), 0);
+    assert_int_equal(access(hidden, F_OK), 0); /* no twin has that name */
     ect_endpoint_close(fd, path, ect_endpoint_identity(path));
     ect_endpoint_close(second, live, ect_endpoint_identity(live));
 }

@@ -145,7 +145,10 @@ static void refused(void **state)
         const char *text, *why;
     } rows[] = {
         {"", "expected drop"},
-        {"explode", "not 'explode'"},
+        {"explode",
+         "expected drop, damage, delay, duplicate, reorder, truncate, corrupt, counter, off, hang, resume, reset, "
+         "identity, "
+         "lose-event, eeprom, clock, pdi-error, to, init, emergency, al, abort, mail, pdo-size, not 'explode'"},
         {"drop 101%", "0 to 100"},
         {"drop -1%", "0 to 100"},
         {"drop 5", "nothing more"},
