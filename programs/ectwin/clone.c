@@ -8,27 +8,48 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "clone_blank.h"
+#include "clone_note.h"
 #include "commands.h"
 #include "esc/personality.h"
 #include "esi/image.h"
 #include "esi/write.h"
+#include "esi_dir.h"
 #include "output.h"
+#include "products.h"
 #include "reader/packet.h"
 #include "text/argument.h"
+#include "text/state.h"
+#include "wire/bytes.h"
 #include "wire/registers.h"
 
 static const char who[] = "ectwin clone";
 
-enum { KEY_LIMIT = 0x200, SECONDS_MOST = 86400, NAME = 24, MESSAGE = 600, PORTS = 4 };
+enum { KEY_LIMIT = 0x200, KEY_PREOP, KEY_BESIDE, KEY_BLANK, KEY_ESI_DIR };
+enum { FAILURES = 3, SECONDS_MOST = 86400, NAME = 24, MESSAGE = 600, PORTS = 4, LISTEN_MS = 500, INIT = 1 };
 
 typedef struct args {
-    const char *iface, *folder;
+    const char *iface, *folder, *esi_dir;
     uint32_t limit_ms;
+    bool preop, beside;
+    unsigned int blank; /* CLONE_BLANK_... */
 } args_t;
 
 static const struct argp_option options[] = {
     {"interface", 'i', "IFACE", 0, "Network interface with the slaves (required)", 0},
     {"output", 'o', "DIR", 0, "Folder to make (required)", 0},
+    {"preop", KEY_PREOP, NULL, 0,
+     "Take slaves in INIT to PREOP for their dictionaries, and back to INIT (default: read their EEPROMs only)", 0},
+    {"beside-master", KEY_BESIDE, NULL, 0,
+     "Read also while another master uses the bus: each may take replies away from the other (default: refuse)", 0},
+    {"blank", KEY_BLANK, "LIST", 0,
+     "Leave out of the files: serial, alias, names (of the products), texts (that a master can write), with commas "
+     "between, or none (default serial)",
+     0},
+    {"esi-dir", KEY_ESI_DIR, "DIR", 0,
+     "Take names and objects of a slave without SDO information from the ESI file in DIR that has its vendor, product "
+     "and revision",
+     0},
     {"limit", KEY_LIMIT, "SECONDS", 0, "Stop reading a slave after SECONDS, 1 to 86400 (default 600)", 0},
     {0},
 };
@@ -48,7 +69,11 @@ typedef struct clone {
     uint8_t image[ECT_READER_SII];
     ect_esi_t *esi;
     unsigned int objects, unread; /* entries that are readable and gave no value */
-    output_text_t bus;            /* the bus file */
+    const ect_device_t *file;     /* of an ESI file, for a slave without SDO information; NULL: none */
+    bool ignores;                 /* objects that the reader finds: the file has them in more detail */
+    clone_note_t note;
+    char time[32];     /* of the reading of the slave */
+    output_text_t bus; /* the bus file */
     place_t *places;
     uint16_t count, written;
 } clone_t;
@@ -62,6 +87,20 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case 'o':
         args->folder = text;
+        return 0;
+    case KEY_PREOP:
+        args->preop = true;
+        return 0;
+    case KEY_BESIDE:
+        args->beside = true;
+        return 0;
+    case KEY_BLANK:
+        if (!clone_blank_parse(text, &args->blank))
+            argp_error(state, "--blank takes serial, alias, names, texts, with commas between, or none, not '%s'",
+                       text);
+        return 0;
+    case KEY_ESI_DIR:
+        args->esi_dir = text;
         return 0;
     case KEY_LIMIT:
         args->limit_ms = 1000 * (uint32_t)ect_argument_number(state, "--limit", text, 1, SECONDS_MOST);
@@ -103,18 +142,38 @@ static void take_object(void *ctx, const ect_reader_object_t *object)
 {
     char name[256];
     clone_t *c = ctx;
+    if (c->ignores)
+        return;
     const ect_esi_found_object_t found = {.index = object->index,
                                           .described = object->described,
                                           .code = object->code,
                                           .name = text_of(object->name, name)};
     c->objects++;
+    clone_note_object(&c->note, object);
     ect_esi_found_object(c->esi, &found);
+}
+
+/* The value of an entry with its blanks, in `blanked`. */
+static ect_reader_bytes_t value_of(const clone_t *c, const ect_reader_object_t *object, const ect_reader_entry_t *entry,
+                                   uint8_t blanked[ECT_READER_VALUE])
+{
+    ect_reader_bytes_t value = entry->value.data ? entry->value : entry->preset;
+    if (!value.data || value.length > ECT_READER_VALUE)
+        return value;
+    memcpy(blanked, value.data, value.length);
+    clone_blank_value(c->args->blank, object->index, entry->subindex, entry->type, entry->access, blanked,
+                      value.length);
+    value.data = blanked;
+    return value;
 }
 
 static void take_entry(void *ctx, const ect_reader_object_t *object, const ect_reader_entry_t *entry)
 {
     char name[256];
+    uint8_t blanked[ECT_READER_VALUE];
     clone_t *c = ctx;
+    if (c->ignores)
+        return;
     const ect_esi_found_entry_t found = {.subindex = entry->subindex,
                                          .type = entry->type,
                                          .bits = entry->bits,
@@ -123,9 +182,116 @@ static void take_entry(void *ctx, const ect_reader_object_t *object, const ect_r
                                          .unit = bytes_of(entry->unit),
                                          .minimum = bytes_of(entry->minimum),
                                          .maximum = bytes_of(entry->maximum),
-                                         .value = bytes_of(entry->value.data ? entry->value : entry->preset)};
+                                         .value = bytes_of(value_of(c, object, entry, blanked))};
     c->unread += object->described && (entry->access & ECT_ACCESS_R_PREOP) != 0 && !entry->value.data;
+    clone_note_entry(&c->note, object, entry);
     ect_esi_found_entry(c->esi, &found);
+}
+
+static void take_gap(void *ctx, const ect_reader_gap_t *gap)
+{
+    clone_t *c = ctx;
+    if (!c->ignores)
+        clone_note_gap(&c->note, gap);
+}
+
+/* --- the dictionary of an ESI file, for a slave that describes none ------------------------------------------------
+ */
+
+/* A number of the dictionary in the byte order of the wire. */
+static ect_reader_bytes_t wire_of(int64_t number, uint16_t bits, uint8_t wire[8])
+{
+    ect_store_le64(wire, (uint64_t)number);
+    return (ect_reader_bytes_t){.data = wire, .length = bits > 64 ? 8 : (bits + 7u) / 8};
+}
+
+static ect_reader_bytes_t name_of(const char *name)
+{
+    return (ect_reader_bytes_t){.data = (const uint8_t *)name, .length = name ? strlen(name) : 0};
+}
+
+/* The value that the slave has. @return false: the slave replies no more */
+static bool upload_value(clone_t *c, uint16_t index, uint8_t subindex, uint8_t *value, ect_reader_bytes_t *bytes)
+{
+    size_t size = ECT_READER_VALUE;
+    const ect_reader_result_t result = ect_reader_upload(&c->reader, index, subindex, false, value, &size);
+    const ect_reader_gap_t gap = {
+        .index = index, .subindex = subindex, .value = true, .result = result, .code = c->reader.code};
+    if (result == ECT_READER_OK)
+        *bytes = (ect_reader_bytes_t){.data = value, .length = size};
+    else
+        take_gap(c, &gap);
+    return result != ECT_READER_LOST && result != ECT_READER_STOPPED && c->reader.failures < FAILURES;
+}
+
+static bool take_file_entry(clone_t *c, const ect_od_t *od, const ect_reader_object_t *object, const ect_entry_t *from)
+{
+    uint8_t value[ECT_READER_VALUE], unit[8], minimum[8], maximum[8];
+    const ect_detail_t *detail = ect_od_detail(od, object->index, (uint8_t)from->subindex);
+    ect_reader_entry_t entry = {.subindex = (uint8_t)from->subindex,
+                                .type = from->data_type,
+                                .bits = ect_od_bits(od, from),
+                                .access = from->access,
+                                .name = name_of(from->name)};
+    if (detail && (detail->unit != 0 || detail->per != 0))
+        entry.unit = wire_of((int64_t)detail->unit << 16 | (int64_t)detail->per << 8, 32, unit);
+    if (detail && detail->minimum != detail->maximum) {
+        entry.minimum = wire_of(detail->minimum, entry.bits, minimum);
+        entry.maximum = wire_of(detail->maximum, entry.bits, maximum);
+    }
+    const bool readable = (entry.access & ECT_ACCESS_R_PREOP) != 0;
+    const bool more = !readable || upload_value(c, object->index, entry.subindex, value, &entry.value);
+    take_entry(c, object, &entry);
+    return more;
+}
+
+/* @return EXIT_CLEAN · EXIT_RUN: the slave replies no more */
+static int take_file(clone_t *c, const ect_device_t *device)
+{
+    const ect_od_t od = ect_device_od(device, NULL);
+    c->ignores = false;
+    for (uint16_t i = 0; i < device->object_count; i++) {
+        const ect_object_t *from = &od.objects[i];
+        const ect_reader_object_t object = {
+            .index = from->index, .described = true, .code = (uint8_t)from->object_code, .name = name_of(from->name)};
+        take_object(c, &object);
+        for (const ect_entry_t *entry = from->entries; entry; entry = ect_od_next(from, entry)) {
+            if (!take_file_entry(c, &od, &object, entry))
+                return EXIT_RUN;
+        }
+    }
+    return EXIT_CLEAN;
+}
+
+/* The device of the ESI file with the identity of the slave. */
+static const ect_device_t *find_file(const clone_t *c)
+{
+    char message[PRODUCT_MESSAGE] = "no file has its vendor, product and revision";
+    char *name = NULL;
+    const ect_identity_t identity = {
+        .vendor_id = c->reader.vendor, .product_code = c->reader.product, .revision = c->reader.revision};
+    const unsigned int number = c->reader.config.position + 1u;
+    const ect_product_t *product = NULL;
+    if (esi_dir_search(c->args->esi_dir, &identity, &name, 1, message) && name)
+        product = product_find(name, NULL, 0, ECT_BEHAVIOUR_BY_FILE, message);
+    if (product) {
+        fprintf(stderr, "%s: slave %u: no SDO information: names and objects from %s\n", who, number, name + 4);
+        fprintf(c->note.lines.file, "No SDO information: names and objects are those of an ESI file.\n");
+    } else {
+        fprintf(stderr, "%s: slave %u: no SDO information: %s\n", who, number, message);
+    }
+    free(name);
+    return product ? product->device : NULL;
+}
+
+/* Called before any object. */
+static void take_begin(void *ctx, bool described)
+{
+    clone_t *c = ctx;
+    const bool searches = !described && c->args->esi_dir && (c->reader.protocols & ECT_MAILBOX_COE) != 0 &&
+                          c->reader.result != ECT_READER_DECLINED;
+    c->file = searches ? find_file(c) : NULL;
+    c->ignores = c->file != NULL;
 }
 
 /* --- chip and place ----------------------------------------------------------------------------------------------- */
@@ -200,7 +366,24 @@ static void file_name(const clone_t *c, uint16_t n, const char *type, char name[
     strcpy(name + used, ".xml");
 }
 
-static int write_esi(const clone_t *c, const ect_esi_twin_t *twin, const char *name)
+/* The file with its comment. */
+static char *join_note(clone_t *c, const char *file, size_t size, size_t *length)
+{
+    char *head = NULL, blanks[40];
+    const ect_reader_t *r = &c->reader;
+    if (asprintf(&head,
+                 "Slave %u on %s, cloned by ectwin " ECTWIN_VERSION ", read in %s at %s.\n"
+                 "Defaults are the values of that time, not those of the vendor.\n"
+                 "The application of the slave is not cloned.\nBlanked: %s.\n",
+                 r->config.position + 1u, c->args->iface, r->brought_up ? "PREOP" : ect_state_text(r->found_status),
+                 c->time, clone_blank_text(c->args->blank, blanks)) < 0)
+        return NULL;
+    char *noted = clone_note_join(who, &c->note, head, file, size, length);
+    free(head);
+    return noted;
+}
+
+static int write_esi(clone_t *c, const ect_esi_twin_t *twin, const char *name)
 {
     char path[OUTPUT_PATH], why[200];
     ect_arena_t arena = {0};
@@ -211,8 +394,10 @@ static int write_esi(const clone_t *c, const ect_esi_twin_t *twin, const char *n
     int status = EXIT_RUN;
     if (!file)
         fprintf(stderr, "%s: %s: %s\n", who, name, why);
-    else if (output_path(who, path, c->args->folder, name))
-        status = output_save(who, path, file, length);
+    char *noted = file ? join_note(c, file, length, &length) : NULL;
+    if (noted && output_path(who, path, c->args->folder, name))
+        status = output_save(who, path, noted, length);
+    free(noted);
     ect_arena_free(&arena);
     return status;
 }
@@ -258,33 +443,62 @@ static int fail(const clone_t *c, uint16_t n, const char *part)
     return EXIT_RUN;
 }
 
-static int read_slave(clone_t *c, uint16_t n)
+/* @return EXIT_CLEAN · EXIT_RUN: not completely, which is printed */
+static int read_dictionary(clone_t *c, uint16_t n)
 {
-    char why[MESSAGE];
-    size_t size = 0;
-    int status = EXIT_CLEAN;
-    const ect_reader_sink_t sink = {.ctx = c, .object = take_object, .entry = take_entry};
-    if (ect_reader_sii(&c->reader, c->image, 0, &size) != ECT_READER_OK)
-        return fail(c, n, "EEPROM");
-    c->esi = ect_esi_of_image("EEPROM", c->image, size, why, sizeof why);
-    if (!c->esi) {
-        fprintf(stderr, "%s: slave %u: %s\n", who, n + 1u, why);
-        return EXIT_RUN;
-    }
+    const ect_reader_sink_t sink = {
+        .ctx = c, .begin = take_begin, .object = take_object, .entry = take_entry, .gap = take_gap};
     c->objects = c->unread = 0;
-    if (ect_reader_dictionary(&c->reader, ECT_READER_ALL_VALUES, &sink) != ECT_READER_OK)
-        status = fail(c, n, "dictionary, read in part");
+    const ect_reader_result_t result = ect_reader_dictionary(&c->reader, ECT_READER_ALL_VALUES, &sink);
+    if (result == ECT_READER_OK && (!c->file || take_file(c, c->file) == EXIT_CLEAN))
+        return EXIT_CLEAN;
+    if (result != ECT_READER_DECLINED)
+        return fail(c, n, "dictionary, read in part");
+    fprintf(stderr, "%s: slave %u: without its dictionary: %s%s\n", who, n + 1u, c->reader.text,
+            (c->reader.found_status & ECT_AL_STATE_MASK) == INIT ? ": --preop takes it to PREOP and back" : "");
+    return EXIT_RUN;
+}
+
+static int read_noted(clone_t *c, uint16_t n, size_t size)
+{
+    char prefix[64];
+    const int status = read_dictionary(c, n);
+    (void)snprintf(prefix, sizeof prefix, "%s: slave %u: EEPROM and ", who, n + 1u);
+    clone_note_compare(&c->note, c->image, size, &c->reader, prefix);
     ect_esi_found_end(c->esi);
-    int written = write_slave(c, n, size);
+    const int written = write_slave(c, n, size);
     if (written == EXIT_CLEAN)
         find_place(c, n);
     return written != EXIT_CLEAN ? written : status;
 }
 
+static int read_slave(clone_t *c, uint16_t n)
+{
+    char why[MESSAGE];
+    size_t size = 0;
+    clone_note_time(c->time);
+    if (ect_reader_sii(&c->reader, c->image, 0, &size) != ECT_READER_OK)
+        return fail(c, n, "EEPROM");
+    clone_blank_image(c->args->blank, c->image, size);
+    c->esi = ect_esi_of_image("EEPROM", c->image, size, why, sizeof why);
+    if (!c->esi) {
+        fprintf(stderr, "%s: slave %u: %s\n", who, n + 1u, why);
+        return EXIT_RUN;
+    }
+    const int status = clone_note_begin(who, &c->note) ? read_noted(c, n, size) : EXIT_RUN;
+    ect_esi_close(c->esi); /* of a note that cannot be begun */
+    c->esi = NULL;
+    clone_note_free(&c->note);
+    return status;
+}
+
 static int clone_slave(clone_t *c, uint16_t n)
 {
-    const ect_reader_config_t config = {
-        .position = n, .limit_ms = c->args->limit_ms, .progress = show_progress, .progress_ctx = c};
+    const ect_reader_config_t config = {.position = n,
+                                        .limit_ms = c->args->limit_ms,
+                                        .changes = c->args->preop ? ECT_READER_CHANGES_INIT : ECT_READER_CHANGES_NONE,
+                                        .progress = show_progress,
+                                        .progress_ctx = c};
     int status = ect_reader_open(&c->reader, &c->link, &config) == ECT_READER_OK ? EXIT_CLEAN : fail(c, n, "EEPROM");
     c->count = n == 0 ? c->reader.count : c->count;
     if (n == 0)
@@ -301,7 +515,11 @@ static int clone_all(clone_t *c)
     int status = EXIT_CLEAN;
     if (!output_open(who, &c->bus))
         return EXIT_RUN;
-    fprintf(c->bus.file, "# The bus on %s, cloned by ectwin " ECTWIN_VERSION ".\nectwin: 1\ntwins:\n", c->args->iface);
+    clone_note_time(c->time);
+    fprintf(c->bus.file,
+            "# The bus on %s, cloned by ectwin " ECTWIN_VERSION " at %s: values are those of that time,\n"
+            "# and the applications of the slaves are not cloned.\nectwin: 1\ntwins:\n",
+            c->args->iface, c->time);
     uint32_t n = 0;
     do { /* the first slave that is opened counts them */
         int one = clone_slave(c, (uint16_t)n);
@@ -327,6 +545,32 @@ static bool make_folder(const char *folder)
     return false;
 }
 
+static bool is_free(ect_packet_t *port, const args_t *args)
+{
+    const ect_reader_link_t link = ect_reader_packet_link(port);
+    if (args->beside || !ect_reader_hears_master(&link, LISTEN_MS))
+        return true;
+    fprintf(stderr,
+            "%s: a master is at work on '%s', and both would take replies of the other: end it first, or read "
+            "nevertheless with --beside-master\n",
+            who, args->iface);
+    return false;
+}
+
+static int clone_bus(ect_packet_t *port, const args_t *args)
+{
+    clone_t *c = calloc(1, sizeof *c);
+    int status = c ? EXIT_OPEN : EXIT_RUN;
+    if (c && make_folder(args->folder)) {
+        c->args = args;
+        c->link = ect_reader_packet_link(port);
+        status = clone_all(c);
+        free(c->places);
+    }
+    free(c);
+    return status;
+}
+
 int command_clone(int argc, char **argv)
 {
     static const struct argp argp = {
@@ -336,14 +580,16 @@ int command_clone(int argc, char **argv)
             "Reads every slave of a live bus and writes a folder: an ESI file a slave, with its EEPROM, its dictionary "
             "and "
             "the values that it has now, and bus.yaml, which 'ectwin run' and 'ectwin with' start.\v"
-            "A slave in INIT goes to PREOP, and back to INIT at the end; a slave in another state stays there. Nothing "
-            "is written but mailbox requests and the EEPROM interface. End the master first: both would take replies "
-            "of the other.\n\n"
-            "Exit codes: 0 all was read, 1 wrong usage, 2 the interface or the folder cannot be opened, 3 a slave "
-            "could "
-            "not be read, or not completely.",
+            "With --preop a slave in INIT goes to PREOP, and back to INIT at the end; all others stay as they are. "
+            "Nothing is written but mailbox requests, the EEPROM interface, and with --preop AL control and "
+            "SyncManagers 0 and 1; error counters stay, events that reading clears (0210h bit 2) do not. Another "
+            "master on the interface is an error: the command listens for half a second.\n\n"
+            "The file of a slave begins with a comment: state and time of reading, what the slave has not given, and "
+            "where its EEPROM and its dictionary disagree. SOURCE_DATE_EPOCH of the environment replaces the time.\n\n"
+            "Exit codes: 0 all was read, 1 wrong usage, 2 the interface or the folder cannot be opened, or another "
+            "master is at work, 3 a slave could not be read, or not completely.",
     };
-    args_t args = {.limit_ms = 600000};
+    args_t args = {.limit_ms = 600000, .blank = CLONE_BLANK_SERIAL};
     char message[ECT_PACKET_MESSAGE];
     ect_packet_t port;
     argp_parse(&argp, argc, argv, 0, NULL, &args);
@@ -351,15 +597,7 @@ int command_clone(int argc, char **argv)
         fprintf(stderr, "%s: %s\n", who, message);
         return EXIT_OPEN;
     }
-    clone_t *c = calloc(1, sizeof *c);
-    int status = c ? EXIT_OPEN : EXIT_RUN;
-    if (c && make_folder(args.folder)) {
-        c->args = &args;
-        c->link = ect_reader_packet_link(&port);
-        status = clone_all(c);
-        free(c->places);
-    }
-    free(c);
+    const int status = is_free(&port, &args) ? clone_bus(&port, &args) : EXIT_OPEN;
     ect_packet_close(&port);
     return status;
 }

@@ -8,7 +8,7 @@
 
 enum { ETHERNET = 14, FRAME_HEADER = 2, DATAGRAM = 10, WKC = 2, SHORTEST = 60 };
 enum { AT_TYPE = 12, AT_DATAGRAM = ETHERNET + FRAME_HEADER, AT_DATA = AT_DATAGRAM + DATAGRAM };
-enum { ETHERTYPE = 0x88A4, COMMANDS = 0x1000, LENGTH = 0x07FF, FRAMES_SKIPPED = 1000 };
+enum { ETHERTYPE = 0x88A4, COMMANDS = 0x1000, TYPES = 0xF000, LENGTH = 0x07FF, FRAMES_SKIPPED = 1000 };
 
 uint16_t reader_load16(const uint8_t *bytes)
 {
@@ -65,6 +65,19 @@ bool reader_try(ect_reader_t *r, uint8_t command, uint16_t address, uint8_t *dat
         memcpy(data, r->reply + AT_DATA, length);
         *wkc = ect_load_le16(r->reply + AT_DATA + length);
         return true;
+    }
+    return false;
+}
+
+bool ect_reader_hears_master(const ect_reader_link_t *link, uint32_t ms)
+{
+    uint8_t frame[ECT_READER_FRAME];
+    const uint64_t until = link->now(link->ctx) + ms * NS_PER_MS;
+    for (size_t got = 1; got > 0 && link->now(link->ctx) < until;) {
+        got = link->receive(link->ctx, frame, sizeof frame, until);
+        if (got >= AT_DATA + WKC && ect_load_be16(frame + AT_TYPE) == ETHERTYPE &&
+            (ect_load_le16(frame + ETHERNET) & TYPES) == COMMANDS)
+            return true;
     }
     return false;
 }

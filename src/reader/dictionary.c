@@ -45,19 +45,33 @@ static bool goes_on(walk_t *w, ect_reader_result_t result)
     return result != ECT_READER_LOST && result != ECT_READER_STOPPED && w->r->failures < FAILURES;
 }
 
+static void report_gap(const walk_t *w, ect_reader_gap_t gap)
+{
+    if (w->sink->gap != NULL)
+        w->sink->gap(w->sink->ctx, &gap);
+}
+
 /* An upload that stays unanswered costs seconds: after some in a row the walk continues without values. */
 static bool upload(walk_t *w, unsigned int index, unsigned int subindex, ect_reader_bytes_t *value)
 {
     ect_reader_t *r = w->r;
     size_t size = sizeof r->value;
+    ect_reader_gap_t gap = {
+        .index = (uint16_t)index, .subindex = (uint8_t)subindex, .value = true, .result = ECT_READER_SILENT};
     *value = (ect_reader_bytes_t){0};
-    if (w->unanswered >= FAILURES)
+    if (w->unanswered >= FAILURES) {
+        report_gap(w, gap);
         return true;
+    }
     const ect_reader_result_t result = ect_reader_upload(r, (uint16_t)index, (uint8_t)subindex, false, r->value, &size);
     const bool failed = result == ECT_READER_SILENT || result == ECT_READER_WRONG;
     w->unanswered = failed ? w->unanswered + 1 : 0;
     if (result == ECT_READER_OK)
         *value = (ect_reader_bytes_t){.data = r->value, .length = size};
+    gap.result = result;
+    gap.code = r->code;
+    if (result != ECT_READER_OK)
+        report_gap(w, gap);
     return goes_on(w, result) || failed;
 }
 
@@ -67,8 +81,11 @@ static bool walk_entry(walk_t *w, const ect_reader_object_t *object, unsigned in
 {
     ect_reader_entry_t entry;
     const ect_reader_result_t result = ect_reader_entry(w->r, object->index, (uint8_t)subindex, &entry);
-    if (result != ECT_READER_OK)
+    if (result != ECT_READER_OK) {
+        report_gap(w, (ect_reader_gap_t){
+                          .index = object->index, .subindex = (uint8_t)subindex, .result = result, .code = w->r->code});
         return goes_on(w, result);
+    }
     if (entry.type == 0 && entry.bits == 0)
         return true; /* a gap */
     const bool wanted =
@@ -83,8 +100,11 @@ static bool walk_object(walk_t *w, unsigned int index)
     uint8_t name[256];
     ect_reader_object_t object;
     const ect_reader_result_t result = ect_reader_object(w->r, (uint16_t)index, &object);
-    if (result != ECT_READER_OK)
+    if (result != ECT_READER_OK) {
+        report_gap(w,
+                   (ect_reader_gap_t){.index = (uint16_t)index, .whole = true, .result = result, .code = w->r->code});
         return goes_on(w, result);
+    }
     object.name.length = object.name.length < sizeof name ? object.name.length : sizeof name;
     if (object.name.data != NULL) {
         memcpy(name, object.name.data, object.name.length); /* the entries overwrite it in the reader */

@@ -20,7 +20,7 @@ enum {
 enum { CATEGORY_HEADER = 4, CATEGORIES_END = 0xFFFF };
 enum { BY_PDI = 0x01, TAKE_AWAY = 0x02, IN_USE = 0x01 };
 
-/* The PDI owns the interface, or has not finished with it: the master may take it away. */
+/* The PDI owns the interface, or has not finished with it: the master may take it away, by force in the latter case. */
 static ect_reader_result_t take(ect_reader_t *r)
 {
     static const uint8_t steps[2] = {TAKE_AWAY, 0};
@@ -29,6 +29,8 @@ static ect_reader_result_t take(ect_reader_t *r)
         return r->result;
     if ((owner[0] & BY_PDI) == 0 && (owner[1] & IN_USE) == 0)
         return ECT_READER_OK;
+    if ((owner[1] & IN_USE) != 0 && r->config.changes != ECT_READER_CHANGES_ALL)
+        return reader_report(r, ECT_READER_DECLINED, "the PDI is using the EEPROM: try again later");
     r->sii_of_pdi = r->sii_of_pdi || (owner[0] & BY_PDI) != 0;
     if ((owner[1] & IN_USE) != 0 && reader_put(r, ECT_REG_SII_CONFIG, steps, 1) != ECT_READER_OK)
         return r->result;

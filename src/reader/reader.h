@@ -10,8 +10,9 @@
  * The reader addresses the slave by its position, or by a station address that it has already. It writes mailbox
  * requests and the registers of the EEPROM interface. A slave in INIT or BOOT, or with the error flag set, goes to
  * PREOP, with SyncManagers 0 and 1 set from its EEPROM, and back to INIT in ::ect_reader_close; a slave in PREOP,
- * SAFEOP or OP stays in its state and keeps its mailbox. A master that uses the same mailbox at the same time takes
- * replies away from the reader, and the other way round.
+ * SAFEOP or OP stays in its state and keeps its mailbox. ::ect_reader_config_t::changes forbids that in part or
+ * altogether. A master that uses the same mailbox at the same time takes replies away from the reader, and the other
+ * way round: ::ect_reader_hears_master finds one.
  *
  * Host only. One thread for a reader; calls block until the reply, the timeout or the limit.
  *
@@ -66,7 +67,18 @@ typedef enum ect_reader_result {
     ECT_READER_TOO_LONG, /**< more bytes than the caller has room for; the transfer was aborted */
     ECT_READER_LOST,     /**< no frame came back, or no slave processed it */
     ECT_READER_STOPPED,  /**< ::ect_reader_config_t::progress returned false, or the limit has passed */
+    ECT_READER_DECLINED, /**< ::ect_reader_config_t::changes forbids what the request needs */
 } ect_reader_result_t;
+
+/** Changes that a reader may make at a slave to read it. */
+typedef enum ect_reader_changes {
+    /** The state of a slave in INIT or BOOT, or with the error flag; an EEPROM that the PDI is using is taken away. */
+    ECT_READER_CHANGES_ALL,
+    /** The state of a slave in INIT. One in PREOP, SAFEOP or OP is read as it is, error flag or not. */
+    ECT_READER_CHANGES_INIT,
+    /** No state: a slave in INIT has no dictionary. */
+    ECT_READER_CHANGES_NONE,
+} ect_reader_changes_t;
 
 /** How to read. All zero: the first slave, with the defaults. */
 typedef struct ect_reader_config {
@@ -78,6 +90,7 @@ typedef struct ect_reader_config {
     uint32_t limit_ms;  /**< of all calls of a reader together; 0: 600 000 */
     unsigned int tries; /**< for each request; 0: 3 */
     uint8_t counter;    /**< of the last mail that the slave has received, 1 to 7; 0: unknown */
+    ect_reader_changes_t changes;
     void *progress_ctx; /**< first argument of `progress` */
     /** Called before each object (`done` of `all`) and each block of the EEPROM (bytes); false stops. NULL: none. */
     bool (*progress)(void *progress_ctx, const char *what, unsigned int done, unsigned int all);
@@ -139,6 +152,16 @@ typedef struct ect_reader_entry {
     ect_reader_bytes_t value;                          /**< uploaded; none: not wanted, or not readable */
 } ect_reader_entry_t;
 
+/** A part of the dictionary that the slave has not given: the description of an object or entry, or a value. */
+typedef struct ect_reader_gap {
+    uint16_t index;
+    uint8_t subindex;
+    bool whole; /**< the description of the object; `subindex` is 0 */
+    bool value; /**< the value of an entry, which has been described; else the description */
+    ect_reader_result_t result;
+    uint32_t code; /**< of ECT_READER_ABORTED and ECT_READER_REFUSED */
+} ect_reader_gap_t;
+
 /** Which values ::ect_reader_dictionary uploads. */
 typedef enum ect_reader_values {
     ECT_READER_IDENTITY_AND_PDOS, /**< 1000h, 1008h, 1018h, mappings 1600h–1BFFh, assignments 1C10h–1C2Fh */
@@ -151,9 +174,18 @@ typedef struct ect_reader_sink {
     void (*begin)(void *ctx, bool described); /**< NULL: not of interest */
     void (*object)(void *ctx, const ect_reader_object_t *object);
     void (*entry)(void *ctx, const ect_reader_object_t *object, const ect_reader_entry_t *entry);
+    /** A request that brought nothing, before the entry that it is of; NULL: not of interest */
+    void (*gap)(void *ctx, const ect_reader_gap_t *gap);
 } ect_reader_sink_t;
 
 ECT_C_BEGIN
+
+/**
+ * Listens for frames of a master, before any frame of a reader: all that come back from the slaves are its own.
+ * @param ms  at most
+ * @return true: an EtherCAT frame came; at once
+ */
+bool ect_reader_hears_master(const ect_reader_link_t *link, uint32_t ms);
 
 /**
  * Finds the slave and reads the header of its EEPROM. Its state stays.
@@ -170,7 +202,8 @@ void ect_reader_close(ect_reader_t *r);
 /**
  * Brings the slave to a state with a mailbox. Called by the functions below when it is due.
  * @return ECT_READER_OK · ECT_READER_REFUSED with the AL status code in `code` · ECT_READER_WRONG the EEPROM names no
- * usable mailbox · ECT_READER_SILENT the state was not reached within the timeout · ECT_READER_LOST
+ * usable mailbox · ECT_READER_SILENT the state was not reached within the timeout · ECT_READER_LOST ·
+ * ECT_READER_DECLINED the slave is in a state without a mailbox that it is to keep
  */
 ect_reader_result_t ect_reader_preop(ect_reader_t *r);
 
@@ -181,7 +214,7 @@ ect_reader_result_t ect_reader_preop(ect_reader_t *r);
  * @param[out] read  bytes read, also on failure
  * Cost: four frames for each 4 or 8 bytes, as the ESC reads them, and polls while the interface is busy.
  * @return ECT_READER_OK · ECT_READER_SILENT the interface stays busy · ECT_READER_WRONG the EEPROM does not acknowledge
- * · ECT_READER_LOST · ECT_READER_STOPPED
+ * · ECT_READER_LOST · ECT_READER_STOPPED · ECT_READER_DECLINED the PDI is using it
  */
 ect_reader_result_t ect_reader_sii(ect_reader_t *r, uint8_t *image, size_t size, size_t *read);
 

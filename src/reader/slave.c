@@ -154,6 +154,23 @@ static ect_reader_result_t bring_up(ect_reader_t *r)
     return change_state(r, PREOP);
 }
 
+/* The state as far as it decides on the mailbox: the error flag does, where it may be acknowledged. */
+static unsigned int state_of(const ect_reader_t *r, uint16_t status)
+{
+    const bool acknowledges = r->config.changes == ECT_READER_CHANGES_ALL;
+    return status & (ECT_AL_STATE_MASK | (acknowledges ? ECT_AL_ERROR : 0u));
+}
+
+static ect_reader_result_t check_changes(ect_reader_t *r, unsigned int state)
+{
+    if (r->config.changes == ECT_READER_CHANGES_ALL || (r->config.changes == ECT_READER_CHANGES_INIT && state == INIT))
+        return ECT_READER_OK;
+    return reader_report(r, ECT_READER_DECLINED, "the slave is in %s, without a mailbox",
+                         state == INIT   ? "INIT"
+                         : state == BOOT ? "BOOT"
+                                         : "an unknown state");
+}
+
 ect_reader_result_t ect_reader_preop(ect_reader_t *r)
 {
     uint16_t status = 0;
@@ -162,13 +179,15 @@ ect_reader_result_t ect_reader_preop(ect_reader_t *r)
         return reader_report(r, ECT_READER_WRONG, "the slave has no mailbox");
     if (al_status(r, &status, &code) != ECT_READER_OK)
         return r->result;
-    const unsigned int state = status & (ECT_AL_STATE_MASK | ECT_AL_ERROR);
+    const unsigned int state = state_of(r, status);
     const bool has_mailbox = state == PREOP || state == SAFEOP || state == OP;
     if (r->brought_up && has_mailbox)
         return reader_good(r);
     if (!r->brought_up && reader_get(r, ECT_REG_SM, r->found_sms, sizeof r->found_sms) != ECT_READER_OK)
         return r->result;
-    return has_mailbox ? adopt_mailbox(r) : bring_up(r);
+    if (has_mailbox)
+        return adopt_mailbox(r);
+    return check_changes(r, state) == ECT_READER_OK ? bring_up(r) : r->result;
 }
 
 void ect_reader_close(ect_reader_t *r)

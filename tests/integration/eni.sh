@@ -40,7 +40,7 @@ for element in VendorId:E57:E58 ProductCode:108:109 RevisionNo:10000:10001; do
 done
 
 # A clone reads a bus: what it finds is what a master finds.
-"$ectwin" with --quiet --in-process --virtual-time "eni:$eni/machine.xml" -- "$ectwin" clone -i {} -o "$work/clone" >"$work/out" 2>"$work/err"
+"$ectwin" with --quiet --in-process --virtual-time "eni:$eni/machine.xml" -- "$ectwin" clone --preop -i {} -o "$work/clone" >"$work/out" 2>"$work/err"
 check "ENI-009: identities in the order of the file" "@0x00000108/0x00010000 @0x000002A1/0x00000003 @0x00000108/0x00010000" \
   "$(grep -o '@0x[^:]*' "$work/out" | xargs)"
 check "ENI-010: the place in the tree" "3:1.2" "$(grep -o '[0-9]:[0-9]\.[0-9]' "$work/clone/bus.yaml" | xargs)"
@@ -60,7 +60,7 @@ printf 'ectwin: 1\ntwins:\n- device: fzm1\n- device: eni:machine.xml\n' >"$work/
 check "in a bus file, relative to it, behind other twins" "4 twins: fzm1,eni:$work/machine.xml" \
   "$(cd / && "$ectwin" check --quiet "$work/bus.yaml" 2>&1)"
 check "behind other twins the tree moves along" "4:2.2" "$("$ectwin" with --quiet --in-process --virtual-time "$work/bus.yaml" -- \
-  "$ectwin" clone -i {} -o "$work/clone2" >/dev/null 2>&1; grep -o '[0-9]:[0-9]\.[0-9]' "$work/clone2/bus.yaml" | xargs)"
+  "$ectwin" clone --preop -i {} -o "$work/clone2" >/dev/null 2>&1; grep -o '[0-9]:[0-9]\.[0-9]' "$work/clone2/bus.yaml" | xargs)"
 
 # The other way: a written file is the same bus, and a verify of it with the ESI files of its devices is silent.
 "$ectwin" eni --serial 1:5 --alias 2:17 --wire 3:1.2 fzm1*2,vr-bu-ect-map7 -o "$work/own.xml"

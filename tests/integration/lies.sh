@@ -44,7 +44,7 @@ done
 wait
 
 clone() { # DEVICE EXIT: what could be read is a bus that runs
-  with_slave "$1" "$ectwin" clone -i {} --limit 15 -o "$work/$1.clone" >"$work/$1.out" 2>"$work/$1.err"
+  with_slave "$1" "$ectwin" clone --preop -i {} --limit 15 -o "$work/$1.clone" >"$work/$1.out" 2>"$work/$1.err"
   check "$1: exit code of the clone" "$2" $?
   check "$1: a line of the clone" 1 "$(grep -c '^ectwin clone: slave 1: dictionary, read in part: ' "$work/$1.err")"
   timeout 20 "$ectwin" check "$work/$1.clone/bus.yaml" >/dev/null 2>"$work/$1.err"
