@@ -110,6 +110,7 @@ typedef struct twin_args {
     bool quiet;          /* no notes on standard error */
     ect_about_t about;   /* name and devices, as given */
     const char *modbus;  /* [ADDRESS:]PORT of a Modbus TCP server, NULL: none */
+    const char *udp;     /* [ADDRESS:]PORT of EtherCAT in UDP, NULL: none */
     const char *store;   /* folder of the twins' non-volatile memory, NULL: none */
     const char *files;   /* folder that a master reads and writes by FoE, NULL: none */
     const char *esi_dir; /* folder of ESI files for the slaves of an ENI, NULL: none */
@@ -174,9 +175,10 @@ void twin_args_free(twin_args_t *args);
  * The ready line (README) on a stream.
  * @param ifaces  NULL: nothing is plugged in there
  * @param modbus  where the Modbus server listens; NULL: there is none
+ * @param udp     where EtherCAT in UDP is received; NULL: it is not
  * @return false: it could not be written; the reason is printed, and the program must end
  */
-bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves, const char *modbus);
+bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves, const char *modbus, const char *udp);
 
 /**
  * Opens the control socket.
@@ -197,6 +199,7 @@ typedef struct session {
     const char *who; /**< "ectwin run": each line for the user begins with it */
     twin_args_t *twins;
     ect_packet_t ports[ECT_ENDS];
+    ect_udp_t udp;
     ect_runner_t runner; /**< `control` and `signal_fd` are the command's to open; ::session_close closes them */
     bool (*on_signal)(void *ctx, int signal_number, bool from_terminal);
     void *ctx;
@@ -221,6 +224,13 @@ int session_open_modbus(session_t *s);
 int session_open_hosts(session_t *s);
 /** The address of the Modbus server; NULL: none. */
 const char *session_modbus(const session_t *s);
+/**
+ * Opens the port for EtherCAT in UDP that the command line asks for, in the network of this moment; without one there
+ * is nothing to do. @return EXIT_CLEAN; EXIT_USAGE or EXIT_OPEN with the reason printed
+ */
+int session_open_udp(session_t *s);
+/** The address of EtherCAT in UDP; NULL: none. */
+const char *session_udp(const session_t *s);
 /**
  * Opens the control socket. @param ifaces  that masters use, or the twins answer on
  * @return EXIT_CLEAN; EXIT_OPEN with the reason printed

@@ -53,6 +53,7 @@ static int usage(FILE *stream, int status)
         "does\n"
         "       ectwin check BUS.yaml                         check a bus file without running it\n"
         "       ectwin run  --modbus [ADDR:]PORT DEVICE       run a base unit over Modbus TCP alone\n"
+        "       ectwin run  --udp [ADDR:]PORT DEVICE[,...]    answer EtherCAT in UDP, without any rights\n"
         "       ectwin with DEVICE[,DEVICE...] -- CMD ARG...  run CMD with these devices on a private network\n"
         "       ectwin with --external PROGRAM -- CMD ARG...  run CMD with a slave of your own, which takes -i IFACE\n"
         "       ectwin sii  DEVICE [-o FILE]                  write the SII (EEPROM) image\n"

@@ -46,7 +46,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         args->devices = text;
         return 0;
     case ARGP_KEY_END:
-        if (!args->ifaces[ECT_END_IN] && (args->ifaces[ECT_END_OUT] || !args->twins.modbus))
+        if (!args->ifaces[ECT_END_IN] && !args->twins.udp && (args->ifaces[ECT_END_OUT] || !args->twins.modbus))
             argp_error(state, "no interface: name it with -i IFACE; 'ip -br link' lists the interfaces");
         if (!args->devices)
             argp_error(state, "no device: name one; 'ectwin list' lists the devices");
@@ -106,9 +106,8 @@ int command_run(int argc, char **argv)
         .options = run_options,
         .parser = parse,
         .args_doc = "DEVICE[,DEVICE...]\nBUS.yaml\neni:FILE.xml",
-        .doc = "Runs a chain of devices on a network interface until SIGINT, SIGTERM or SIGHUP. With --modbus and "
-               "without an "
-               "interface: one base unit, over Modbus TCP alone.",
+        .doc = "Runs a chain of devices on a network interface until SIGINT, SIGTERM or SIGHUP. Without an "
+               "interface: over EtherCAT in UDP (--udp), or one base unit over Modbus TCP (--modbus).",
         .children = children,
     };
     run_args_t args = {0};
@@ -127,6 +126,8 @@ int command_run(int argc, char **argv)
             print_hints(&session.ports[end]);
     }
     if (status == EXIT_CLEAN)
+        status = session_open_udp(&session);
+    if (status == EXIT_CLEAN)
         status = session_open_modbus(&session);
     if (status == EXIT_CLEAN)
         status = session_open_control(&session, args.ifaces);
@@ -136,7 +137,8 @@ int command_run(int argc, char **argv)
         status = session_open_hosts(&session);
     if (status == EXIT_CLEAN) {
         session_drop_rights(&session, false);
-        bool printed = print_ready(stdout, args.ifaces, args.twins.count, session_modbus(&session));
+        bool printed =
+            print_ready(stdout, args.ifaces, args.twins.count, session_modbus(&session), session_udp(&session));
         status = printed ? session_verdict(&session, session_run(&session, on_signal, NULL)) : EXIT_OPEN;
     }
     session_close(&session);

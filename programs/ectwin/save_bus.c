@@ -204,10 +204,10 @@ static void cut_words(save_t *s, int count, char **words)
 /* Options that neither shape the twins nor their wires; those of this moment come from the running bus. */
 static bool is_of_run(const char *name)
 {
-    static const char *const names[] = {"set",   "fault",     "faults",   "scenario",       "drop",
-                                        "delay", "delay-us",  "play",     "store",          "files",
-                                        "pcap",  "pcap-size", "record",   "modbus",         "break",
-                                        "quiet", "name",      "realtime", "files-password", "busy-poll"};
+    static const char *const names[] = {"set",      "fault",          "faults",   "scenario", "drop",  "delay",
+                                        "delay-us", "play",           "store",    "files",    "pcap",  "pcap-size",
+                                        "record",   "modbus",         "udp",      "break",    "quiet", "name",
+                                        "realtime", "files-password", "busy-poll"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         if (strcmp(names[i], name) == 0)
             return true;

@@ -102,6 +102,25 @@ int session_open(session_t *s, const char *const ifaces[ECT_ENDS])
     return EXIT_OPEN;
 }
 
+int session_open_udp(session_t *s)
+{
+    char message[ECT_PACKET_MESSAGE];
+    if (!s->twins->udp)
+        return EXIT_CLEAN;
+    if (ect_udp_open(&s->udp, s->twins->udp, message) == 0) {
+        s->runner.udp = &s->udp;
+        return EXIT_CLEAN;
+    }
+    int status = errno == EINVAL ? EXIT_USAGE : EXIT_OPEN;
+    fprintf(stderr, "%s: --udp: %s\n", s->who, message);
+    return status;
+}
+
+const char *session_udp(const session_t *s)
+{
+    return s->runner.udp ? s->udp.address : NULL;
+}
+
 static void list_modbus_devices(const char *who)
 {
     const char *before = "; devices with one: ";
@@ -174,6 +193,8 @@ int session_open_control(session_t *s, char *const ifaces[ECT_ENDS])
 {
     for (unsigned int end = 0; end < ECT_ENDS; end++)
         s->twins->about.ifaces[end] = ifaces[end];
+    if (!ifaces[ECT_END_IN])
+        s->twins->about.ifaces[ECT_END_IN] = session_udp(s);
     s->runner.client_pause_ns = ECT_RUNNER_REST_NS;
     twin_args_describe(s->twins);
     return open_control(s->who, &s->twins->about, &s->runner.exchange.control);
@@ -219,9 +240,9 @@ int session_run(session_t *s, bool (*on_end)(void *ctx, int signal_number, bool 
         ect_trace_start(s->runner.exchange.trace);
     if (s->runner.signal_fd >= 0 && ect_runner_run(&s->runner) == 0)
         return EXIT_CLEAN;
-    fprintf(stderr, "%s: stopped on '%s': %s\n", s->who,
-            s->runner.modbus && !s->runner.ports[ECT_END_IN] ? session_modbus(s) : s->ports[ECT_END_IN].iface,
-            strerror(errno));
+    const int error = errno;
+    const char *at = s->runner.ports[ECT_END_IN] ? s->ports[ECT_END_IN].iface : session_udp(s);
+    fprintf(stderr, "%s: stopped on '%s': %s\n", s->who, at ? at : session_modbus(s), strerror(error));
     return EXIT_RUN;
 }
 
@@ -247,6 +268,8 @@ void session_close(session_t *s)
         if (s->runner.ports[end])
             ect_packet_close(s->runner.ports[end]);
     }
+    if (s->runner.udp)
+        ect_udp_close(s->runner.udp);
     if (s->runner.link_fd >= 0)
         close(s->runner.link_fd);
     if (s->runner.signal_fd >= 0)

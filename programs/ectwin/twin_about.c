@@ -26,7 +26,7 @@ void twin_args_describe(twin_args_t *args)
     args->about.words_length = size;
 }
 
-bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves, const char *modbus)
+bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves, const char *modbus, const char *udp)
 {
     cJSON *line = cJSON_CreateObject();
     cJSON_AddStringToObject(line, "event", "ready");
@@ -36,6 +36,8 @@ bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves, cons
         cJSON_AddStringToObject(line, "iface2", ifaces[ECT_END_OUT]);
     if (modbus)
         cJSON_AddStringToObject(line, "modbus", modbus);
+    if (udp)
+        cJSON_AddStringToObject(line, "udp", udp);
     cJSON_AddNumberToObject(line, "slaves", (double)slaves);
     char *text = cJSON_PrintUnformatted(line);
     bool written = fprintf(stream, "%s\n", text ? text : "") > 0 && fflush(stream) == 0;

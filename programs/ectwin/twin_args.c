@@ -48,6 +48,7 @@ enum {
     KEY_FILES,
     KEY_FILES_PASSWORD,
     KEY_MODBUS,
+    KEY_UDP,
     KEY_NAME,
     KEY_PCAP,
     KEY_PCAP_SIZE,
@@ -82,6 +83,11 @@ static const struct argp_option options[] = {
      "Let the master read and write the files of this folder by FoE, in BOOT too (default: no files)", 1},
     {"files-password", KEY_FILES_PASSWORD, "N", 0,
      "Password of the FoE requests for --files, 1..4294967295 (default: none is necessary)", 1},
+    {"udp", KEY_UDP, "[ADDR:]PORT", 0,
+     "Answer EtherCAT in UDP too, at this address (default address 127.0.0.1; port 0: any free port). Every sender is "
+     "a "
+     "master",
+     1},
     {"modbus", KEY_MODBUS, "[ADDR:]PORT", 0,
      "Serve Modbus TCP too, at this address (default address 127.0.0.1; port 0: any free port); for one base unit", 1},
     {"name", KEY_NAME, "NAME", 0,
@@ -541,6 +547,9 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_FILES_PASSWORD:
         args->files_password = parse_number(state, "--files-password", text, UINT32_MAX);
+        return 0;
+    case KEY_UDP:
+        args->udp = text;
         return 0;
     case KEY_MODBUS:
         args->modbus = text;

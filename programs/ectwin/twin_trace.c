@@ -77,7 +77,7 @@ static void log_start(const twin_args_t *args, ect_trace_t *trace, uint64_t offs
 /* Requests over Modbus TCP come again behind the frames of a record; the frames of a host behind EoE are not in it. */
 static bool can_record(const twin_args_t *args, const char *who)
 {
-    const bool framed = !args->modbus || args->about.ifaces[ECT_END_IN];
+    const bool framed = !args->modbus || args->about.ifaces[ECT_END_IN] || args->udp;
     const char *host = eoe_args_host(&args->eoe);
     if (args->record && !framed)
         twin_args_report(args, who, "--record needs frames, and there is no interface for them: add -i IFACE");

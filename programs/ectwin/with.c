@@ -64,9 +64,11 @@ static void check_in_process(const with_args_t *args, const struct argp_state *s
         argp_error(state, "--virtual-time needs --in-process: the clock of a network cannot be virtual");
     if (args->in_process && args->external)
         argp_error(state, "--external is a process of its own, and --in-process has none: leave one of them out");
-    if (args->in_process && (args->twins.modbus || args->twins.realtime != 0 || args->twins.busy_poll))
-        argp_error(state,
-                   "--modbus, --realtime and --busy-poll need a process of the twins' own: leave out --in-process");
+    if (args->in_process &&
+        (args->twins.modbus || args->twins.udp || args->twins.realtime != 0 || args->twins.busy_poll))
+        argp_error(
+            state,
+            "--modbus, --udp, --realtime and --busy-poll need a process of the twins' own: leave out --in-process");
 }
 
 static void check_arguments(with_args_t *args, const struct argp_state *state)
@@ -212,9 +214,11 @@ static int serve(with_args_t *args, session_t *session)
 {
     child_t child = {.status = -1};
     const char *modbus = session_modbus(session);
-    (void)print_ready(stderr, args->masters, args->twins.count, modbus);
+    (void)print_ready(stderr, args->masters, args->twins.count, modbus, session_udp(session));
     if (modbus)
         setenv("ECTWIN_MODBUS", modbus, 1);
+    if (session_udp(session))
+        setenv("ECTWIN_UDP", session_udp(session), 1);
     bool started = start_command(args, &child, session->runner.exchange.control);
     session_drop_rights(session, true);
     int status = started ? session_run(session, on_signal, &child) : EXIT_RUN;
@@ -420,7 +424,7 @@ static int serve_in_process(with_args_t *args)
     }
     if (status != EXIT_CLEAN)
         return status;
-    (void)print_ready(stderr, args->masters, count, NULL);
+    (void)print_ready(stderr, args->masters, count, NULL, NULL);
     status = wait_in_process(args, signal_fd);
     bool met = !expects;
     bool used = in_process_finish(&twins, &met);
@@ -466,7 +470,9 @@ int command_with(int argc, char **argv)
     if (status == EXIT_CLEAN)
         status = session_open(&session, ends);
     if (status == EXIT_CLEAN)
-        status = session_open_modbus(&session); /* inside: CMD is to reach it */
+        status = session_open_udp(&session); /* inside: CMD is to reach it */
+    if (status == EXIT_CLEAN)
+        status = session_open_modbus(&session); /* inside as well */
     if (status == EXIT_CLEAN)
         status = session_open_hosts(&session);
     if (status == EXIT_CLEAN)

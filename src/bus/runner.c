@@ -13,8 +13,8 @@
 enum { NS_PER_S = 1000000000 };
 
 /* The descriptors of the loop: frames at each end, without a VLAN tag and with one, signals, cables, control socket,
- * Modbus server, hosts behind EoE. */
-enum { TAGGED_FD = ECT_ENDS, TAGGED_OUT_FD, SIGNAL_FD, LINK_FD, CONTROL_FD, MODBUS_FD, HOSTS_FD, WAITABLE };
+ * Modbus server, hosts behind EoE, EtherCAT in UDP. */
+enum { TAGGED_FD = ECT_ENDS, TAGGED_OUT_FD, SIGNAL_FD, LINK_FD, CONTROL_FD, MODBUS_FD, HOSTS_FD, UDP_FD, WAITABLE };
 
 /* Kinds of clients, in the order of their descriptors. */
 enum { CONTROL, MODBUS, HOSTS, CLIENTS };
@@ -75,6 +75,7 @@ static int wait_for(const ect_runner_t *r, struct pollfd fds[WAITABLE], uint64_t
     }
     fds[SIGNAL_FD] = (struct pollfd){.fd = r->signal_fd, .events = POLLIN};
     fds[LINK_FD] = (struct pollfd){.fd = r->link_fd, .events = POLLIN};
+    fds[UDP_FD] = (struct pollfd){.fd = r->udp ? r->udp->fd : -1, .events = POLLIN};
     for (unsigned int i = 0; i < CLIENTS; i++)
         fds[CONTROL_FD + i] = (struct pollfd){.fd = r->pausing ? -1 : client_fd(r, i), .events = POLLIN};
     struct timespec timeout = {0};
@@ -99,33 +100,34 @@ static void send_out(void *ctx, ect_end_t end, const uint8_t *frame, size_t leng
 {
     ect_runner_t *r = ctx;
     ect_endless_sent(&r->endless[end], frame, length);
-    ect_packet_send(r->ports[end], frame, length);
+    if (r->udp && ect_udp_carries(frame, length))
+        ect_udp_send(r->udp, frame, length);
+    else if (r->ports[end])
+        ect_packet_send(r->ports[end], frame, length);
 }
 
 /* Whether frames circulate; the first time is reported. */
-static bool is_circulating(ect_runner_t *r, ect_end_t end, const uint8_t *frame, size_t length, uint64_t now_ns)
+static bool is_circulating(ect_runner_t *r, ect_end_t end, const uint8_t *frame, size_t length)
 {
-    if (!ect_endless_received(&r->endless[end], frame, length, now_ns))
+    if (!ect_endless_received(&r->endless[end], frame, length, r->exchange.polled_ns))
         return false;
     if (r->exchange.stats.circling++ == 0)
-        r->on_circulating(r->ctx, r->ports[end]->iface);
+        r->on_circulating(r->ctx, ect_udp_carries(frame, length) ? r->udp->address : r->ports[end]->iface);
     return true;
 }
 
 static void follow_cables(ect_runner_t *r)
 {
     for (unsigned int end = 0; end < ECT_ENDS; end++) {
-        r->linked[end] = r->ports[end] && (r->link_fd < 0 || ect_packet_has_link(r->ports[end]));
+        r->linked[end] =
+            (r->udp && end == ECT_END_IN) || (r->ports[end] && (r->link_fd < 0 || ect_packet_has_link(r->ports[end])));
         ect_exchange_link(&r->exchange, end, r->linked[end]);
     }
 }
 
-/* @return 1: a frame came; 0: none; -1: the interface is gone */
-static int receive_frame(ect_runner_t *r, ect_end_t in, bool wait)
+/* @param length  as a port has returned it. @return 1: a frame came; 0: none; -1: the interface is gone */
+static int take_frame(ect_runner_t *r, ect_end_t in, uint8_t *frame, ssize_t length, const ect_packet_time_t *time)
 {
-    uint8_t frame[ECT_EXCHANGE_FRAME];
-    ect_packet_time_t time;
-    ssize_t length = ect_packet_receive(r->ports[in], wait, frame, sizeof frame, &time);
     if (length == ECT_PACKET_NONE || length == ECT_PACKET_GONE)
         return (int)length;
     if (!r->linked[in])
@@ -133,11 +135,31 @@ static int receive_frame(ect_runner_t *r, ect_end_t in, bool wait)
     r->exchange.stats.frames++;
     if (length == ECT_PACKET_STALE)
         r->exchange.stats.stale++;
-    else if ((size_t)length > sizeof frame)
-        ect_exchange_long_frame(&r->exchange, in, frame, (size_t)length, time.now_ns);
-    else if (!is_circulating(r, in, frame, (size_t)length, r->exchange.polled_ns))
-        ect_exchange_frame(&r->exchange, in, frame, (size_t)length, &time);
+    else if (length == ECT_UDP_REFUSED)
+        r->exchange.stats.unanswered++;
+    else if ((size_t)length > ECT_EXCHANGE_FRAME)
+        ect_exchange_long_frame(&r->exchange, in, frame, (size_t)length, time->now_ns);
+    else if (!is_circulating(r, in, frame, (size_t)length))
+        ect_exchange_frame(&r->exchange, in, frame, (size_t)length, time);
     return 1;
+}
+
+/* @return as take_frame() */
+static int receive_frame(ect_runner_t *r, ect_end_t in, bool wait)
+{
+    uint8_t frame[ECT_EXCHANGE_FRAME];
+    ect_packet_time_t time;
+    ssize_t length = ect_packet_receive(r->ports[in], wait, frame, sizeof frame, &time);
+    return take_frame(r, in, frame, length, &time);
+}
+
+/* @return as take_frame() */
+static int receive_datagram(ect_runner_t *r)
+{
+    uint8_t frame[ECT_EXCHANGE_FRAME];
+    ect_packet_time_t time;
+    ssize_t length = ect_udp_receive(r->udp, frame, &time);
+    return take_frame(r, ECT_END_IN, frame, length, &time);
 }
 
 static bool take_signal(const ect_runner_t *r)
@@ -198,7 +220,7 @@ static void serve_clients(ect_runner_t *r, bool frame, const struct pollfd fds[W
 static bool may_wait_for_frame(const ect_runner_t *r, uint64_t wake_ns)
 {
     const ect_packet_t *port = r->ports[ECT_END_IN];
-    if (!port || r->ports[ECT_END_OUT])
+    if (!port || r->ports[ECT_END_OUT] || r->udp)
         return false;
     return r->busy_poll || (r->frames_come && port->wait_ns != 0 && wake_ns > r->exchange.polled_ns + port->wait_ns);
 }
@@ -225,6 +247,9 @@ static int serve(ect_runner_t *r, const struct pollfd fds[WAITABLE])
         if (came && receive_frame(r, end, false) < 0)
             return -1;
     }
+    frame |= fds[UDP_FD].revents != 0;
+    if (fds[UDP_FD].revents != 0 && receive_datagram(r) < 0)
+        return -1;
     if (fds[LINK_FD].revents != 0) {
         ect_packet_links_seen(r->link_fd);
         follow_cables(r);

@@ -14,12 +14,14 @@
 #include "bus/modbus/modbus.h"
 #include "bus/net/endless.h"
 #include "bus/net/packet.h"
+#include "bus/net/udp.h"
 #include "wire/linkage.h"
 
 ECT_C_BEGIN
 
 typedef struct ect_runner {
     ect_packet_t *ports[ECT_ENDS]; /**< by ::ect_end_t; NULL: no interface */
+    ect_udp_t *udp;                /**< a second way into ECT_END_IN, whose link is then up; NULL: none */
     ect_exchange_t exchange;       /**< chain, control socket, faults, filter; the loop sets its callbacks */
     ect_modbus_server_t *modbus;   /**< of the first twin; NULL: none */
     ect_hosts_t *hosts;            /**< networks behind twins with EoE; NULL: none */

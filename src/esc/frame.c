@@ -246,7 +246,8 @@ size_t ect_frame_datagrams(const uint8_t *frame, size_t length)
     if (length > ECT_ESC_MAX_FRAME || length < ETHERNET_HEADER)
         return 0;
     size_t at = find_header(frame, length);
-    bool plain = at != 0 && at < ETHERNET_HEADER + IP_AND_UDP && datagrams_fit(frame, at + 2, length);
+    bool summed = at >= ETHERNET_HEADER + IP_AND_UDP && ect_load_be16(frame + at - 2) != 0;
+    bool plain = at != 0 && !summed && datagrams_fit(frame, at + 2, length);
     return plain && ect_load_le16(frame + at) >> 12 == TYPE_DATAGRAMS ? at + 2 : 0;
 }
 

@@ -88,7 +88,8 @@ static inline uint32_t ect_esc_routing(const ect_esc_t *esc)
 
 /**
  * Finds the first datagram of a frame.
- * @return its offset; 0: the frame is malformed, too long, not EtherCAT, or EtherCAT in UDP
+ * @return its offset; 0: the frame is malformed, too long, not EtherCAT, or EtherCAT in UDP with a check sum, which
+ * the controllers have to clear
  */
 size_t ect_frame_datagrams(const uint8_t *frame, size_t length);
 

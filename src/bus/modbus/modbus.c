@@ -5,7 +5,6 @@
 #include <errno.h>
 #include <limits.h>
 #include <modbus/modbus.h>
-#include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -17,7 +16,7 @@
 #include <unistd.h>
 
 #include "bus/modbus/modbus_request.h"
-#include "text/number.h"
+#include "bus/net/address.h"
 #include "wire/assert.h"
 #include "wire/bytes.h"
 
@@ -50,7 +49,7 @@ struct ect_modbus_server {
     int replied[2]; /* libmodbus writes into the first, the reply is read from the second; -1: replies go to clients */
     ect_modbus_observer_t *observer; /* NULL: none */
     void *observer_ctx;
-    char address[80];
+    char address[ECT_ADDRESS_TEXT];
 };
 
 /* --- opening ------------------------------------------------------------------------------------------------------ */
@@ -77,17 +76,6 @@ static bool make_replies(ect_modbus_server_t *s)
                                     .tab_input_registers = registers};
     s->replies = modbus_new_tcp("127.0.0.1", 0); /* never connects: each reply lends it a socket */
     return bits && registers && s->replies && modbus_set_response_timeout(s->replies, 0, 1) == 0;
-}
-
-static void describe(ect_modbus_server_t *s)
-{
-    struct sockaddr_storage address;
-    socklen_t size = sizeof address;
-    char host[64] = "", port[8] = "";
-    if (getsockname(s->fd, (struct sockaddr *)&address, &size) == 0)
-        (void)getnameinfo((struct sockaddr *)&address, size, host, sizeof host, port, sizeof port,
-                          NI_NUMERICHOST | NI_NUMERICSERV);
-    snprintf(s->address, sizeof s->address, strchr(host, ':') ? "[%s]:%s" : "%s:%s", host, port);
 }
 
 /* @param fd  as in ::ect_modbus_server_at; -1: none */
@@ -117,7 +105,7 @@ ect_modbus_server_t *ect_modbus_server_at(int fd, char *message)
 {
     ect_modbus_server_t *s = make_server(fd, message);
     if (s)
-        describe(s);
+        ect_address_print(s->fd, s->address);
     return s;
 }
 
@@ -144,32 +132,14 @@ bool ect_modbus_server_observe(ect_modbus_server_t *s, ect_modbus_observer_t *ob
     return open_replied(s);
 }
 
-/* "PORT", "ADDRESS:PORT", "[ADDRESS]:PORT". @return NULL: it is none of these */
-static struct addrinfo *find_address(const char *where)
-{
-    const struct addrinfo hints = {.ai_socktype = SOCK_STREAM,
-                                   .ai_flags = AI_PASSIVE | AI_NUMERICHOST | AI_NUMERICSERV};
-    struct addrinfo *found = NULL;
-    char host[64] = "127.0.0.1";
-    const char *colon = strrchr(where, ':');
-    const char *port = colon ? colon + 1 : where;
-    bool brackets = colon && where[0] == '[' && colon[-1] == ']';
-    if (colon)
-        snprintf(host, sizeof host, "%.*s", (int)(colon - where) - (brackets ? 2 : 0), where + (brackets ? 1 : 0));
-    uint64_t number;
-    if (!ect_number(port, 0, UINT16_MAX, &number) || (!brackets && strchr(host, ':')))
-        return NULL;
-    return getaddrinfo(host, port, &hints, &found) == 0 ? found : NULL;
-}
-
-static int listen_at(const struct addrinfo *at)
+static int listen_at(const ect_address_t *address)
 {
     const int on = 1;
-    int fd = socket(at->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    int fd = socket(address->at.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (fd < 0)
         return -1;
     (void)setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on); /* connections of one that has just ended */
-    if (bind(fd, at->ai_addr, at->ai_addrlen) == 0 && listen(fd, SOMAXCONN) == 0)
+    if (bind(fd, (const struct sockaddr *)&address->at, address->size) == 0 && listen(fd, SOMAXCONN) == 0)
         return fd;
     int error = errno;
     close(fd);
@@ -177,36 +147,21 @@ static int listen_at(const struct addrinfo *at)
     return -1;
 }
 
-static const char *why_not(int error)
-{
-    switch (error) {
-    case EADDRINUSE:
-        return "the port is taken: choose another one, or 0 for any that is free";
-    case EACCES:
-        return "a port below 1024 needs CAP_NET_BIND_SERVICE: take a higher one, or run it with sudo";
-    case EADDRNOTAVAIL:
-        return "this machine does not have the address; 'ip -br address' lists those it has";
-    default:
-        return strerror(error);
-    }
-}
-
 ect_modbus_server_t *ect_modbus_server_open(const char *where, char *message)
 {
-    struct addrinfo *at = find_address(where);
-    if (!at) {
+    ect_address_t address;
+    if (!ect_address_parse(&address, where)) {
         snprintf(message, ECT_MODBUS_MESSAGE,
                  "'%s' is no [ADDRESS:]PORT: the address in numbers, the port from 0 to 65535, as in 127.0.0.1:502",
                  where);
         errno = EINVAL;
         return NULL;
     }
-    int fd = listen_at(at);
+    int fd = listen_at(&address);
     int error = errno;
-    freeaddrinfo(at);
     if (fd >= 0)
         return ect_modbus_server_at(fd, message);
-    snprintf(message, ECT_MODBUS_MESSAGE, "cannot listen at '%s': %s", where, why_not(error));
+    snprintf(message, ECT_MODBUS_MESSAGE, "cannot listen at '%s': %s", where, ect_address_why(error));
     errno = error;
     return NULL;
 }

@@ -3,8 +3,8 @@
 
 #include "wire/bytes.h"
 
-enum { SOURCE = 6, TYPE = 12, TAG = 4, DATAGRAM = 16, DATA = DATAGRAM + 10 };
-enum { ETHERTYPE_VLAN = 0x8100, ETHERTYPE_ECAT = 0x88A4 };
+enum { SOURCE = 6, TYPE = 12, TAG = 4, IP_AND_UDP = 28, DATAGRAM = 16, DATA = DATAGRAM + 10 };
+enum { ETHERTYPE_VLAN = 0x8100, ETHERTYPE_ECAT = 0x88A4, ETHERTYPE_IPV4 = 0x0800 };
 
 typedef struct ect_endless_mark mark_t;
 
@@ -16,8 +16,15 @@ static bool mark_of(const uint8_t *frame, size_t length, mark_t *mark)
         frame += TAG;
         length -= TAG;
     }
-    if (length < DATA || ect_load_be16(frame + TYPE) != ETHERTYPE_ECAT)
+    if (length < DATA)
         return false;
+    uint16_t type = ect_load_be16(frame + TYPE);
+    if (type == ETHERTYPE_IPV4 && length >= DATA + IP_AND_UDP) { /* of a port for UDP */
+        frame += IP_AND_UDP;
+        length -= IP_AND_UDP;
+    } else if (type != ETHERTYPE_ECAT) {
+        return false;
+    }
     uint16_t size = ect_load_le16(frame + DATAGRAM + 6) & 0x07FF;
     if (length < (size_t)DATA + size + 2)
         return false;

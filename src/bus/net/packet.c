@@ -380,14 +380,15 @@ static ssize_t receive_tagged(ect_packet_t *port, uint8_t *frame, size_t room)
     return length;
 }
 
-static void take_time(ect_packet_t *port, int fd, ect_packet_time_t *time)
+bool ect_packet_arrived(int fd, uint64_t *came_ns, ect_packet_time_t *time)
 {
     *time = (ect_packet_time_t){.now_ns = ect_packet_now()};
-    if (fd == port->fd && time->now_ns - port->came_ns <= ECT_PACKET_ASK_NS)
-        return;
+    if (came_ns && time->now_ns - *came_ns <= ECT_PACKET_ASK_NS)
+        return false;
     time->waited_ns = age(fd);
-    if (fd == port->fd)
-        port->came_ns = time->now_ns - time->waited_ns;
+    if (came_ns)
+        *came_ns = time->now_ns - time->waited_ns;
+    return time->waited_ns > STALE_NS && another_waits(fd);
 }
 
 ssize_t ect_packet_receive(ect_packet_t *port, bool wait, uint8_t *frame, size_t room, ect_packet_time_t *time)
@@ -402,8 +403,8 @@ ssize_t ect_packet_receive(ect_packet_t *port, bool wait, uint8_t *frame, size_t
     }
     if (length < 0)
         return why_nothing(port);
-    take_time(port, fd, time);
-    return time->waited_ns > STALE_NS && another_waits(fd) ? ECT_PACKET_STALE : length;
+    bool stale = ect_packet_arrived(fd, fd == port->fd ? &port->came_ns : NULL, time);
+    return stale ? ECT_PACKET_STALE : length;
 }
 
 void ect_packet_send(const ect_packet_t *port, const uint8_t *frame, size_t length)

@@ -79,6 +79,14 @@ bool ect_packet_share(ect_packet_t *port);
  */
 ssize_t ect_packet_receive(ect_packet_t *port, bool wait, uint8_t *frame, size_t room, ect_packet_time_t *time);
 
+/**
+ * Reads the time at which a socket has received the last frame or datagram.
+ * @param came_ns  arrival of the last one whose age was read, updated; NULL: the age is read in any case
+ * @param[out] time  set
+ * @return true: it has waited for more than 5 ms while newer ones came. Cost: as ::ect_packet_receive beside the frame
+ */
+bool ect_packet_arrived(int fd, uint64_t *came_ns, ect_packet_time_t *time);
+
 /** @return whether the interface is up and has a carrier. Cost: one or two system calls. */
 bool ect_packet_has_link(const ect_packet_t *port);
 
