@@ -57,27 +57,30 @@ same_seed_same_frames() {
   check "there are frames" yes "$([ "$(wc -c <"$work/run1.pcapng")" -gt 2000 ] && echo yes)"
 }
 
-the_verdict_is_in_the_exit_status() {
-  local way
-  for way in "" "--in-process" "--in-process --virtual-time"; do
-    # shellcheck disable=SC2086
-    status() { "$ectwin" with $way --scenario "$work/script.txt" vr-bu-ect-map7 -- "$@" >"$work/out" 2>"$work/err"; echo $?; }
-    script 'expect ecat.state=8 within 10s'
-    check "met ($way)" 0 "$(status "$controller" '{}' --seconds 1)"
-    check "the status of CMD stays ($way)" 7 "$(status sh -c "'$controller' \$ECTWIN_IFACE --seconds 1; exit 7")"
-    script 'expect ecat.state=8 within 10s' 'expect ecat.state=4 at OP after 5 cycles'
-    check "failed ($way)" 3 "$(status "$controller" '{}' --seconds 1)"
-    check "failed: the line ($way)" "line 2: 'expect ecat.state=4 at OP after 5 cycles' has failed: ecat.state is 8" \
-      "$(sed -n 's/^ectwin[^:]*: \(line 2.*\)/\1/p' "$work/err")"
-    check "failed, and CMD too ($way)" 7 "$(status sh -c "'$controller' \$ECTWIN_IFACE --seconds 1; exit 7")"
-    script 'at BOOT expect ecat.state=3'
-    check "never reached ($way)" 3 "$(status "$controller" '{}' --seconds 1)"
-  done
+# the_verdict_is_the_status OPTION...: of the run
+the_verdict_is_the_status() {
+  local way="$*"
+  # shellcheck disable=SC2086
+  status() { "$ectwin" with $way --scenario "$work/script.txt" vr-bu-ect-map7 -- "$@" >"$work/out" 2>"$work/err"; echo $?; }
+  script 'expect ecat.state=8 within 10s'
+  check "met ($way)" 0 "$(status "$controller" '{}' --seconds 1)"
+  check "the status of CMD stays ($way)" 7 "$(status sh -c "'$controller' \$ECTWIN_IFACE --seconds 1; exit 7")"
+  script 'expect ecat.state=8 within 10s' 'expect ecat.state=4 at OP after 5 cycles'
+  check "failed ($way)" 3 "$(status "$controller" '{}' --seconds 1)"
+  check "failed: the line ($way)" "line 2: 'expect ecat.state=4 at OP after 5 cycles' has failed: ecat.state is 8" \
+    "$(sed -n 's/^ectwin[^:]*: \(line 2.*\)/\1/p' "$work/err")"
+  check "failed, and CMD too ($way)" 7 "$(status sh -c "'$controller' \$ECTWIN_IFACE --seconds 1; exit 7")"
+  script 'at BOOT expect ecat.state=3'
+  check "never reached ($way)" 3 "$(status "$controller" '{}' --seconds 1)"
 }
+the_verdict_over_the_network() { the_verdict_is_the_status; }
+the_verdict_in_process() { the_verdict_is_the_status --in-process; }
+the_verdict_on_the_virtual_clock() { the_verdict_is_the_status --in-process --virtual-time; }
 
 its_progress_is_watched() {
   script '# two steps' 'at 3s set data1=5' 'at 4s expect data1=5'
-  "$ectwin" with --scenario "$work/script.txt" fzm1 -- timeout 20 "$ectwin" watch --every --until scenario.verdict=met 'scenario.*' >"$work/out" 2>"$work/err"
+  "$ectwin" with --in-process --virtual-time --scenario "$work/script.txt" fzm1 -- "$python" "$recorder" {} "$work/out" true \
+    timeout 60 "$ectwin" watch --every --until scenario.verdict=met 'scenario.*' >"$work/out" 2>"$work/err"
   check "watch: until the verdict" 0 $?
   check "watch: line 2 has acted" yes "$(grep -q '"name":"scenario.line","value":2,' "$work/out" && echo yes)"
   check "watch: its text" yes "$(grep -q '"name":"scenario.step","value":"at 3s set data1=5",' "$work/out" && echo yes)"
@@ -113,10 +116,10 @@ mistakes_are_found_before_the_run() {
 }
 
 # A master on the virtual clock: its time passes when the watch that it starts has begun, and before the commands behind it.
-# usage: recorder.py IFACE CSV COMMANDS WATCH ARG...
+# usage: recorder.py IFACE OUTPUT COMMANDS WATCH ARG...
 cat >"$work/recorder.py" <<'END_OF_MASTER'
 import os, socket, subprocess, sys, time
-iface, csv, commands, *watch = sys.argv[1:]
+iface, output, commands, *watch = sys.argv[1:]
 bus = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(0x88A4))
 bus.bind((iface, 0))
 
@@ -130,7 +133,7 @@ def serve_until(done):  # in no time of the bus but that of its calls
 
 
 watching = subprocess.Popen(watch)
-serve_until(lambda: watching.poll() is not None or os.path.exists(csv) and os.path.getsize(csv) > 0)
+serve_until(lambda: watching.poll() is not None or os.path.exists(output) and os.path.getsize(output) > 0)
 time.sleep(5)
 serve_until(lambda: watching.poll() is not None)
 following = subprocess.Popen(commands, shell=True)
@@ -212,7 +215,8 @@ set_in_time() {
 # A wave from a file, and tables of scenes from another; a file may have a comma in its name.
 waves_and_scenes() {
   printf 'time,data1\n0,0.0\n1,8.0\n2,0.0\n' >"$work/wave,loop"
-  "$ectwin" with --play "$work/wave,loop,loop,every=250ms" fzm1 -- timeout 8 "$ectwin" watch --csv "$work/wave.csv" --every --until data1=8 data1 2>"$work/err"
+  "$ectwin" with --in-process --virtual-time --play "$work/wave,loop,loop,every=250ms" fzm1 -- "$python" "$recorder" {} "$work/wave.csv" true \
+    timeout 60 "$ectwin" watch --csv "$work/wave.csv" --every --until data1=8 data1 2>"$work/err"
   check "a wave: steps on a line" yes "$(cut -d, -f2 "$work/wave.csv" | xargs | grep -Eq '2 4 6 8$' && echo yes)"
   "$ectwin" with --play "$work/wave,loop,loop" fzm1 -- sh -c "sleep 2.2; timeout 8 '$ectwin' wait data1=8" 2>"$work/err"
   check "a wave: it begins again" 0 $?
@@ -222,6 +226,5 @@ waves_and_scenes() {
   check "tables of scenes" "result1=41 result1=42 result1=61 result1=41" "$(xargs <"$work/out")"
 }
 
-at_a_time=1 # a watch of the real clock begins within 3 s of the start
-run_cases every_story_is_played same_seed_same_frames the_verdict_is_in_the_exit_status its_progress_is_watched run_has_it_too \
-  mistakes_are_found_before_the_run recorded_and_played recorded_scenes set_in_time waves_and_scenes
+run_cases the_verdict_over_the_network the_verdict_in_process recorded_and_played recorded_scenes every_story_is_played waves_and_scenes \
+  the_verdict_on_the_virtual_clock its_progress_is_watched run_has_it_too same_seed_same_frames mistakes_are_found_before_the_run set_in_time
