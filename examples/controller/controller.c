@@ -243,8 +243,8 @@ int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
         {"seconds", 's', "N", 0, "Seconds to run (default 10)", 0},
-        {"restart-every", 'r', "N", 0, "Restart the bus at random, every N seconds in the mean; 0: never (default)", 0},
-        {"commands", 'c', "N", 0, "Commands to send to all remotes (default 0)", 0},
+        {"restart-every", 'r', "N", 0, "Restart the bus at random, on average every N seconds; 0: never (default)", 0},
+        {"commands", 'c', "N", 0, "Number of commands to send to all remotes (default 0)", 0},
         {"periodic", 'p', "BYTES", 0, "Size of the periodic data, 0 to 51200 (default 450)", 0},
         {"seed", 'e', "N", 0, "Seed of the random restarts (default 1)", 0},
         {"counters", 'k', "FILE", 0, "File that keeps CCO and CAO after the process has ended (default: none)", 0},
@@ -254,8 +254,8 @@ int main(int argc, char **argv)
         .options = options,
         .parser = parse,
         .args_doc = "IFACE",
-        .doc = "A machine controller for one base unit: takes commands, sends commands and periodic data, and reports "
-               "when the machine must be safe, a line of JSON an event."};
+        .doc = "A machine controller for one base unit: takes and sends commands, sends periodic data, and reports "
+               "when the machine must be safe. Prints a line of JSON for each event."};
     settings_t s = {.seconds = 10, .periodic = 450, .seed = 1};
     argp_err_exit_status = MASTER_USAGE;
     setvbuf(stdout, NULL, _IOLBF, 0); /* each event at its time */

@@ -288,7 +288,7 @@ int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
         {"tap", 't', "NAME", 0, "Name of the TAP interface (default eoe0)", 0},
-        {"address", 'a', "IP", 0, "IPv4 address to set in the slave, in a /24 (default: none is set)", 0},
+        {"address", 'a', "IP", 0, "IPv4 address to set in the slave, in a /24 (default: the address is not set)", 0},
         {"slave", 'n', "N", 0, "Position of the slave, from 1 (default 1)", 0},
         {"sdo", 's', NULL, 0, "Upload an SDO every 10 ms between the fragments", 0},
         {0},
@@ -297,8 +297,8 @@ int main(int argc, char **argv)
         .options = options,
         .parser = parse,
         .args_doc = "IFACE",
-        .doc = "Bridges a TAP interface and a slave with EoE, in PREOP, until SIGINT or SIGTERM. Prints a line of JSON "
-               "at the start and at the end, with the frames of both directions."};
+        .doc = "Bridges a TAP interface and a slave with EoE, in PREOP, until SIGINT or SIGTERM. Prints a line of "
+               "JSON at the start, and another at the end with the frames of both directions."};
     settings_t s = {.tap = "eoe0", .slave = 1};
     argp_err_exit_status = MASTER_USAGE;
     setvbuf(stdout, NULL, _IOLBF, 0);

@@ -150,7 +150,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
-        {"way", 'w', "COUNTS", 0, "Way from the reference point, 2^20 counts a turn (default 10 turns)", 0},
+        {"way", 'w', "COUNTS", 0, "Distance from the reference point, 2^20 counts a turn (default 10 turns)", 0},
         {"speed", 's', "COUNTS", 0, "Speed in counts a second (default 10 turns)", 0},
         {"acceleration", 'a', "COUNTS", 0, "Acceleration in counts a second squared (default 100 turns)", 0},
         {"method", 'm', "N", 0, "Homing method, 6098h (default 35: the present position)", 0},
@@ -164,7 +164,7 @@ int main(int argc, char **argv)
         .args_doc = "IFACE",
         .doc =
             "Enables one PMCtendo DD5 on IFACE, runs a reference run and a trapezoid with the touch probe armed, and "
-            "prints a line of CSV a cycle."};
+            "prints a line of CSV for each cycle."};
     argp_err_exit_status = MASTER_USAGE;
     argp_parse(&argp, argc, argv, 0, NULL, &settings);
     if (!master_open(argv[0], settings.iface))

@@ -159,7 +159,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
-        {"measurements", 'm', "N", 0, "Measurements to make (default 10)", 0},
+        {"measurements", 'm', "N", 0, "Number of measurements (default 10)", 0},
         {"handshaking", 'h', NULL, 0, "Fetch data with DSA and GATE (default: without handshaking)", 0},
         {"scene", 'n', "N", 0, "Scene to switch to before measuring (default 0)", 0},
         {"dc", 'd', "NS", 0, "SYNC0 cycle in nanoseconds (default: no SYNC0)", 0},
@@ -170,7 +170,7 @@ int main(int argc, char **argv)
         .options = options,
         .parser = parse,
         .args_doc = "IFACE",
-        .doc = "A PLC for one FZM1: switches to a scene, measures, and prints the data, a line of JSON an event."};
+        .doc = "A PLC for one FZM1: switches to a scene, measures, and prints a line of JSON for each event."};
     settings_t s = {.measurements = 10, .cycle_us = 500};
     argp_err_exit_status = MASTER_USAGE;
     setvbuf(stdout, NULL, _IOLBF, 0); /* each event at its time */

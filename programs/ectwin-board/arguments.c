@@ -23,20 +23,22 @@ enum { DEFAULT_HZ = 20000000, LARGEST_HZ = 30000000, SMALLEST_HZ = 100000, DEFAU
 
 static const struct argp_option options[] = {
     {NULL, 0, NULL, 0, "The chip:", 1},
-    {"spi", 's', "DEVICE", 0, "The SPI it is on (default /dev/spidev0.0)", 1},
+    {"spi", 's', "DEVICE", 0, "SPI device of the chip (default /dev/spidev0.0)", 1},
     {"speed", 'f', "HZ", 0, "SPI clock, 100000 to 30000000 (default 20000000)", 1},
-    {"irq", KEY_IRQ, "CHIP:LINE", 0, "GPIO line of its interrupt pin, e.g. gpiochip0:25 (default: it is polled)", 1},
+    {"irq", KEY_IRQ, "CHIP:LINE", 0,
+     "GPIO line of the chip's interrupt pin, e.g. gpiochip0:25 (default: poll the chip)", 1},
     {"irq-high", KEY_IRQ_HIGH, NULL, 0, "The interrupt pin is active high, push-pull (default: active low, open drain)",
      1},
-    {"reset", KEY_RESET, "CHIP:LINE", 0, "GPIO line of its reset pin, active low (default: reset by register)", 1},
-    {"poll", KEY_POLL, "US", 0, "Without --irq, look every so many microseconds, 50 to 10000 (default 250)", 1},
+    {"reset", KEY_RESET, "CHIP:LINE", 0, "GPIO line of the chip's reset pin, active low (default: reset by register)",
+     1},
+    {"poll", KEY_POLL, "US", 0, "Interval of polls without --irq, microseconds, 50 to 10000 (default 250)", 1},
     {NULL, 0, NULL, 0, "The device:", 2},
-    {"store", KEY_STORE, "DIR", 0, "Keep what it saves in this folder (default: until the end)", 2},
+    {"store", KEY_STORE, "DIR", 0, "Keep saved parameters in this folder (default: in memory, until the end)", 2},
     {"alias", KEY_ALIAS, "N", 0, "Explicit device id, 1 to 65535", 2},
     {"serial", KEY_SERIAL, "N", 0, "Serial number in 1018h", 2},
     {"run-led", KEY_RUN, "CHIP:LINE", 0, "GPIO line of a RUN lamp (default: the chip's own)", 2},
     {"err-led", KEY_ERR, "CHIP:LINE", 0, "GPIO line of an ERR lamp", 2},
-    {"eeprom", KEY_EEPROM, "FILE", 0, "Write the image for the chip's EEPROM to this file, and end", 2},
+    {"eeprom", KEY_EEPROM, "FILE", 0, "Write the image for the chip's EEPROM to FILE, and exit", 2},
     {0},
 };
 

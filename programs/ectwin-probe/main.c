@@ -172,11 +172,12 @@ int main(int argc, char **argv)
         .parser = parse,
         .doc = "Reads the EEPROM and the dictionary of a slave: the EEPROM over the bus, objects by SDO information, "
                "values, PDO mappings and assignments by SDO upload. Without --sii and --od it prints one line.\v"
-               "A slave in INIT goes to PREOP, and back to INIT at the end; a slave in another state stays there. "
-               "Nothing is written but mailbox requests and the EEPROM interface. End a master that uses the same "
-               "mailbox first: each would take replies of the other.\n\n"
-               "Exit codes: 0 all was read, 1 wrong usage, 2 the interface or a file cannot be opened, 3 the slave "
-               "could not be read, or not completely: the file then holds what was read.",
+               "A slave in INIT goes to PREOP, and back to INIT at the end; any other state is kept. The only writes "
+               "are mailbox requests and the registers of the EEPROM interface. Stop a master that uses the same "
+               "mailbox first: probe and master would fetch each other's replies.\n"
+               "\n"
+               "Exit codes: 0 the slave was read, 1 wrong usage, 2 the interface or a file cannot be opened, 3 the "
+               "slave was not read completely; the file then contains the part that was read.",
     };
     args_t args = {.slave = 1, .limit_s = 600};
     char message[ECT_PACKET_MESSAGE];

@@ -576,18 +576,19 @@ int command_clone(int argc, char **argv)
     static const struct argp argp = {
         .options = options,
         .parser = parse,
-        .doc =
-            "Reads every slave of a live bus and writes a folder: an ESI file a slave, with its EEPROM, its dictionary "
-            "and "
-            "the values that it has now, and bus.yaml, which 'ectwin run' and 'ectwin with' start.\v"
-            "With --preop a slave in INIT goes to PREOP, and back to INIT at the end; all others stay as they are. "
-            "Nothing is written but mailbox requests, the EEPROM interface, and with --preop AL control and "
-            "SyncManagers 0 and 1; error counters stay, events that reading clears (0210h bit 2) do not. Another "
-            "master on the interface is an error: the command listens for half a second.\n\n"
-            "The file of a slave begins with a comment: state and time of reading, what the slave has not given, and "
-            "where its EEPROM and its dictionary disagree. SOURCE_DATE_EPOCH of the environment replaces the time.\n\n"
-            "Exit codes: 0 all was read, 1 wrong usage, 2 the interface or the folder cannot be opened, or another "
-            "master is at work, 3 a slave could not be read, or not completely.",
+        .doc = "Reads every slave of a live bus and writes a folder: an ESI file for each slave, with its EEPROM, its "
+               "dictionary and its present values, and bus.yaml, which 'ectwin run' and 'ectwin with' start.\v"
+               "With --preop a slave in INIT goes to PREOP, and back to INIT at the end; any other state is kept. The "
+               "only writes are mailbox requests, the registers of the EEPROM interface, and with --preop AL control "
+               "and SyncManagers 0 and 1. Error counters are kept; reading clears events (0210h bit 2). Another master "
+               "on the interface is an error; the command listens for half a second to detect one.\n"
+               "\n"
+               "The file of a slave begins with a comment: the state and time of reading, the items that the slave did "
+               "not supply, and the differences between its EEPROM and its dictionary. SOURCE_DATE_EPOCH of the "
+               "environment replaces the time.\n"
+               "\n"
+               "Exit codes: 0 all slaves were read, 1 wrong usage, 2 the interface or the folder cannot be opened, or "
+               "another master is active, 3 a slave was not read, or not completely.",
     };
     args_t args = {.limit_ms = 600000, .blank = CLONE_BLANK_SERIAL};
     char message[ECT_PACKET_MESSAGE];

@@ -133,12 +133,12 @@ int command_lint(int argc, char **argv)
         .options = options,
         .parser = parse,
         .args_doc = "FILE.xml[#TYPE]",
-        .doc = "Reports mistakes of an ESI file that engineering tools accept without a word, or misread: order of "
-               "elements, names, groups, numbers written 0x..., pictures, ConfigData, obsolete elements; and devices "
-               "that no slave can be. One line for each, FILE:LINE: TEXT. All devices of the file, or those of #TYPE, "
-               "are checked.\v"
-               "Exit codes: 0 no mistake, 1 wrong usage, 2 a file cannot be opened or is no ESI file, 3 there are "
-               "mistakes. Notes do not count.",
+        .doc = "Reports mistakes of an ESI file that engineering tools accept without a message, or misread: order "
+               "of elements, names, groups, numbers written 0x..., pictures, ConfigData, obsolete elements; and "
+               "devices that no slave can be. Prints one line for each, FILE:LINE: TEXT. Checks all devices of the "
+               "file, or those of #TYPE.\v"
+               "Exit codes: 0 no mistake, 1 wrong usage, 2 a file cannot be opened or is no ESI file, 3 mistakes. "
+               "Notes do not count.",
     };
     args_t args = {0};
     char text[TEXT] = "";

@@ -17,7 +17,7 @@ typedef struct periodic_args {
 } periodic_args_t;
 
 static const struct argp_option options[] = {
-    {"slave", 'n', "N", 0, "Slave of the chain, counted from 1 or by its name (default 1)", 0},
+    {"slave", 'n', "N", 0, "Slave of the chain, by number from 1 or by name (default 1)", 0},
     {"output", 'o', "FILE", 0, "Write the bytes to FILE, -: standard output (default: print a hexadecimal dump)", 0},
     {0},
 };

@@ -142,9 +142,9 @@ int command_ps(int argc, char **argv)
     static const struct argp argp = {
         .options = options,
         .parser = parse,
-        .doc = "Lists your running twins: process id, name, interface of the master, network namespace (here: that of "
-               "this command), AL state (of all slaves, or from the lowest to the highest; +ERROR: an AL status code "
-               "is set), devices. Sockets that ended twins have left are removed. Twins of other users are not shown."};
+        .doc = "Lists your running twins: process id, name, interface of the master, network namespace (here: that "
+               "of this command), AL state (of all slaves, or from the lowest to the highest; +ERROR: an AL status "
+               "code is set), devices. Removes the sockets of ended twins. Twins of other users are not listed."};
     ps_args_t args = {0};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     return connection_each(argv[0], print_one, &args) ? EXIT_CLEAN : EXIT_OPEN;

@@ -4,32 +4,30 @@
 const struct argp_option run_options[] = {
     {"interface", 'i', "IFACE", 0, "Network interface of the twins: a spare NIC, or one end of a veth pair", 0},
     {"output", 'o', "IFACE", 0,
-     "Second interface, at the output of the last device: for a master with cable redundancy", 0},
+     "Second interface, at the output of the last device, for a master with cable redundancy", 0},
     {0},
 };
 
 const struct argp_option with_options[] = {
     {"iface", KEY_IFACE, "NAME[,NAME]", 0,
-     "Name of CMD's end of the wire (default ecat0). Two names: a second wire at the output of the last device, for "
-     "cable "
-     "redundancy; its name replaces {2} in ARG and is in $ECTWIN_IFACE2",
+     "Name of the interface for CMD (default ecat0). Two names: a second interface at the output of the last device, "
+     "for cable redundancy; its name replaces {2} in ARG and is in $ECTWIN_IFACE2",
      0},
     {"external", KEY_EXTERNAL, "PROGRAM", 0,
-     "A slave of your own in place of DEVICE: a shell command to which -i and an interface are added (a firmware "
+     "A slave of your own in place of DEVICE: a shell command, to which ectwin adds -i and an interface (a firmware "
      "with ectwin's soes_hal, docs/SOES.md)",
      0},
     {"in-process", KEY_IN_PROCESS, NULL, 0,
-     "Run the twins inside CMD: no network, no namespaces, no rights. Each process of CMD that opens the interface has "
-     "a "
-     "bus of its own. CMD must be linked dynamically with the C library (docs/IN-PROCESS.md)",
+     "Run the twins inside CMD, without a network, namespaces or privileges. Each process of CMD that opens the "
+     "interface has its own bus. CMD must be linked dynamically with the C library (docs/IN-PROCESS.md)",
      0},
     {"virtual-time", KEY_VIRTUAL_TIME, NULL, 0,
-     "With --in-process: a virtual clock, which passes while CMD waits; runs are fast and repeatable", 0},
+     "With --in-process: run on a virtual clock, which advances only while CMD waits; runs are fast and repeatable", 0},
     {"require-private", KEY_REQUIRE_PRIVATE, NULL, 0,
-     "Refuse to run CMD where no user namespace or no /sys of its own can be made (default: run it, with a warning)",
-     0},
+     "Fail if no private user namespace or /sys can be created (default: run CMD with a warning)", 0},
     {"leave-children", KEY_LEAVE_CHILDREN, NULL, 0,
-     "Let processes that CMD starts outlive it (default: they end with CMD, which runs in a PID namespace of its own)",
+     "Do not end the processes that CMD has started when CMD ends (default: CMD runs in a PID namespace, and they "
+     "end with it)",
      0},
     {0},
 };

@@ -37,34 +37,34 @@ typedef struct client_args {
      'n',                                                                                                              \
      "N",                                                                                                              \
      0,                                                                                                                \
-     "Slave of the chain, counted from 1 or by its name; 0: all slaves, but not for set (default 1). The name of a "   \
-     "twin in front of a signal, as in gripper.data1, is another way",                                                 \
+     "Slave of the chain, by number from 1 or by name; 0: all slaves, except for set (default 1). A signal may also "  \
+     "contain the name of its twin: gripper.data1",                                                                    \
      0}
 
 static const struct argp_option options[] = {SLAVE_OPTION, {0}};
 static const struct argp_option set_options[] = {
     SLAVE_OPTION,
     {"csv", 'c', "FILE", 0,
-     "Set signals from a table: names in the first line, values in each further line, an empty cell sets nothing; a "
-     "line is set at its time, seconds from now, if there is a column 'time'. -: standard input",
+     "Set signals from a table: the first line contains names, each further line values; an empty cell sets nothing. "
+     "With a column 'time', each line is set at its time, seconds from now. -: standard input",
      0},
     {"at", 'a', "TIME", 0,
-     "Set the signals at a time of the bus, as 2.5s since its start: at exactly this time in each run on a virtual "
-     "clock (default: at once)",
+     "Set the signals at a time of the bus, such as 2.5s since its start; on a virtual clock at exactly this time in "
+     "each run (default: at once)",
      0},
     {0}};
 static const struct argp_option watch_options[] = {
     SLAVE_OPTION,
-    {"every", 'e', NULL, 0, "Print every change with its time (default: changes found every 10 ms)", 0},
+    {"every", 'e', NULL, 0, "Report every change with its time (default: compare the values every 10 ms)", 0},
     {"csv", 'c', "FILE", 0,
-     "Write a table that 'set --csv' and --play read: the values now, then a line for each change with its time since "
-     "then, seconds. -: standard output. A signal of --until has to be one of those recorded",
+     "Write a table for 'set --csv' and --play: a line with the present values, then a line for each change, with "
+     "the seconds since the first line. -: standard output. The signal of --until must be one of those recorded",
      0},
     {"until", 'u', "CONDITION", 0,
-     "End when a signal fulfils it: NAME=VALUE, NAME!=VALUE, NAME<VALUE, NAME>VALUE (default: at Ctrl-C)", 0},
+     "End when a signal fulfils CONDITION: NAME=VALUE, NAME!=VALUE, NAME<VALUE, NAME>VALUE (default: at Ctrl-C)", 0},
     {0}};
 static const struct argp_option wait_options[] = {
-    {"slave", 'n', "N", 0, "Slave of the chain, counted from 1 or by its name (default 1)", 0},
+    {"slave", 'n', "N", 0, "Slave of the chain, by number from 1 or by name (default 1)", 0},
     {"timeout", 't', "SECONDS", 0, "Give up after this time, with status 3 (default 10; 0: never)", 0},
     {0}};
 
@@ -421,7 +421,7 @@ int command_wait(int argc, char **argv)
         .children = connection_children,
         .args_doc = "CONDITION",
         .doc = "Waits until a signal of a running twin fulfils CONDITION: NAME=VALUE, NAME!=VALUE, NAME<VALUE or "
-               "NAME>VALUE, from a shell in quotes. A condition that was fulfilled for a moment only counts too."};
+               "NAME>VALUE, in a shell in quotes. It is enough that the signal fulfils CONDITION for a moment."};
     client_args_t args = {.slave = "1", .every = true, .timeout_ms = 10000};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     if (args.count != 1 || is_all(&args)) {
@@ -439,7 +439,8 @@ int command_watch(int argc, char **argv)
         .parser = parse,
         .children = connection_children,
         .args_doc = "[PATTERN...]",
-        .doc = "Prints one line of JSON a value, then one a change, until Ctrl-C or until nothing reads the output."};
+        .doc = "Prints a line of JSON for each value, then a line for each change, until Ctrl-C or until the reader "
+               "of the output ends."};
     client_args_t args = {.slave = "1"};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     if (args.csv && is_all(&args)) {
@@ -630,7 +631,8 @@ int command_set(int argc, char **argv)
         .parser = parse,
         .children = connection_children,
         .args_doc = "NAME=VALUE...",
-        .doc = "Sets signals of a running twin: all of them or none, in any order; --csv sets line by line."};
+        .doc = "Sets signals of a running twin: all of them or none, in any order. With --csv each line is set "
+               "separately."};
     client_args_t args = {.slave = "1", .at_s = -1};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     if (is_all(&args)) {

@@ -62,59 +62,63 @@ enum {
 
 static const struct argp_option options[] = {
     {"vendor-id", KEY_VENDOR_ID, "[N:]ID", 0,
-     "Vendor id of twin N, without N of all, 0..4294967295 (default: the device's placeholder). May be repeated", 1},
+     "Vendor id of twin N, or of all twins without N, 0..4294967295 (default: the placeholder of the device). May be "
+     "repeated",
+     1},
     {"product-code", KEY_PRODUCT_CODE, "[N:]CODE", 0,
-     "Product code of twin N, without N of all, 0..4294967295 (default: the device's). May be repeated", 1},
+     "Product code of twin N, or of all twins without N, 0..4294967295 (default: that of the device). May be repeated",
+     1},
     {"revision", KEY_REVISION, "[N:]NUMBER", 0,
-     "Revision number of twin N, without N of all, 0..4294967295 (default: the device's). May be repeated", 1},
+     "Revision number of twin N, or of all twins without N, 0..4294967295 (default: that of the device). May be "
+     "repeated",
+     1},
     {"serial", KEY_SERIAL, "[N:]NUMBER", 0,
-     "Serial number of twin N; without N of the first twin, and each further twin has the next number (default 1). May "
-     "be repeated",
+     "Serial number of twin N. Without N: of the first twin, and each further twin has the next number (default 1). "
+     "May be repeated",
      1},
     {"alias", KEY_ALIAS, "[N:]ALIAS", 0,
-     "Configured station alias and device id of twin N, 1..65535; without N of the first twin, and each further twin "
-     "has the next number (default: none). May be repeated",
+     "Configured station alias and device id of twin N, 1..65535. Without N: of the first twin, and each further "
+     "twin has the next number (default: none). May be repeated",
      1},
     {"keep-source-mac", KEY_KEEP_MAC, NULL, 0,
      "Leave the source address of frames unchanged (default: set bit 1 of its first byte, as an ESC does)", 1},
     {"store", KEY_STORE, "DIR", 0,
      "Keep saved parameters and EEPROM contents of the twins in this folder (default: in memory, until the end)", 1},
     {"files", KEY_FILES, "DIR", 0,
-     "Let the master read and write the files of this folder by FoE, in BOOT too (default: no files)", 1},
+     "Serve the files of this folder by FoE, for reading and writing, also in BOOT (default: no files)", 1},
     {"files-password", KEY_FILES_PASSWORD, "N", 0,
-     "Password of the FoE requests for --files, 1..4294967295 (default: none is necessary)", 1},
+     "Password that FoE requests for --files must have, 1..4294967295 (default: none)", 1},
     {"udp", KEY_UDP, "[ADDR:]PORT", 0,
-     "Answer EtherCAT in UDP too, at this address (default address 127.0.0.1; port 0: any free port). Every sender is "
-     "a "
-     "master",
+     "Answer EtherCAT in UDP, too, at this address (default address 127.0.0.1; port 0: any free port). The twins "
+     "accept frames from every sender",
      1},
     {"modbus", KEY_MODBUS, "[ADDR:]PORT", 0,
-     "Serve Modbus TCP too, at this address (default address 127.0.0.1; port 0: any free port); for one base unit", 1},
+     "Serve one base unit over Modbus TCP, too, at this address (default address 127.0.0.1; port 0: any free port)", 1},
     {"name", KEY_NAME, "NAME", 0,
-     "Name of these twins for 'ectwin ps', and for -s of the commands that talk to them (default: the process id)", 1},
+     "Name of these twins for 'ectwin ps' and for the option -s of other commands (default: the process id)", 1},
     {"module", KEY_MODULE, "[N:]SLOT=IDENT", 0,
-     "Module in a slot of twin N (default 1), a modular device of an ESI file, by its ModuleIdent. May be repeated", 1},
+     "ModuleIdent of the module in a slot of twin N (default 1), a modular device of an ESI file. May be repeated", 1},
     {"behaviour", KEY_BEHAVIOUR, "[N:]cia402|none", 0,
-     "Behaviour of twin N of an ESI file, without N of all: the axes of a CiA 402 drive, or none (default: cia402 "
-     "where "
-     "the file has 6040h and 6041h). May be repeated",
+     "Behaviour of twin N of an ESI file, or of all twins without N: CiA 402 drive for each axis, or none (default: "
+     "cia402 if the file has 6040h and 6041h). May be repeated",
      1},
     {"connect", KEY_CONNECT, "N.NAME=M.NAME[,...]", 0,
-     "Let signal M.NAME of twin M set signal N.NAME of twin N, with ,factor=F ,offset=O ,delay=10ms ,invert (default: "
-     "the "
-     "value itself, at once). May be repeated",
+     "Set signal N.NAME of twin N from signal M.NAME of twin M, modified by ,factor=F ,offset=O ,delay=10ms ,invert "
+     "(default: the unchanged value, at once). May be repeated",
      1},
     {"pcap", KEY_PCAP, "FILE", 0,
      "Write all frames to FILE (pcapng, for Wireshark), with faults, plugs, state changes, requests and saves as "
      "comments",
      1},
     {"pcap-size", KEY_PCAP_SIZE, "BYTES[K|M|G]", 0,
-     "Size of the file of --pcap, 66K or more, 0: no limit (default 1G). At the limit the older half is removed", 1},
+     "Maximum size of the file of --pcap, 66K or more, 0: no limit (default 1G). At the limit the older half is "
+     "removed",
+     1},
     {"record", KEY_RECORD, "FILE", 0,
-     "Write FILE for 'ectwin replay': all frames, and everything else that replies depend on (docs/REPLAY.md)", 1},
+     "Write FILE for 'ectwin replay': all frames, and all other input on which replies depend (docs/REPLAY.md)", 1},
     {"esi-dir", KEY_ESI_DIR, "DIR", 0,
-     "Take the device of each slave of eni:FILE from the ESI file in this folder that has its vendor, product and "
-     "revision (default: from the ENI)",
+     "Folder of ESI files. Each slave of eni:FILE is the device with the same vendor, product and revision there "
+     "(default: a device from the ENI alone)",
      1},
     {"quiet", KEY_QUIET, NULL, 0, "Print no notes on standard error; errors and the ready line remain", 1},
     {"set", KEY_SET, "[N:]NAME=VALUE", 0,
@@ -122,28 +126,27 @@ static const struct argp_option options[] = {
      "repeated",
      1},
     {"drop", KEY_DROP, "PERCENT", 0,
-     "Lose PERCENT of the frames, half of these on the way back; short for --fault 'drop PERCENT%'", 1},
+     "Lose PERCENT of the frames, half of them on the way back; short for --fault 'drop PERCENT%'", 1},
     {"delay", KEY_DELAY, "PERCENT", 0,
      "Send PERCENT of the replies late, by --delay-us; short for --fault 'delay 3000us PERCENT%'", 1},
     {"delay-us", KEY_DELAY_US, "N", 0, "Delay of the replies that --delay selects, microseconds (default 3000)", 1},
     {"fault", KEY_FAULT, "FAULT", 0,
-     "Inject a fault, as 'drop 5%' or 'at 2.5s hang slave 2' (docs/FAULTS.md). May be repeated", 1},
-    {"faults", KEY_FAULTS, "FILE", 0, "Inject the faults in a file, one a line, as --fault does", 1},
+     "Inject a fault, such as 'drop 5%' or 'at 2.5s hang slave 2' (docs/FAULTS.md). May be repeated", 1},
+    {"faults", KEY_FAULTS, "FILE", 0, "Inject the faults of FILE, one on each line, in the syntax of --fault", 1},
     {"scenario", KEY_SCENARIO, "FILE", 0,
-     "Play a file of faults, signals to set and expectations, one a line (docs/FAULTS.md). Each expectation is "
-     "reported "
-     "on standard error; the exit status is 3 when one has failed and nothing else has",
+     "Play the faults, signals and expectations of FILE, one on each line (docs/FAULTS.md). Each expectation is "
+     "reported on standard error; the exit status is 3 when an expectation has failed and the run has succeeded",
      1},
     {"play", KEY_PLAY, "[N:]FILE[,loop][,every=TIME]", 0,
-     "Play a table of signals of twin N (default 1) from a CSV file: names in the first line, among them 'time', "
-     "seconds since the start; a row is set at its time. loop: from the beginning again at the time of the last row; "
-     "every=5ms: numbers on the line between rows, every 5 ms (docs/COMMAND.md). May be repeated",
+     "Play a table of signals of twin N (default 1) from a CSV file: the first line has names, among them 'time', in "
+     "seconds since the start; each further line is set at its time. loop: repeat the table from the time of the "
+     "last line on; every=5ms: interpolate lines every 5 ms (docs/COMMAND.md). May be repeated",
      1},
     {"seed", KEY_SEED, "N", 0,
      "Seed of the random generator that selects frames for --fault, drifts for --drift, delays and jitter (default 1)",
      1},
     {"break", KEY_BREAK, "CF-NNN", 0,
-     "Give the first twin one deliberate defect, which ectwin-conform must find; 'help' lists the defects", 1},
+     "Deliberate defect of the first twin, which ectwin-conform must find; 'help' lists the defects", 1},
     {"realtime", KEY_REALTIME, "PRIO", OPTION_ARG_OPTIONAL,
      "Run with real-time priority 1 to 99 (SCHED_FIFO, default 50) and locked memory", 1},
     {"busy-poll", KEY_BUSY_POLL, NULL, 0,

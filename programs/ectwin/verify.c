@@ -297,16 +297,16 @@ int command_verify(int argc, char **argv)
         .parser = parse,
         .args_doc = "A [B...]\nDIR slave:IFACE\neni:FILE.xml [FILE.xml...|slave:IFACE]",
         .doc = "Compares the sources of a device: an ESI file (FILE.xml[#TYPE]), an EEPROM image (FILE.bin, "
-               "FILE.hex), a DEVICE ('ectwin list' or esi:FILE.xml#TYPE) with the EEPROM that it has, a slave on the "
-               "wire (slave:IFACE[:N]) with its EEPROM and its dictionary. The first is the expectation; the "
-               "next ones add what it leaves open. One line a difference.\n"
-               "With a folder of 'ectwin clone' and slave:IFACE: each slave of the bus with its file, values aside.\n"
-               "With a network file: its parts with each other, and its commands, sent as they are written, with twins "
-               "of the ESI files, on a virtual clock, up to OP: states, SDO transfers, working counters. With "
-               "slave:IFACE: number and identities of the slaves; nothing is written to a slave but requests for its "
-               "EEPROM.\v"
-               "Exit codes: 0 no difference, 1 differences, 2 wrong usage, or a source cannot be read. "
-               "Serial number and alias, which are each slave's own, are not compared.",
+               "FILE.hex), a DEVICE ('ectwin list' or esi:FILE.xml#TYPE) with its EEPROM, a slave on the wire "
+               "(slave:IFACE[:N]) with its EEPROM and dictionary. The first source is the expectation; each further "
+               "source adds the facts that the previous ones lack. Prints one line for each difference.\n"
+               "With a folder of 'ectwin clone' and slave:IFACE: compares each slave of the bus with its file, "
+               "except values.\n"
+               "With a network file: compares its parts with each other, and plays its commands on twins of the ESI "
+               "files, on a virtual clock, up to OP: states, SDO transfers, working counters. With slave:IFACE: "
+               "compares number and identities of the slaves; the only writes are requests for the EEPROM.\v"
+               "Exit codes: 0 no difference, 1 differences, 2 wrong usage, or a source cannot be read. Serial number "
+               "and alias are not compared, because each slave has its own.",
     };
     operands_t operands = {.names = calloc((size_t)argc + 1, sizeof *operands.names)};
     verify_t *v = calloc(1, sizeof *v);

@@ -56,10 +56,10 @@ int command_veth(int argc, char **argv)
     static const struct argp argp = {
         .parser = parse,
         .args_doc = "[NAME]",
-        .doc =
-            "Makes a pair of interfaces in this network, NAME (default ecat0) for a master and NAME-twin for 'ectwin "
-            "run -i NAME-twin', and removes it at SIGINT, SIGTERM or SIGHUP. For masters in the kernel, as IgH; "
-            "others need no such pair: 'ectwin with' gives them a private one. Needs CAP_NET_ADMIN."};
+        .doc = "Creates a pair of interfaces in the network of this process, NAME (default ecat0) for a master and "
+               "NAME-twin for 'ectwin run -i NAME-twin', and removes the pair at SIGINT, SIGTERM or SIGHUP. The pair "
+               "serves masters in the kernel, such as IgH; for other masters 'ectwin with' creates a private network. "
+               "Needs CAP_NET_ADMIN."};
     char message[ECT_VETH_MESSAGE];
     veth_args_t args = {0};
     argp_parse(&argp, argc, argv, 0, NULL, &args);

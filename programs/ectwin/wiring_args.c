@@ -30,45 +30,41 @@ enum {
 
 static const struct argp_option options[] = {
     {"esc", KEY_ESC, "[N:]NAME", 0,
-     "ESC chip of twin N, without N of all (default: the device's own); 'help' lists the chips", 2},
+     "ESC chip of twin N, or of all twins without N (default: that of the device); 'help' lists the chips", 2},
     {"drift", KEY_DRIFT, "[N:]PPM", 0,
-     "Deviation of the oscillator of twin N, -1000 to 1000, above 0: fast; without N a random one of each twin, at "
-     "most "
-     "this much, from --seed (default 0)",
+     "Deviation of the oscillator of twin N, -1000 to 1000, above 0: fast. Without N: a random deviation of each "
+     "twin, at most PPM, from --seed (default 0)",
      2},
     {"cable", KEY_CABLE, "[N:]METRES", 0,
-     "Length of the cable at the input of twin N, without N of all, whole metres, 0 to 1000 (default 1): it adds to "
-     "the "
-     "propagation delays of distributed clocks",
+     "Length of the cable at the input of twin N, or of all twins without N, 0 to 1000 metres (default 1). The "
+     "length adds to the propagation delays of distributed clocks",
      2},
     {"eeprom-times", KEY_EEPROM, "[N:]chip|short", 0,
-     "Duration of the EEPROM commands of twin N, without N of all: 'chip', as an I2C EEPROM, 0.3 to 1.2 ms and 5 ms "
-     "after a written word, or 'short', 20 us (default: short). May be repeated",
+     "Duration of the EEPROM commands of twin N, or of all twins without N: 'chip', as with an I2C EEPROM, 0.3 to "
+     "1.2 ms and 5 ms after a written word, or 'short', 20 us (default: short). May be repeated",
      2},
     {"like", KEY_LIKE, "[N:]BOARD", 0,
-     "Times of a real board for twin N, without N of all: its ESC and the layout of its memory, accesses of the ESC "
-     "that "
-     "take as long as on its bus, --eeprom-times chip; 'help' lists the boards",
+     "Board whose times twin N has, or all twins without N: the ESC chip, the memory layout, the duration of "
+     "accesses to the ESC, and --eeprom-times chip; 'help' lists the boards",
      2},
     {"al-delay", KEY_AL, "[N:]MIN[..MAX]", 0,
-     "Time from a request in AL control until twin N, without N each, processes it: MIN to MAX ms, 0 to 60000, at "
-     "random from --seed (default 0). May be repeated",
+     "Time from a request in AL control until twin N, or each twin without N, processes it: MIN to MAX ms, 0 to "
+     "60000, at random from --seed (default 0). May be repeated",
      2},
     {"mailbox-delay", KEY_MAILBOX, "[N:]MIN[..MAX]", 0,
-     "Time from a mail until twin N, without N each, fetches and answers it: MIN to MAX ms, 0 to 60000, at random from "
-     "--seed (default 0). May be repeated",
+     "Time from a mail until twin N, or each twin without N, fetches and answers it: MIN to MAX ms, 0 to 60000, at "
+     "random from --seed (default 0). May be repeated",
      2},
     {"jitter", KEY_JITTER, "[N:]MIN[..MAX]", 0,
-     "Time from every event until twin N, without N each, processes it, process data too: MIN to MAX us, 0 to 1000000, "
-     "at random from --seed (default 0). May be repeated",
+     "Time from every event, process data included, until twin N, or each twin without N, processes it: MIN to MAX "
+     "us, 0 to 1000000, at random from --seed (default 0). May be repeated",
      2},
     {"dc-jitter", KEY_DC_JITTER, "[N:]NS", 0,
-     "Receive times of distributed clocks of twin N, without N of each, are late by 0 to NS ns, 0 to 100000, at random "
-     "from --seed (default 0). May be repeated",
+     "Maximum delay of the receive times of distributed clocks of twin N, or of each twin without N: 0 to NS ns, 0 "
+     "to 100000, at random from --seed (default 0). May be repeated",
      2},
     {"wire", KEY_WIRE, "N:M.PORT", 0,
-     "Connect the input of twin N to port 1, 2 or 3 of twin M, which comes before it (default: port 1 of the twin "
-     "before). "
+     "Connect the input of twin N to port 1, 2 or 3 of a preceding twin M (default: port 1 of the previous twin). "
      "May be repeated",
      2},
     {0},
