@@ -11,6 +11,7 @@
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/eventfd.h>
 #include <sys/ioctl.h>
 #include <sys/time.h>
 #include <sys/uio.h>
@@ -464,6 +465,48 @@ static void closed_before_its_copies(void **state)
     close(copies[1]);
 }
 
+/* A copy may have any number, 0 too. */
+static void copied_to_descriptor_0(void **state)
+{
+    int fd = open_socket(0), input = dup(STDIN_FILENO);
+    (void)state;
+    assert_int_equal(dup2(fd, STDIN_FILENO), STDIN_FILENO);
+    close(fd);
+    send_one(STDIN_FILENO, 1);
+    assert_true(receives(STDIN_FILENO));
+    if (input >= 0) {
+        assert_int_equal(dup2(input, STDIN_FILENO), STDIN_FILENO);
+        close(input);
+    } else {
+        close(STDIN_FILENO);
+    }
+}
+
+/* The next file gets the number of a socket that is closed, and frames are none of its business: neither after copies
+ * nor after one that failed. */
+static void closed_with_its_copies(void **state)
+{
+    int other = open_socket(0);
+    (void)state;
+    for (unsigned int i = 0; i < 3; i++) {
+        uint64_t count;
+        int fd = open_socket(0);
+        int copy = i == 0 ? dup(fd) : i == 1 ? dup2(fd, -1) : fcntl(fd, F_DUPFD, -1);
+        assert_int_equal(copy >= 0, i == 0);
+        if (copy >= 0)
+            close(copy);
+        close(fd);
+        int event = eventfd(0, EFD_NONBLOCK);
+        assert_int_equal(event, fd);
+        send_one(other, 1);
+        assert_true(receives(other));
+        assert_int_equal(read(event, &count, sizeof count), -1);
+        assert_int_equal(errno, EAGAIN);
+        close(event);
+    }
+    close(other);
+}
+
 /* Unread frames end with their socket; a descriptor above all others is refused. */
 static void ends_of_sockets(void **state)
 {
@@ -543,6 +586,8 @@ int main(int argc, char **argv)
         {"dup2 and dup3 close the socket whose descriptor they take", taken_descriptors, NULL, NULL, NULL},
         {"A copy of a descriptor shows frames after the first one was closed", closed_before_its_copies, NULL, NULL,
          NULL},
+        {"A copy of a socket with descriptor 0 sends and receives", copied_to_descriptor_0, NULL, NULL, NULL},
+        {"The descriptor of a closed socket is free, whatever copies it had", closed_with_its_copies, NULL, NULL, NULL},
         {"Unread frames and descriptors end with their socket", ends_of_sockets, NULL, NULL, NULL},
         {"Other sockets are the machine's", other_sockets, NULL, NULL, NULL},
     };

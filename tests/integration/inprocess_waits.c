@@ -775,6 +775,22 @@ static void waits_for_processes(void **state)
         close(pipe_fds[i]);
 }
 
+/* On the virtual clock a process that is about to end has ended: its speed does not show. */
+static void processes_that_are_about_to_end(void **state)
+{
+    int fd = open_socket(0); /* the clock is that of a bus */
+    (void)state;
+    for (unsigned int i = 0; is_virtual && i < 20; i++) {
+        int status = -1;
+        const pid_t child = fork();
+        if (child == 0)
+            _exit(3);
+        assert_int_equal(waitpid(child, &status, WNOHANG), child);
+        assert_int_equal(WEXITSTATUS(status), 3);
+    }
+    close(fd);
+}
+
 /* A handler of a signal, which another process sends, ends each wait for a process. */
 static void interrupted_waits_for_processes(void **state)
 {
@@ -833,6 +849,8 @@ int main(int argc, char **argv)
         {"futex waits, times out and wakes as many as asked", futexes, NULL, NULL, NULL},
         {"Threads end in any order, and their places are used again", ends_of_threads, NULL, NULL, NULL},
         {"Barriers side by side, and one that is destroyed at once", barriers, NULL, NULL, NULL},
+        {"On the virtual clock a process has ended before a call that does not wait for it",
+         processes_that_are_about_to_end, NULL, NULL, NULL},
         {"A handler of a signal ends each wait for a process", interrupted_waits_for_processes, NULL, NULL, NULL},
         {"waitpid and waitid see stopped, continued and ended processes", waits_for_processes, NULL, NULL, NULL},
     };

@@ -17,10 +17,13 @@
 
 bench_work_t work;
 bool refuses_events;
+bool refuses_memory;
 int receive_error;
 
 ssize_t __real_recv(int fd, void *buffer, size_t size, int flags);
 ssize_t __wrap_recv(int fd, void *buffer, size_t size, int flags);
+void *__real_calloc(size_t count, size_t size);
+void *__wrap_calloc(size_t count, size_t size);
 ssize_t __real_send(int fd, const void *data, size_t size, int flags);
 ssize_t __wrap_send(int fd, const void *data, size_t size, int flags);
 int __real_accept4(int fd, struct sockaddr *address, socklen_t *size, int flags);
@@ -45,6 +48,11 @@ ssize_t __wrap_recv(int fd, void *buffer, size_t size, int flags)
         return -1;
     }
     return __real_recv(fd, buffer, size, flags);
+}
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+    return refuses_memory ? NULL : __real_calloc(count, size);
 }
 
 ssize_t __wrap_send(int fd, const void *data, size_t size, int flags)

@@ -31,7 +31,8 @@ extern bench_work_t work;
 
 /* Whether epoll_ctl() refuses to add a descriptor. */
 extern bool refuses_events;
-extern int receive_error; /* of the next recv(); 0: none */
+extern bool refuses_memory; /* calloc() fails */
+extern int receive_error;   /* of the next recv(); 0: none */
 
 /* `count` (1..16) twins of a device of the catalogue, and the socket in a folder of its own. */
 void open_bench(bench_t *b, const char *device, size_t count);

@@ -502,6 +502,61 @@ static void set_at_a_time(void **state)
     close_bench(&b);
 }
 
+static struct {
+    unsigned int count;
+    char request[128];
+} observed;
+
+static void on_change(void *ctx, const char *request, size_t length)
+{
+    (void)ctx;
+    observed.count++;
+    snprintf(observed.request, sizeof observed.request, "%.*s", (int)length, request);
+}
+
+/* A bus whose scenario, if it has one, reports no refusals. */
+static void observed_at_a_time(void **state)
+{
+    (void)state;
+    for (unsigned int i = 0; i < 2; i++) {
+        ect_scenario_t scenario = {.seed = 1};
+        ect_stats_t stats = {0};
+        bench_t b;
+        open_bench(&b, "fzm1", 1);
+        stats.start_ns = b.wire.now_ns;
+        ect_control_show(b.control, &stats, i == 0 ? NULL : &scenario);
+        ect_control_observe(b.control, on_change, NULL);
+        observed.count = 0;
+        expect_answer(&b, "{\"op\":\"set\",\"name\":\"data1\",\"value\":1,\"at\":3}\n", OK);
+        expect_answer(&b, "{\"op\":\"set\",\"name\":\"scene\",\"value\":\"x\",\"at\":4}\n", OK);
+        assert_int_equal(observed.count, 0);
+        ect_control_act(b.control, b.wire.chain, stats.start_ns + 3000000000u);
+        assert_int_equal(observed.count, 1);
+        assert_string_equal(observed.request, "{\"op\":\"set\",\"name\":\"data1\",\"value\":1}");
+        ect_control_act(b.control, b.wire.chain, stats.start_ns + 4000000000u);
+        assert_int_equal(observed.count, 2);
+        expect_data1(&b, "1");
+        close_bench(&b);
+    }
+}
+
+static void without_memory(void **state)
+{
+    char message[ECT_ENDPOINT_MESSAGE] = "";
+    bench_t b;
+    (void)state;
+    refuses_memory = true;
+    const ect_control_t *control = ect_control_open(NULL, message);
+    refuses_memory = false;
+    assert_null(control);
+    assert_string_equal(message, "no control socket: not enough memory");
+    open_bench(&b, "fzm1", 1);
+    refuses_memory = true;
+    expect_answer(&b, "{\"op\":\"watch\"}\n", "{\"ok\":false,\"message\":\"not enough memory\"}\n");
+    refuses_memory = false;
+    close_bench(&b);
+}
+
 static void most_requests_that_wait(void **state)
 {
     ect_scenario_t scenario = {.seed = 1};
@@ -535,6 +590,8 @@ int main(int argc, char **argv)
         {"Several signals are set all or none, in any order", all_or_nothing, NULL, NULL, NULL},
         {"A request sets at most 128 signals", most_signals_of_one_set, NULL, NULL, NULL},
         {"Signals are set at a time of the bus; a time that is over is refused", set_at_a_time, NULL, NULL, NULL},
+        {"An observer gets a request at its time, as one that is due", observed_at_a_time, NULL, NULL, NULL},
+        {"Without memory there is no socket, and no watching", without_memory, NULL, NULL, NULL},
         {"At most 64 requests wait for their time", most_requests_that_wait, NULL, NULL, NULL},
     };
     if (argc > 1)

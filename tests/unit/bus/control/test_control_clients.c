@@ -504,12 +504,11 @@ static void the_17th_client_gets_the_reason(void **state)
 }
 
 /* Without a descriptor no client is accepted, and a waiting one keeps the socket readable: the loop must not spin. */
-static void no_descriptors(void **state)
+static void expect_refusal(void)
 {
     struct rlimit before, none;
     char got[256];
     bench_t b;
-    (void)state;
     open_bench(&b, "vr-bu-ect-map7", 1);
     int fd = connect_client(&b);
     assert_int_equal(getrlimit(RLIMIT_NOFILE, &before), 0);
@@ -525,6 +524,40 @@ static void no_descriptors(void **state)
     serve(&b);
     expect_part(&b, "{\"op\":\"get\"}\n", OK);
     close_bench(&b);
+}
+
+static void no_descriptors(void **state)
+{
+    (void)state;
+    expect_refusal();
+}
+
+/* A daemon's standard input may be closed: the descriptor that is kept for a refusal, or that of a client, is 0 then.
+ */
+static void descriptor_0(void **state)
+{
+    char got[256];
+    bench_t b;
+    (void)state;
+    int input = open("/dev/null", O_RDONLY | O_CLOEXEC);
+    assert_true(input > STDIN_FILENO);
+    close(STDIN_FILENO);
+    expect_refusal();
+    assert_int_equal(dup2(input, STDIN_FILENO), STDIN_FILENO);
+    open_bench(&b, "fzm1", 1);
+    int fd = connect_client(&b);
+    close(STDIN_FILENO);
+    send_text(fd, "{\"op\":\"get\",\"pattern\":\"data1\"}\n");
+    serve(&b);
+    set_nonblocking(fd);
+    receive_text(fd, got, sizeof got);
+    assert_non_null(strstr(got, OK));
+    close(fd);
+    fd = dup(input); /* in place of the standard input, which the socket closes */
+    close_bench(&b);
+    close(fd);
+    assert_int_equal(dup2(input, STDIN_FILENO), STDIN_FILENO);
+    close(input);
 }
 
 /* No descriptor for the refusal either: the next attempt follows after a second. */
@@ -589,6 +622,7 @@ int main(int argc, char **argv)
         {"Attack: a client that is gone before it is refused harms no other", a_client_that_is_gone_before_its_refusal,
          NULL, NULL, NULL},
         {"Attack: without descriptors a client gets the reason", no_descriptors, NULL, NULL, NULL},
+        {"Descriptor 0 is one as any other, where the standard input is closed", descriptor_0, NULL, NULL, NULL},
         {"Attack: without any descriptor nothing spins", no_descriptors_at_all, NULL, NULL, NULL},
     };
     if (argc > 1)

@@ -254,7 +254,12 @@ static void most_names(void **state)
             snprintf(file, sizeof file, "%s/%s%d%s%s", folder, rows[i].before, (int)getpid(), number, rows[i].after);
             close(open(file, O_CREAT | O_WRONLY, 0600));
         }
+        const int free_before = open("/dev/null", O_RDONLY);
+        close(free_before);
         int fd = ect_endpoint_listen(NULL, path, message);
+        const int free_after = open("/dev/null", O_RDONLY);
+        close(free_after);
+        assert_int_equal(free_after - free_before, rows[i].finds);
         if ((fd >= 0) != rows[i].finds || (fd < 0 && errno != EADDRINUSE))
             fail_msg("%d names of the kind '%sPID%s': got %d, %s", rows[i].taken, rows[i].before, rows[i].after, fd,
                      strerror(errno));
