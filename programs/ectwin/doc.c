@@ -7,6 +7,7 @@
 
 #include "bus/chain/fields.h"
 #include "charts.h"
+#include "esi/units.h"
 #include "esi/values.h"
 #include "output.h"
 #include "page.h"
@@ -64,34 +65,18 @@ static const char *value_text(doc_t *d, const ect_entry_t *entry)
     return size <= 8 ? text : "";
 }
 
-/* The high byte is the power of ten, the low byte the unit (ETG.1004). */
-static const char *unit_text(doc_t *d, uint16_t unit)
+static const char *unit_text(doc_t *d, const ect_detail_t *detail)
 {
-    static const struct {
-        uint8_t code;
-        const char *name;
-    } units[] = {{0x01, "m"}, {0x03, "s"}, {0x04, "A"}, {0x20, "Hz"}, {0x26, "V"}, {0x2D, "degC"}};
-    static const struct {
-        int8_t power;
-        const char *prefix;
-    } prefixes[] = {{0, ""}, {3, "k"}, {-3, "m"}, {-6, "u"}, {-9, "n"}};
-    const char *name = NULL, *prefix = NULL;
-    int8_t power = (int8_t)(unit >> 8);
-    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++)
-        name = units[i].code == (unit & 0xFF) ? units[i].name : name;
-    for (size_t i = 0; i < sizeof prefixes / sizeof prefixes[0]; i++)
-        prefix = prefixes[i].power == power ? prefixes[i].prefix : prefix;
-    if (!name)
-        return hex(d, unit, 4);
-    return prefix ? ect_arena_print(&d->arena, "%s%s", prefix, name)
-                  : ect_arena_print(&d->arena, "10^%d %s", power, name);
+    char text[40];
+    const char *name = ect_esi_unit_text((uint32_t)detail->unit << 16 | (uint32_t)detail->per << 8, text, sizeof text);
+    return name ? ect_arena_copy(&d->arena, name, strlen(name)) : hex(d, detail->unit, 4);
 }
 
 static const char *range_text(doc_t *d, const ect_object_t *object, const ect_entry_t *entry)
 {
     const ect_detail_t *detail = ect_od_detail(&d->od, object->index, (uint8_t)entry->subindex);
     bool limits = detail && detail->minimum != detail->maximum;
-    const char *unit = detail && detail->unit != 0 ? unit_text(d, detail->unit) : "";
+    const char *unit = detail && detail->unit != 0 ? unit_text(d, detail) : "";
     if (!limits)
         return unit;
     return ect_arena_print(&d->arena, "%" PRId64 " to %" PRId64 "%s%s", detail->minimum, detail->maximum,

@@ -10,7 +10,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return ARGP_ERR_UNKNOWN;
     *file = text;
     if (!product_file(text))
-        argp_error(state, "'%s' is neither esi:FILE.xml nor sii:FILE", text);
+        argp_error(state, "'%s' is none of esi:FILE.xml, sii:FILE, yaml:FILE", text);
     return 0;
 }
 
@@ -18,7 +18,7 @@ int command_list(int argc, char **argv)
 {
     static const struct argp argp = {
         .parser = parse,
-        .args_doc = "[esi:FILE.xml|sii:FILE]",
+        .args_doc = "[esi:FILE.xml|sii:FILE|yaml:FILE]",
         .doc = "Lists the devices: name, input and output bytes of the master, description. "
                "For an ESI file: type, @product/revision, name, and the number of its slots, start-up commands, "
                "alternative PDO assignments and EEPROM categories."};

@@ -9,6 +9,7 @@
 #include <strings.h>
 
 #include "bus/chain/catalogue.h"
+#include "devfile/devfile.h"
 #include "eni/bus.h"
 #include "esi/image.h"
 #include "esi/number.h"
@@ -76,10 +77,15 @@ static const char *network_of(const char *name)
     return strncmp(name, "eni:", 4) == 0 ? name + 4 : NULL;
 }
 
+static const char *text_of(const char *name)
+{
+    return strncmp(name, "yaml:", 5) == 0 ? name + 5 : NULL;
+}
+
 const char *product_file(const char *name)
 {
-    if (network_of(name))
-        return network_of(name);
+    if (network_of(name) || text_of(name))
+        return network_of(name) ? network_of(name) : text_of(name);
     return strncmp(name, "esi:", 4) == 0 ? name + 4 : image_of(name);
 }
 
@@ -140,7 +146,7 @@ static ect_esi_t *open_once(const char *path, char *message)
 
 static bool is_esi(const char *name)
 {
-    return !image_of(name) && !network_of(name);
+    return !image_of(name) && !network_of(name) && !text_of(name);
 }
 
 /* Opens what a name of product_file names; *selector is its part that selects a device. */
@@ -149,6 +155,8 @@ static ect_esi_t *open_file(const char *name, const char **selector, char *messa
     *selector = "";
     if (image_of(name))
         return open_image(image_of(name), message);
+    if (text_of(name))
+        return ect_devfile_open(text_of(name), message, PRODUCT_MESSAGE);
     const char *file = product_file(name);
     const char *hash = ect_esi_selector(file);
     char *path = strndup(file, hash ? (size_t)(hash - file) : strlen(file));
@@ -184,6 +192,21 @@ static const ect_product_t *from_file(const char *name, const ect_module_choice_
     return ect_esi_twin_product(twin);
 }
 
+/* The prefix that a name without one lacks, by its ending; NULL: it is none of a file. */
+static const char *prefix_for(const char *name)
+{
+    static const struct {
+        const char *ending, *prefix;
+    } known[] = {{".xml", "esi"}, {".yaml", "yaml"}, {".yml", "yaml"}, {".json", "yaml"}};
+    size_t length = strcspn(name, "#");
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
+        size_t ending = strlen(known[i].ending);
+        if (length > ending && strncasecmp(name + length - ending, known[i].ending, ending) == 0)
+            return known[i].prefix;
+    }
+    return NULL;
+}
+
 const ect_product_t *product_find(const char *name, const ect_module_choice_t *modules, size_t module_count,
                                   ect_behaviour_t behaviour, char *message)
 {
@@ -193,22 +216,23 @@ const ect_product_t *product_find(const char *name, const ect_module_choice_t *m
     if (product && behaviour == ECT_BEHAVIOUR_BY_FILE)
         return product;
     if (product) {
-        (void)snprintf(
-            message, PRODUCT_MESSAGE,
-            "'%.60s' has its own behaviour: --behaviour is for twins of files, esi:FILE.xml#TYPE and sii:FILE", name);
+        (void)snprintf(message, PRODUCT_MESSAGE,
+                       "'%.60s' has its own behaviour: --behaviour is for twins of files, esi:FILE.xml#TYPE, sii:FILE "
+                       "and yaml:FILE",
+                       name);
         return NULL;
     }
-    size_t length = strcspn(name, "#");
-    if (length > 4 && strncasecmp(name + length - 4, ".xml", 4) == 0) {
-        (void)snprintf(message, PRODUCT_MESSAGE, "'%.200s' is the name of a file: write esi:%.200s for a device of it",
-                       name, name);
+    const char *prefix = prefix_for(name);
+    if (prefix) {
+        (void)snprintf(message, PRODUCT_MESSAGE, "'%.200s' is the name of a file: write %s:%.200s for a device of it",
+                       name, prefix, name);
         return NULL;
     }
     int used = snprintf(message, PRODUCT_MESSAGE, "there is no device '%.60s'; there are: ", name);
     for (size_t i = 0; (product = ect_catalogue_at(i)) != NULL && used < PRODUCT_MESSAGE; i++)
         used += snprintf(message + used, (size_t)(PRODUCT_MESSAGE - used), "%s, ", product->device->name);
     if (used < PRODUCT_MESSAGE)
-        (void)snprintf(message + used, (size_t)(PRODUCT_MESSAGE - used), "esi:FILE.xml#TYPE and sii:FILE");
+        (void)snprintf(message + used, (size_t)(PRODUCT_MESSAGE - used), "esi:FILE.xml#TYPE, sii:FILE and yaml:FILE");
     return NULL;
 }
 

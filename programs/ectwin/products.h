@@ -2,7 +2,8 @@
 /**
  * @file
  * Products by name: of the catalogue, or of a file: `esi:FILE.xml#TYPE`, any vendor's device from its ESI,
- * `sii:FILE`, any device from its EEPROM image, binary or Intel HEX, and `eni:FILE.xml#N`, slave N of a network file.
+ * `sii:FILE`, any device from its EEPROM image, binary or Intel HEX, `eni:FILE.xml#N`, slave N of a network file, and
+ * `yaml:FILE`, a device of one's own as text.
  */
 #ifndef ECTWIN_PRODUCTS_H
 #define ECTWIN_PRODUCTS_H
@@ -35,7 +36,7 @@ const ect_esi_twin_t *product_twin(const ect_product_t *product);
 /** The twin of a device from a file; NULL: the device is not from a file. */
 const ect_esi_twin_t *product_twin_of_device(const ect_device_t *device);
 
-/** @return the part after `esi:`, `sii:` or `eni:` of a name; NULL: not the name of a file */
+/** @return the part after `esi:`, `sii:`, `eni:` or `yaml:` of a name; NULL: not the name of a file */
 const char *product_file(const char *name);
 
 /**

@@ -446,7 +446,7 @@ static void put_device(const save_t *s, FILE *file, const char *device)
     fputs("  - device: ", file);
     if (path) {
         char *text = NULL;
-        if (asprintf(&text, "%.4s%s", device, relative(s, path)) > 0)
+        if (asprintf(&text, "%.*s%s", (int)(name - device), device, relative(s, path)) > 0)
             put_scalar(file, text);
         free(text);
     } else {
@@ -574,7 +574,7 @@ static void find_devices(save_t *s)
     while (listed_device_next(s->state, &rest, &one)) {
         const char *path = product_file(one.device);
         char prefix[8] = "", *device, *longer = NULL;
-        (void)snprintf(prefix, sizeof prefix, "%.4s", path ? one.device : "");
+        (void)snprintf(prefix, sizeof prefix, "%.*s", path ? (int)(path - one.device) : 0, one.device);
         device = path ? absolute(s, prefix, path) : copy_text(s, one.device);
         if (asprintf(&longer, "%s%s%s%s%s*%zu", list ? list : "", list ? "," : "", one.name ? one.name : "",
                      one.name ? "=" : "", device, one.count) < 0)

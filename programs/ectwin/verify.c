@@ -63,7 +63,8 @@ static bool add_device(verify_t *v, const char *operand, const char *name, bool 
     const ect_product_t *product = product_find(name, NULL, 0, ECT_BEHAVIOUR_BY_FILE, v->message);
     if (product == NULL)
         return false;
-    const ect_esi_twin_t *twin = product_twin(product);
+    /* A device file has no elements of its own to compare: its facts are those of the description. */
+    const ect_esi_twin_t *twin = strncmp(name, "yaml:", 5) != 0 ? product_twin(product) : NULL;
     ect_facts_t *set = new_set(v, operand, "");
     if (twin != NULL)
         ect_facts_of_esi(set, product->device, ect_esi_twin_model(twin));

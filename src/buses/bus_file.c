@@ -2,20 +2,16 @@
 #define _GNU_SOURCE
 #include "buses/bus_file.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
-#include <unistd.h>
-#include <yaml.h>
 
 #include "text/number.h"
 #include "wire/assert.h"
+#include "yaml/document.h"
 
 enum { VERSION = 1 };
 
@@ -29,37 +25,19 @@ typedef struct entry {
 typedef struct reader {
     ect_bus_file_t *file;
     const ect_bus_options_t *options;
-    const char *path;
-    yaml_document_t *document;
+    ect_mistake_t mistake;
+    ect_yaml_t yaml;
+    const entry_t *entry; /* of the twin whose keys are taken; NULL: the bus */
     entry_t *entries;
     size_t entry_count;
-    char *text;
-    size_t room;
     bool whole; /* the last twin is the bus of a network file */
-    bool failed;
 } reader_t;
 
 /* --- mistakes ----------------------------------------------------------------------------------------------------- */
 
-/* The first mistake counts. */
-__attribute__((format(printf, 3, 4))) static void fail(reader_t *r, const yaml_node_t *node, const char *format, ...)
-{
-    va_list values;
-    char why[300];
-    if (r->failed)
-        return;
-    r->failed = true;
-    va_start(values, format);
-    (void)vsnprintf(why, sizeof why, format, values);
-    va_end(values);
-    for (char *letter = why; *letter; letter++)
-        *letter = (unsigned char)*letter < ' ' || *letter == 0x7F ? '?' : *letter; /* of a text of the file */
-    (void)snprintf(r->text, r->room, "%s:%zu: %s", r->path, node ? node->start_mark.line + 1 : 1, why);
-}
-
 static void fail_memory(reader_t *r)
 {
-    fail(r, NULL, "no memory left");
+    ect_yaml_fail(&r->yaml, NULL, "no memory left");
 }
 
 /* --- words -------------------------------------------------------------------------------------------------------- */
@@ -82,7 +60,7 @@ static void add_word(reader_t *r, char *word)
 {
     ect_bus_file_t *file = r->file;
     if (file->count == ECT_BUS_FILE_WORDS) {
-        fail(r, NULL, "more than %d options of all twins together", (int)ECT_BUS_FILE_WORDS);
+        ect_yaml_fail(&r->yaml, NULL, "more than %d options of all twins together", (int)ECT_BUS_FILE_WORDS);
         free(word);
         return;
     }
@@ -114,51 +92,24 @@ static void add_device(reader_t *r, const char *name, const char *device, size_t
 
 /* --- nodes -------------------------------------------------------------------------------------------------------- */
 
-static const yaml_node_t *node_of(const reader_t *r, int number)
+static const yaml_node_t *node_of(reader_t *r, int number)
 {
-    return yaml_document_get_node(r->document, number);
+    return ect_yaml_node(&r->yaml, number);
 }
 
-/* The text of a scalar, else "" and a mistake. */
 static const char *scalar(reader_t *r, const yaml_node_t *node, const char *key)
 {
-    if (node->type != YAML_SCALAR_NODE) {
-        fail(r, node, "'%.60s' takes one value", key);
-        return "";
-    }
-    const char *text = (const char *)node->data.scalar.value;
-    if (strlen(text) != node->data.scalar.length)
-        fail(r, node, "'%.60s' has a character 0", key);
-    return text;
+    return ect_yaml_scalar(&r->yaml, node, key);
 }
 
-static const yaml_node_t *find(const reader_t *r, const yaml_node_t *map, const char *key)
+static const yaml_node_t *find(reader_t *r, const yaml_node_t *map, const char *key)
 {
-    for (const yaml_node_pair_t *p = map->data.mapping.pairs.start; p < map->data.mapping.pairs.top; p++) {
-        const yaml_node_t *name = node_of(r, p->key);
-        if (name->type == YAML_SCALAR_NODE && strcmp((const char *)name->data.scalar.value, key) == 0)
-            return node_of(r, p->value);
-    }
-    return NULL;
+    return ect_yaml_find(&r->yaml, map, key);
 }
 
-/* Calls `take` for each pair of a mapping, in the order of the file; a key has one value. */
-static void each_pair(reader_t *r, const yaml_node_t *map, const char *what,
-                      void (*take)(reader_t *, const entry_t *, const char *, const yaml_node_t *),
-                      const entry_t *entry)
+static void each_pair(reader_t *r, const yaml_node_t *map, const char *what, ect_yaml_take_t take)
 {
-    if (map->type != YAML_MAPPING_NODE) {
-        fail(r, map, "%s: 'key: value' lines are missing", what);
-        return;
-    }
-    for (const yaml_node_pair_t *p = map->data.mapping.pairs.start; p < map->data.mapping.pairs.top; p++) {
-        const yaml_node_t *name = node_of(r, p->key);
-        const char *key = scalar(r, name, what);
-        if (find(r, map, key) != node_of(r, p->value))
-            fail(r, name, "'%.60s' is there twice", key);
-        if (!r->failed)
-            take(r, entry, key, node_of(r, p->value));
-    }
+    ect_yaml_each(&r->yaml, map, what, true, take, r);
 }
 
 /* --- names of twins ----------------------------------------------------------------------------------------------- */
@@ -196,7 +147,7 @@ static void check_twin(reader_t *r, const yaml_node_t *node, const char *text, c
     size_t length = strcspn(text, end);
     *rest = text + length;
     if (number_of(r, text, length) == 0 && (*text < '0' || *text > '9'))
-        fail(r, node, "there is no twin with the name '%.*s'", (int)(length < 60 ? length : 60), text);
+        ect_yaml_fail(&r->yaml, node, "there is no twin with the name '%.*s'", (int)(length < 60 ? length : 60), text);
 }
 
 /* "axis.home=distance.data1,factor=2"; without '=' the option reports it. */
@@ -213,7 +164,7 @@ static void check_connection(reader_t *r, const yaml_node_t *node, const char *t
 static void check_fault(reader_t *r, const yaml_node_t *node, const char *text)
 {
     static const char place[] = "slave ";
-    for (const char *word = strstr(text, place); word && !r->failed; word = strstr(word, place)) {
+    for (const char *word = strstr(text, place); word && !r->mistake.failed; word = strstr(word, place)) {
         bool begins = word == text || word[-1] == ' ';
         word += strlen(place);
         word += strspn(word, " ");
@@ -226,20 +177,23 @@ static void check_fault(reader_t *r, const yaml_node_t *node, const char *text)
 
 static char *path_of(reader_t *r, const char *prefix, const char *path)
 {
-    const char *slash = strrchr(r->path, '/');
+    const char *slash = strrchr(r->mistake.path, '/');
     if (*path == '/' || !slash)
         return print(r, "%s%s", prefix, path);
-    return print(r, "%s%.*s/%s", prefix, (int)(slash - r->path), r->path, path);
+    return print(r, "%s%.*s/%s", prefix, (int)(slash - r->mistake.path), r->mistake.path, path);
 }
 
 static char *device_of(reader_t *r, const yaml_node_t *node, const char *device)
 {
+    static const char *const prefixes[] = {"esi:", "sii:", "eni:", "yaml:"};
     if (*device == '\0' || strchr(device, ',') || (strchr(device, '*') && !strchr(device, ':')))
-        fail(r, node,
-             "'device: %.60s' names one device: a further one is a '- device:' of its own, several are 'count'",
-             device);
-    if (strncmp(device, "esi:", 4) == 0 || strncmp(device, "sii:", 4) == 0 || strncmp(device, "eni:", 4) == 0)
-        return path_of(r, (char[]){device[0], device[1], device[2], ':', '\0'}, device + 4);
+        ect_yaml_fail(
+            &r->yaml, node,
+            "'device: %.60s' names one device: a further one is a '- device:' of its own, several are 'count'", device);
+    for (size_t i = 0; i < sizeof prefixes / sizeof prefixes[0]; i++) {
+        if (strncmp(device, prefixes[i], strlen(prefixes[i])) == 0)
+            return path_of(r, prefixes[i], device + strlen(prefixes[i]));
+    }
     return print(r, "%s", device);
 }
 
@@ -266,7 +220,7 @@ static char *path_value(reader_t *r, const char *text, unsigned int option, size
 static char *value_of(reader_t *r, const yaml_node_t *node, const char *key, unsigned int option, size_t n)
 {
     const char *text = scalar(r, node, key);
-    if (r->failed)
+    if (r->mistake.failed)
         return NULL;
     if (strcmp(key, "connect") == 0)
         check_connection(r, node, text);
@@ -279,7 +233,7 @@ static char *value_of(reader_t *r, const yaml_node_t *node, const char *key, uns
 static void add_option(reader_t *r, const yaml_node_t *node, const char *key, unsigned int option, size_t n)
 {
     char *value = value_of(r, node, key, option, n);
-    if (value && !r->failed)
+    if (value && !r->mistake.failed)
         add_word(r, n > 0 ? print(r, "--%s=%zu:%s", key, n, value) : print(r, "--%s=%s", key, value));
     free(value);
 }
@@ -288,7 +242,7 @@ static void add_flag(reader_t *r, const yaml_node_t *node, const char *key)
 {
     const char *value = scalar(r, node, key);
     if (strcmp(value, "true") != 0 && strcmp(value, "false") != 0)
-        fail(r, node, "'%.60s' takes true or false", key);
+        ect_yaml_fail(&r->yaml, node, "'%.60s' takes true or false", key);
     else if (*value == 't')
         add_word(r, print(r, "--%s", key));
 }
@@ -309,57 +263,70 @@ static void add_counted(reader_t *r, const yaml_node_t *node, const char *key, c
 {
     uint64_t first = 0;
     const char *text = scalar(r, node, key);
-    if (!r->failed && !ect_number(text, 0, UINT32_MAX, &first))
-        fail(r, node, "'%.60s' takes a number, not '%.60s'", key, text);
-    for (size_t i = 0; i < entry->count && !r->failed; i++)
+    if (!r->mistake.failed && !ect_number(text, 0, UINT32_MAX, &first))
+        ect_yaml_fail(&r->yaml, node, "'%.60s' takes a number, not '%.60s'", key, text);
+    for (size_t i = 0; i < entry->count && !r->mistake.failed; i++)
         add_word(r, print(r, "--%s=%zu:%zu", key, entry->first + i, (size_t)first + i));
 }
 
 /* --- a twin ------------------------------------------------------------------------------------------------------- */
 
-static void take_setting(reader_t *r, const entry_t *entry, const char *key, const yaml_node_t *value)
+static void take_setting(void *ctx, const char *key, const yaml_node_t *name, const yaml_node_t *value)
 {
+    reader_t *r = ctx;
+    const entry_t *entry = r->entry;
+    (void)name;
     const char *text = scalar(r, value, key);
-    for (size_t i = 0; i < entry->count && !r->failed; i++)
+    for (size_t i = 0; i < entry->count && !r->mistake.failed; i++)
         add_word(r, print(r, "--set=%zu:%s=%s", entry->first + i, key, text));
 }
 
-static void take_module(reader_t *r, const entry_t *entry, const char *key, const yaml_node_t *value)
+static void take_module(void *ctx, const char *key, const yaml_node_t *name, const yaml_node_t *value)
 {
+    reader_t *r = ctx;
+    const entry_t *entry = r->entry;
+    (void)name;
     const char *text = scalar(r, value, key);
-    for (size_t i = 0; i < entry->count && !r->failed; i++)
+    for (size_t i = 0; i < entry->count && !r->mistake.failed; i++)
         add_word(r, print(r, "--module=%zu:%s=%s", entry->first + i, key, text));
 }
 
-static void take_connection(reader_t *r, const entry_t *entry, const char *key, const yaml_node_t *value)
+static void take_connection(void *ctx, const char *key, const yaml_node_t *name, const yaml_node_t *value)
 {
+    reader_t *r = ctx;
+    const entry_t *entry = r->entry;
+    (void)name;
     const char *rest;
     const char *text = scalar(r, value, key);
     check_twin(r, value, text, ".,", &rest);
-    for (size_t i = 0; i < entry->count && !r->failed; i++)
+    for (size_t i = 0; i < entry->count && !r->mistake.failed; i++)
         add_word(r, print(r, "--connect=%zu.%s=%s", entry->first + i, key, text));
 }
 
-static void take_twin_key(reader_t *r, const entry_t *entry, const char *key, const yaml_node_t *value)
+static void take_twin_key(void *ctx, const char *key, const yaml_node_t *name, const yaml_node_t *value)
 {
+    reader_t *r = ctx;
+    const entry_t *entry = r->entry;
+    (void)name;
     if (strcmp(key, "device") == 0 || strcmp(key, "name") == 0 || strcmp(key, "count") == 0)
         return;
     unsigned int option = r->options->find(r->options->ctx, key);
     if (strcmp(key, "set") == 0)
-        each_pair(r, value, "set", take_setting, entry);
+        each_pair(r, value, "set", take_setting);
     else if (strcmp(key, "module") == 0)
-        each_pair(r, value, "module", take_module, entry);
+        each_pair(r, value, "module", take_module);
     else if (strcmp(key, "connect") == 0)
-        each_pair(r, value, "connect", take_connection, entry);
+        each_pair(r, value, "connect", take_connection);
     else if ((option & ECT_BUS_OPTION_OF_TWIN) == 0)
-        fail(r, value,
-             "'%.60s' is no key of a twin: device, name, count, set, module, connect, or an option of 'ectwin run' "
-             "that takes N: for twin N",
-             key);
+        ect_yaml_fail(
+            &r->yaml, value,
+            "'%.60s' is no key of a twin: device, name, count, set, module, connect, or an option of 'ectwin run' "
+            "that takes N: for twin N",
+            key);
     else if (strcmp(key, "alias") == 0 || strcmp(key, "serial") == 0)
         add_counted(r, value, key, entry);
     else
-        for (size_t i = 0; i < entry->count && !r->failed; i++)
+        for (size_t i = 0; i < entry->count && !r->mistake.failed; i++)
             add_options(r, value, key, option, entry->first + i);
 }
 
@@ -368,45 +335,46 @@ static size_t count_of(reader_t *r, const yaml_node_t *twin)
     uint64_t count = 1;
     const yaml_node_t *node = find(r, twin, "count");
     if (node && !ect_number(scalar(r, node, "count"), 1, ECT_BUS_FILE_TWINS, &count))
-        fail(r, node, "'count' takes a number from 1 to %d", (int)ECT_BUS_FILE_TWINS);
+        ect_yaml_fail(&r->yaml, node, "'count' takes a number from 1 to %d", (int)ECT_BUS_FILE_TWINS);
     return (size_t)count;
 }
 
 static void add_entry(reader_t *r, const yaml_node_t *twin)
 {
     if (twin->type != YAML_MAPPING_NODE) {
-        fail(r, twin, "a twin is '- device: DEVICE', with its other keys below");
+        ect_yaml_fail(&r->yaml, twin, "a twin is '- device: DEVICE', with its other keys below");
         return;
     }
     const yaml_node_t *name = find(r, twin, "name");
     const yaml_node_t *device = find(r, twin, "device");
     entry_t entry = {.node = twin, .first = r->file->twins + 1, .count = count_of(r, twin)};
     if (!device) {
-        fail(r, twin, "a twin without 'device'; 'ectwin list' lists the devices");
+        ect_yaml_fail(&r->yaml, twin, "a twin without 'device'; 'ectwin list' lists the devices");
         return;
     }
     if (name) {
         entry.name = scalar(r, name, "name");
         if (!is_name(entry.name))
-            fail(r, name, "'name: %.60s': a letter a to z first, then letters, digits, _ and -, at most %d", entry.name,
-                 (int)ECT_BUS_FILE_NAME);
+            ect_yaml_fail(&r->yaml, name,
+                          "'name: %.60s': a letter a to z first, then letters, digits, _ and -, at most %d", entry.name,
+                          (int)ECT_BUS_FILE_NAME);
     }
     for (size_t i = 0; name && i < r->entry_count; i++) {
         const char *other = r->entries[i].name;
         if (other && (strcmp(other, entry.name) == 0 || number_in(&entry, other, strlen(other)) > 0 ||
                       number_in(&r->entries[i], entry.name, strlen(entry.name)) > 0))
-            fail(r, name, "two twins have the name '%.60s'", entry.name);
+            ect_yaml_fail(&r->yaml, name, "two twins have the name '%.60s'", entry.name);
     }
     char *word = device_of(r, device, scalar(r, device, "device"));
     if (r->whole)
-        fail(r, twin, "no twin follows behind 'device: eni:FILE', a bus of any length: put that last");
+        ect_yaml_fail(&r->yaml, twin, "no twin follows behind 'device: eni:FILE', a bus of any length: put that last");
     r->whole = word && strncmp(word, "eni:", 4) == 0 && !strchr(word, '#');
     if (r->whole && entry.count > 1)
-        fail(r, twin, "'count' is for one device; 'device: eni:FILE' is a bus");
+        ect_yaml_fail(&r->yaml, twin, "'count' is for one device; 'device: eni:FILE' is a bus");
     r->file->twins += entry.count;
     if (r->file->twins > ECT_BUS_FILE_TWINS)
-        fail(r, twin, "more than %d twins", (int)ECT_BUS_FILE_TWINS);
-    if (word && !r->failed)
+        ect_yaml_fail(&r->yaml, twin, "more than %d twins", (int)ECT_BUS_FILE_TWINS);
+    if (word && !r->mistake.failed)
         add_device(r, entry.name, word, entry.count);
     free(word);
     r->entries[r->entry_count++] = entry;
@@ -418,26 +386,28 @@ static void take_twins(reader_t *r, const yaml_node_t *twins)
 {
     if (!twins || twins->type != YAML_SEQUENCE_NODE ||
         twins->data.sequence.items.start == twins->data.sequence.items.top) {
-        fail(r, twins, "'twins:' with a list of '- device: DEVICE' is missing");
+        ect_yaml_fail(&r->yaml, twins, "'twins:' with a list of '- device: DEVICE' is missing");
         return;
     }
     const yaml_node_item_t *top = twins->data.sequence.items.top;
     r->entries = calloc((size_t)(top - twins->data.sequence.items.start), sizeof *r->entries);
     if (!r->entries)
         fail_memory(r);
-    for (const yaml_node_item_t *i = twins->data.sequence.items.start; i < top && !r->failed; i++)
+    for (const yaml_node_item_t *i = twins->data.sequence.items.start; i < top && !r->mistake.failed; i++)
         add_entry(r, node_of(r, *i));
 }
 
-static void take_key(reader_t *r, const entry_t *none, const char *key, const yaml_node_t *value)
+static void take_key(void *ctx, const char *key, const yaml_node_t *name, const yaml_node_t *value)
 {
-    (void)none;
+    reader_t *r = ctx;
+    (void)name;
     if (strcmp(key, "ectwin") == 0 || strcmp(key, "twins") == 0)
         return;
     unsigned int option = r->options->find(r->options->ctx, key);
     if (option == ECT_BUS_OPTION_NONE)
-        fail(r, value, "'%.60s' is no key of a bus: ectwin, twins, or a long option of 'ectwin run' without its --",
-             key);
+        ect_yaml_fail(&r->yaml, value,
+                      "'%.60s' is no key of a bus: ectwin, twins, or a long option of 'ectwin run' without its --",
+                      key);
     else if ((option & ECT_BUS_OPTION_VALUE) != 0)
         add_options(r, value, key, option, 0);
     else
@@ -446,156 +416,56 @@ static void take_key(reader_t *r, const entry_t *none, const char *key, const ya
 
 static void take_document(reader_t *r)
 {
-    const yaml_node_t *root = yaml_document_get_root_node(r->document);
+    const yaml_node_t *root = ect_yaml_root(&r->yaml);
     if (!root || root->type != YAML_MAPPING_NODE) {
-        fail(r, root, "not a bus file: it begins with 'ectwin: %d' and has 'twins:'", VERSION);
+        ect_yaml_fail(&r->yaml, root, "not a bus file: it begins with 'ectwin: %d' and has 'twins:'", VERSION);
         return;
     }
     const yaml_node_t *version = find(r, root, "ectwin");
     uint64_t number = 0;
+    if (!version && find(r, root, "ectwin-device")) {
+        ect_yaml_fail(&r->yaml, root, "a device, not a bus: write yaml:%s", r->mistake.path);
+        return;
+    }
     if (!version || !ect_number(scalar(r, version, "ectwin"), 0, UINT32_MAX, &number) || number != VERSION) {
-        fail(r, version ? version : root, "'ectwin: %d' is missing: the version of the format that this ectwin reads",
-             VERSION);
+        ect_yaml_fail(&r->yaml, version ? version : root,
+                      "'ectwin: %d' is missing: the version of the format that this ectwin reads", VERSION);
         return;
     }
     take_twins(r, find(r, root, "twins"));
-    if (!r->failed)
-        each_pair(r, root, "the bus", take_key, NULL);
-    for (size_t i = 0; i < r->entry_count && !r->failed; i++)
-        each_pair(r, r->entries[i].node, "a twin", take_twin_key, &r->entries[i]);
-}
-
-/* Events that a bus file has no use for, and by which a small file could become a large one. */
-static const char *refused(const yaml_event_t *event)
-{
-    switch (event->type) {
-    case YAML_ALIAS_EVENT:
-        return "an alias";
-    case YAML_SCALAR_EVENT:
-        return event->data.scalar.anchor ? "an anchor" : event->data.scalar.tag ? "a tag" : NULL;
-    case YAML_SEQUENCE_START_EVENT:
-        return event->data.sequence_start.anchor ? "an anchor" : event->data.sequence_start.tag ? "a tag" : NULL;
-    case YAML_MAPPING_START_EVENT:
-        return event->data.mapping_start.anchor ? "an anchor" : event->data.mapping_start.tag ? "a tag" : NULL;
-    default:
-        return NULL;
+    if (!r->mistake.failed)
+        each_pair(r, root, "the bus", take_key);
+    for (size_t i = 0; i < r->entry_count && !r->mistake.failed; i++) {
+        r->entry = &r->entries[i];
+        each_pair(r, r->entries[i].node, "a twin", take_twin_key);
     }
-}
-
-static void fail_yaml(reader_t *r, const yaml_parser_t *parser)
-{
-    if (r->failed)
-        return;
-    r->failed = true;
-    (void)snprintf(r->text, r->room, "%s:%zu: no YAML: %s", r->path, parser->problem_mark.line + 1,
-                   parser->problem ? parser->problem : "no memory left");
-}
-
-/* Looks through the events of the whole file. */
-static void check_events(reader_t *r, const void *data, size_t length)
-{
-    enum { DEPTH = 8 };
-    yaml_parser_t parser;
-    yaml_event_t event;
-    unsigned int documents = 0, depth = 0;
-    bool ended = false;
-    if (yaml_parser_initialize(&parser) == 0) {
-        fail_memory(r);
-        return;
-    }
-    yaml_parser_set_input_string(&parser, data, length);
-    while (!ended && !r->failed) {
-        if (yaml_parser_parse(&parser, &event) == 0) {
-            fail_yaml(r, &parser);
-            break;
-        }
-        const char *what = refused(&event);
-        const yaml_node_t at = {.start_mark = event.start_mark};
-        if (what)
-            fail(r, &at, "%s of YAML: bus files have none", what);
-        documents += event.type == YAML_DOCUMENT_START_EVENT;
-        depth += event.type == YAML_SEQUENCE_START_EVENT || event.type == YAML_MAPPING_START_EVENT;
-        depth -= event.type == YAML_SEQUENCE_END_EVENT || event.type == YAML_MAPPING_END_EVENT;
-        if (documents > 1)
-            fail(r, &at, "a second document: a bus file has one");
-        if (depth > DEPTH)
-            fail(r, &at, "lists within lists: a bus file has no such depth");
-        ended = event.type == YAML_STREAM_END_EVENT;
-        yaml_event_delete(&event);
-    }
-    yaml_parser_delete(&parser);
-}
-
-static void read_document(reader_t *r, const void *data, size_t length)
-{
-    yaml_parser_t parser;
-    yaml_document_t document;
-    if (yaml_parser_initialize(&parser) == 0) {
-        fail_memory(r);
-        return;
-    }
-    yaml_parser_set_input_string(&parser, data, length);
-    if (yaml_parser_load(&parser, &document) != 0) {
-        r->document = &document;
-        take_document(r);
-        yaml_document_delete(&document);
-    } else {
-        fail_yaml(r, &parser);
-    }
-    yaml_parser_delete(&parser);
 }
 
 bool ect_bus_file_is(const char *name)
 {
-    const char *dot = strrchr(name, '.');
-    return dot && (strcasecmp(dot, ".yaml") == 0 || strcasecmp(dot, ".yml") == 0);
+    const char *dot = strncmp(name, "yaml:", 5) != 0 ? strrchr(name, '.') : NULL;
+    return dot && !strchr(name, ',') && (strcasecmp(dot, ".yaml") == 0 || strcasecmp(dot, ".yml") == 0);
 }
 
 bool ect_bus_file_parse(ect_bus_file_t *file, const char *path, const void *data, size_t length,
                         const ect_bus_options_t *options, char *text, size_t room)
 {
-    reader_t r = {.file = file, .options = options, .path = path, .text = text, .room = room};
+    reader_t r = {.file = file, .options = options, .mistake = {.path = path, .text = text, .room = room}};
     *file = (ect_bus_file_t){0};
     ECT_ASSERT(options->find != NULL && room > 0);
-    check_events(&r, data, length);
-    if (!r.failed)
-        read_document(&r, data, length);
+    if (ect_yaml_open(&r.yaml, "bus file", &r.mistake, data, length)) {
+        take_document(&r);
+        ect_yaml_close(&r.yaml);
+    }
     free(r.entries);
-    return !r.failed;
-}
-
-/* @return the bytes, to be freed; NULL with a line in `text` */
-static char *load(const char *path, size_t *length, char *text, size_t room)
-{
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe must not hold the command up */
-    struct stat status;
-    char *data = NULL;
-    ssize_t got = -1;
-    if (fd < 0 || fstat(fd, &status) != 0) {
-        (void)snprintf(text, room, "%s: %s", path, strerror(errno));
-    } else if (!S_ISREG(status.st_mode) || status.st_size > ECT_BUS_FILE_BYTES) {
-        (void)snprintf(text, room, "%s: not a file of at most %d bytes", path, (int)ECT_BUS_FILE_BYTES);
-    } else {
-        data = malloc(ECT_BUS_FILE_BYTES);
-        got = data ? read(fd, data, ECT_BUS_FILE_BYTES) : -1;
-        if (got < 0)
-            (void)snprintf(text, room, "%s: %s", path, strerror(errno));
-    }
-    if (fd >= 0)
-        (void)close(fd);
-    if (got >= 0) {
-        *length = (size_t)got;
-        return data;
-    }
-    free(data);
-    return NULL;
+    return !r.mistake.failed;
 }
 
 bool ect_bus_file_read(ect_bus_file_t *file, const char *path, const ect_bus_options_t *options, char *text,
                        size_t room)
 {
     size_t length = 0;
-    char *data = load(path, &length, text, room);
+    char *data = ect_yaml_load(path, ECT_BUS_FILE_BYTES, &length, text, room);
     *file = (ect_bus_file_t){0};
     bool fine = data && ect_bus_file_parse(file, path, data, length, options, text, room);
     free(data);

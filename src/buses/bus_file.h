@@ -70,7 +70,7 @@ typedef struct ect_bus_file {
 
 ECT_C_BEGIN
 
-/** @return true for a name that ends in .yaml or .yml */
+/** @return true for a name that ends in .yaml or .yml, and is neither a device, `yaml:FILE`, nor a list of them */
 bool ect_bus_file_is(const char *name);
 
 /**

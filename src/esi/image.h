@@ -54,7 +54,7 @@ typedef struct ect_esi_found_entry {
 /**
  * Adds an object that was read from the slave, before any call of ::ect_esi_select. An index that is
  * there already is ignored. Everything that the arguments point to is copied.
- * @param esi  from ::ect_esi_of_image
+ * @param esi  from ::ect_esi_of_image or ::ect_esi_single_begin
  */
 void ect_esi_found_object(ect_esi_t *esi, const ect_esi_found_object_t *object);
 

@@ -6,7 +6,7 @@
  * From the lowest to the highest; each knows only those above it in this list (tests/check/order.py):
  *
  *   arena.c            memory that is freed together
- *   number.c, types.c  numbers and data types
+ *   number.c, units.c, types.c  numbers, units and data types
  *   xml.c              a document, an element's parts, the first mistake kept
  *   read_dictionary.c  types and objects of a file
  *   read_device.c      the model of a device

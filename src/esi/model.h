@@ -17,6 +17,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "seams/fields.h"
+
 /** A value that may be absent. */
 typedef struct ect_esi_number {
     bool given;
@@ -266,6 +268,8 @@ typedef struct ect_esi_device {
     uint32_t slot_pdo_increment, slot_index_increment, slots_max;
     const ect_esi_module_t *modules; /**< all of the file */
     size_t module_count;
+
+    const ect_field_t *fields; /**< named bits and values, as ect_plant_t::fields; NULL: none; no ESI file has them */
 } ect_esi_device_t;
 
 #endif

@@ -819,6 +819,7 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     if (b->failure == NULL)
         ect_build_signals(b, &twin->plant);
     ect_build_count_notes(b);
+    twin->plant.fields = b->model->fields;
     twin->product = (ect_product_t){.device = device, .plant = &twin->plant};
 }
 

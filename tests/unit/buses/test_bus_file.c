@@ -85,6 +85,7 @@ static void a_file_stands_for_the_words_of_a_command_line(void **state)
          "axis=pmctendo-dd5,cam=fzm1*3,esi:/m/d/e.xml#T"},
         {"a network file is relative to the file", BUS("twins:\n- device: fzm1\n- device: eni:m.xml\n"),
          "fzm1,eni:/m/m.xml"},
+        {"a device file is relative to the file", BUS("twins:\n- device: yaml:d/g.yaml\n"), "yaml:/m/d/g.yaml"},
         {"one slave of a network file is a device", BUS("twins:\n- device: eni:m.xml#2\n- device: fzm1\n"),
          "eni:/m/m.xml#2,fzm1"},
         {"alias and serial number count up",
@@ -122,6 +123,7 @@ static void a_wrong_file_is_refused_with_its_line(void **state)
         {"- a\n", "/m/bus.yaml:1: not a bus file: it begins with 'ectwin: 1' and has 'twins:'"},
         {ONE, "/m/bus.yaml:1: 'ectwin: 1' is missing: the version of the format that this ectwin reads"},
         {"ectwin: 2\n" ONE, "/m/bus.yaml:1: 'ectwin: 1' is missing: the version of the format that this ectwin reads"},
+        {"ectwin-device: 1\n", "/m/bus.yaml:1: a device, not a bus: write yaml:/m/bus.yaml"},
         {BUS(""), "/m/bus.yaml:1: 'twins:' with a list of '- device: DEVICE' is missing"},
         {BUS("twins: []\n"), "/m/bus.yaml:2: 'twins:' with a list of '- device: DEVICE' is missing"},
         {BUS("twins: [fzm1]\n"), "/m/bus.yaml:2: a twin is '- device: DEVICE', with its other keys below"},
@@ -184,6 +186,8 @@ static void a_name_ends_in_yaml_or_yml(void **state)
     assert_true(ect_bus_file_is("BUS.YML"));
     assert_false(ect_bus_file_is("fzm1"));
     assert_false(ect_bus_file_is("esi:bus.yaml.xml"));
+    assert_false(ect_bus_file_is("yaml:gauge.yaml"));
+    assert_false(ect_bus_file_is("fzm1,yaml:gauge.yaml"));
 }
 
 static void a_file_that_cannot_be_read_is_a_line(void **state)

@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: MIT */
+/* Names of bits and of values. */
+#include "devfile/internal.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+#include "esi/number.h"
+
+/* A list of names while it is read. */
+typedef struct list {
+    ect_draft_t *d;
+    const ect_draft_entry_t *entry;
+    uint16_t index;
+    uint64_t taken; /* bits that have a name */
+    ect_value_name_t *values;
+    size_t count;
+} list_t;
+
+static const char *name_of(ect_draft_t *d, const char *key, const yaml_node_t *value)
+{
+    ect_word_t word = ect_draft_word(d, value, key);
+    size_t length = strlen(word.text);
+    bool fine = length > 0 && length <= 60;
+    for (size_t i = 0; i < length; i++)
+        fine = fine && word.text[i] >= ' ' && word.text[i] <= '~';
+    if (!fine)
+        ect_mistake(&d->mistake, word.line, "'%.60s' takes a name of 1 to 60 characters of ISO 646 (ASCII)", key);
+    return ect_arena_copy(d->arena, word.text, length);
+}
+
+static ect_field_t *add_field(const list_t *list)
+{
+    ect_draft_t *d = list->d;
+    d->fields = ect_arena_grow(d->arena, d->fields, d->field_count, sizeof *d->fields);
+    ect_field_t *field = &d->fields[d->field_count++];
+    *field = (ect_field_t){.index = list->index, .subindex = list->entry->subindex};
+    return field;
+}
+
+/* "3" or "4-7". @return false: another text, or a bit that the entry has not */
+static bool bits_of(const char *key, unsigned int bits, unsigned int *first, unsigned int *last)
+{
+    char text[8];
+    int64_t low, high;
+    const char *dash = strchr(key, '-');
+    size_t length = dash != NULL ? (size_t)(dash - key) : strlen(key);
+    if (length >= sizeof text)
+        return false;
+    memcpy(text, key, length);
+    text[length] = '\0';
+    if (!ect_esi_parse_number(text, &low))
+        return false;
+    high = low;
+    if (dash != NULL && !ect_esi_parse_number(dash + 1, &high))
+        return false;
+    *first = (unsigned int)low;
+    *last = (unsigned int)high;
+    return low >= 0 && low <= high && high < bits;
+}
+
+static void take_bits(void *ctx, const char *key, const yaml_node_t *name, const yaml_node_t *value)
+{
+    list_t *list = ctx;
+    unsigned int first, last;
+    const char *text = name_of(list->d, key, value);
+    if (!bits_of(key, list->entry->bits, &first, &last)) {
+        ect_yaml_fail(&list->d->yaml, name, "'%.60s' is no bit of %u: 0 to %u, several as \"4-7\"", key,
+                      (unsigned int)list->entry->bits, list->entry->bits - 1u);
+        return;
+    }
+    uint64_t mask = (last - first == 63 ? UINT64_MAX : (UINT64_C(1) << (last - first + 1)) - 1) << first;
+    if ((list->taken & mask) != 0)
+        ect_yaml_fail(&list->d->yaml, name, "'%.60s' has a bit that has a name already", key);
+    list->taken |= mask;
+    ect_field_t *field = add_field(list);
+    field->bit = (uint8_t)first;
+    field->width = (uint8_t)(last - first + 1);
+    field->name = text;
+}
+
+static bool is_number(ect_draft_t *d, const yaml_node_t *node, const char *key, const ect_draft_entry_t *entry)
+{
+    if (!ect_draft_is_integer(entry))
+        ect_yaml_fail(&d->yaml, node, "'%s' is for integers: leave it out", key);
+    return !d->mistake.failed;
+}
+
+void ect_draft_bits(ect_draft_t *d, const yaml_node_t *bits, const ect_draft_entry_t *entry)
+{
+    list_t list = {.d = d, .entry = entry, .index = d->objects[d->object_count - 1].index};
+    if (bits != NULL && is_number(d, bits, "bits", entry))
+        ect_yaml_each(&d->yaml, bits, "bits", false, take_bits, &list);
+}
+
+static void take_value(void *ctx, const char *key, const yaml_node_t *name, const yaml_node_t *value)
+{
+    list_t *list = ctx;
+    ect_draft_t *d = list->d;
+    const ect_word_t word = {.text = key, .line = ect_yaml_line(name)};
+    const char *text = name_of(d, key, value);
+    int64_t number = ect_draft_number(d, "values", word, INT64_MIN, INT64_MAX);
+    if (list->count > 0 && number <= list->values[list->count - 1].value)
+        ect_yaml_fail(&d->yaml, name, "'values' ascend, each is there once: move %.60s", key);
+    list->values = ect_arena_grow(d->arena, list->values, list->count, sizeof *list->values);
+    list->values[list->count++] = (ect_value_name_t){.value = number, .name = text};
+}
+
+/* Values that all have names limit the entry. */
+static void limit(ect_draft_t *d, const yaml_node_t *node, const list_t *list, ect_draft_entry_t *entry)
+{
+    const int64_t lowest = list->values[0].value, highest = list->values[list->count - 1].value;
+    const int64_t most = entry->bits < 63 ? (INT64_C(1) << entry->bits) - 1 : INT64_MAX;
+    const int64_t least = entry->bits < 63 ? -(INT64_C(1) << (entry->bits - 1)) : INT64_MIN;
+    if (lowest < least || highest > most)
+        ect_yaml_fail(&d->yaml, node, "'values' has one that the entry has no room for: choose a longer 'type'");
+    if (!entry->limited) {
+        entry->minimum = lowest;
+        entry->maximum = highest;
+    }
+    entry->limited = true;
+}
+
+void ect_draft_values(ect_draft_t *d, const yaml_node_t *values, ect_draft_entry_t *entry)
+{
+    list_t list = {.d = d, .entry = entry, .index = d->objects[d->object_count - 1].index};
+    if (values == NULL || !is_number(d, values, "values", entry))
+        return;
+    ect_yaml_each(&d->yaml, values, "values", false, take_value, &list);
+    if (list.count < 2)
+        ect_yaml_fail(&d->yaml, values, "'values' takes at least two: {0: OFF, 1: ON}");
+    if (d->mistake.failed)
+        return;
+    list.values = ect_arena_grow(d->arena, list.values, list.count, sizeof *list.values);
+    add_field(&list)->values = list.values; /* ends with the zeroed one */
+    limit(d, values, &list, entry);
+}

@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Declarations that the files of devfile/ share. No other room includes this header.
+ *
+ * A draft holds the objects of a file while their PDOs are not known yet: what a PDO maps decides on the rights of an
+ * entry. From the lowest to the highest: value.c (types and values of an entry), draft.c (objects, and the
+ * model made of them), fields.c (names of bits and values), objects.c, pdos.c, layout.c (parts of a YAML file),
+ * devfile.c (the file).
+ */
+#ifndef ECT_DEVFILE_INTERNAL_H
+#define ECT_DEVFILE_INTERNAL_H
+
+#include "devfile/devfile.h"
+#include "esi/arena.h"
+#include "esi/model.h"
+#include "od/od.h"
+#include "text/mistake.h"
+#include "wire/assert.h"
+#include "yaml/document.h"
+
+/** A text of the file and its line; NULL: absent. */
+typedef struct ect_word {
+    const char *text;
+    size_t line;
+} ect_word_t;
+
+/** The words that describe an entry, by ::ect_word_key. */
+typedef enum ect_word_key {
+    ECT_WORD_NAME,
+    ECT_WORD_TYPE,
+    ECT_WORD_ACCESS,
+    ECT_WORD_DEFAULT,
+    ECT_WORD_MIN,
+    ECT_WORD_MAX,
+    ECT_WORD_UNIT,
+    ECT_WORD_WRITE_IN,
+    ECT_WORD_BACKUP,
+    ECT_WORD_SETTING,
+    ECT_WORDS,
+} ect_word_key_t;
+
+/** An entry of a draft. */
+typedef struct ect_draft_entry {
+    uint8_t subindex;
+    uint16_t type, bits;
+    uint16_t access; /**< without those of PDOs; 0: not given */
+    bool rx, tx;     /**< mapped by a PDO of outputs, of inputs */
+    bool limited;
+    int64_t minimum, maximum; /**< with `limited` */
+    ect_esi_bytes_t initial;
+    uint32_t unit;
+    const char *name;
+    size_t line;
+} ect_draft_entry_t;
+
+/** An object of a draft; sub-index 0 of a record or an array is not among its entries. */
+typedef struct ect_draft_object {
+    uint16_t index;
+    uint8_t code; /**< ECT_OBJECT_... */
+    const char *name;
+    ect_draft_entry_t *entries;
+    size_t count;
+    size_t line;
+} ect_draft_object_t;
+
+/** A device while its file is read. */
+typedef struct ect_draft {
+    ect_mistake_t mistake;
+    ect_yaml_t yaml;
+    ect_arena_t *arena; /**< of the model */
+    ect_esi_device_t *device;
+    ect_draft_object_t *objects;
+    size_t object_count, entry_count;
+    uint32_t *positions; /**< of each index: its position plus 1; 0: none */
+    ect_field_t *fields; /**< of the model, growing */
+    size_t field_count;
+    uint16_t mailbox_bytes; /**< of each mailbox of the standard; 0: no mailbox */
+} ect_draft_t;
+
+/* --- value.c ------------------------------------------------------------------------------------------------------ */
+
+/** The key of a word: "min". */
+extern const char *const ect_word_names[ECT_WORDS];
+
+/** Makes an entry of its words, but for its sub-index; mistakes are reported. @param line  of the entry */
+void ect_draft_words(ect_draft_t *d, ect_draft_entry_t *entry, const ect_word_t *words, size_t line);
+
+/** Replaces the default of an entry. */
+void ect_draft_default(ect_draft_t *d, ect_draft_entry_t *entry, ect_word_t word);
+
+/** @return true: an integer, a bit or bits */
+bool ect_draft_is_integer(const ect_draft_entry_t *entry);
+
+/** @return the default of an integer */
+int64_t ect_draft_initial(const ect_draft_entry_t *entry);
+
+/** @return the number of a word within a range; of another text `minimum`, and a mistake is reported */
+int64_t ect_draft_number(ect_draft_t *d, const char *key, ect_word_t word, int64_t minimum, int64_t maximum);
+
+/** @return whether a word is "true"; one that is neither "true" nor "false" is a mistake */
+bool ect_draft_flag(ect_draft_t *d, const char *key, ect_word_t word);
+
+/** @return bytes of pairs of hexadecimal digits, perhaps with blanks between them; of another text none, a mistake */
+ect_esi_bytes_t ect_draft_hex(ect_draft_t *d, const char *key, ect_word_t word, size_t most);
+
+/* --- draft.c ------------------------------------------------------------------------------------------------------ */
+
+/** Adds an object. @return NULL: its index is taken or reserved, a mistake */
+ect_draft_object_t *ect_draft_add(ect_draft_t *d, ect_word_t index, uint8_t code, const char *name);
+
+/** Adds an entry to the object that was added last. @return NULL: too many, or its sub-index is taken, a mistake */
+ect_draft_entry_t *ect_draft_entry(ect_draft_t *d, uint8_t subindex, const ect_draft_entry_t *entry);
+
+/** @return the object of an index; NULL: none */
+ect_draft_object_t *ect_draft_find(const ect_draft_t *d, uint16_t index);
+
+/** Adds what a word of a list of PDO entries names: "0x6000", "0x6000:1", "gap 4". */
+void ect_draft_map(ect_draft_t *d, ect_esi_pdo_t *pdo, ect_word_t word);
+
+/** The word of a scalar; another node is a mistake. */
+ect_word_t ect_draft_word(ect_draft_t *d, const yaml_node_t *node, const char *key);
+
+/** Hands the objects to the model. */
+void ect_draft_end(ect_draft_t *d);
+
+/* --- the parts of a YAML file ------------------------------------------------------------------------------------- */
+
+/** fields.c: `bits` and `values` of an entry that has its type. */
+void ect_draft_bits(ect_draft_t *d, const yaml_node_t *bits, const ect_draft_entry_t *entry);
+void ect_draft_values(ect_draft_t *d, const yaml_node_t *values, ect_draft_entry_t *entry);
+
+/** objects.c: `objects`. */
+void ect_draft_objects(ect_draft_t *d, const yaml_node_t *objects);
+
+/** pdos.c: `inputs` or `outputs`. */
+void ect_draft_pdos(ect_draft_t *d, const yaml_node_t *list, bool tx);
+
+/** layout.c: `mailbox`, `syncmanagers`, `dc`, `eeprom`; NULL: the standard. SyncManagers come last, behind the PDOs. */
+void ect_draft_mailbox(ect_draft_t *d, const yaml_node_t *mailbox);
+void ect_draft_clocks(ect_draft_t *d, const yaml_node_t *list);
+void ect_draft_eeprom(ect_draft_t *d, const yaml_node_t *eeprom);
+void ect_draft_syncmanagers(ect_draft_t *d, const yaml_node_t *list);
+
+#endif
