@@ -502,6 +502,33 @@ static void set_at_a_time(void **state)
     close_bench(&b);
 }
 
+/* The list of faults is one step of the loop, so it has an end: 64 of those of all slaves. */
+static void most_faults_of_a_list(void **state)
+{
+    enum { TWINS = 9, OF_A_TWIN = 8, LISTED = 64 };
+    static char got[ANSWER_ROOM];
+    ect_scenario_t scenario = {.seed = 1};
+    ect_stats_t stats = {0};
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", TWINS);
+    ect_control_show(b.control, &stats, &scenario);
+    for (unsigned int i = 0; i < TWINS * OF_A_TWIN; i++) {
+        char request[80];
+        snprintf(request, sizeof request, "{\"op\":\"fault\",\"fault\":\"al never slave %u\"}\n", i / OF_A_TWIN + 1);
+        expect_answer(&b, request, OK);
+    }
+    int fd = connect_client(&b);
+    set_nonblocking(fd);
+    send_text(fd, "{\"op\":\"fault\"}\n");
+    serve(&b);
+    receive_text(fd, got, sizeof got);
+    assert_int_equal(count_of(got, "\"al never slave"), LISTED);
+    close(fd);
+    serve(&b);
+    close_bench(&b);
+}
+
 static struct {
     unsigned int count;
     char request[128];
@@ -592,6 +619,7 @@ int main(int argc, char **argv)
         {"Signals are set at a time of the bus; a time that is over is refused", set_at_a_time, NULL, NULL, NULL},
         {"An observer gets a request at its time, as one that is due", observed_at_a_time, NULL, NULL, NULL},
         {"Without memory there is no socket, and no watching", without_memory, NULL, NULL, NULL},
+        {"At most 64 faults are listed", most_faults_of_a_list, NULL, NULL, NULL},
         {"At most 64 requests wait for their time", most_requests_that_wait, NULL, NULL, NULL},
     };
     if (argc > 1)

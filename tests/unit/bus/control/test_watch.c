@@ -80,6 +80,31 @@ static void changes_that_were_sent_leave_their_room(void **state)
     ect_watch_free(watch);
 }
 
+/* A text ends with its zero: a device may leave the rest of a longer one behind it. */
+static void texts_end_with_their_zero(void **state)
+{
+    static const ect_signal_t signal = {.name = "text", .type = ECT_SIGNAL_TEXT, .maximum = 7};
+    static const struct {
+        char before[8], after[8];
+        bool changed;
+    } rows[] = {{"ab", "ab\0cd", false}, {"ab", "ac", true},           {"ab", "a", true},
+                {"ab", "abc", true},     {"abcdefg", "abcdefh", true}, {"\0x", "\0y", false}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t value[8];
+        unsigned int budget = 10;
+        ect_line_t line;
+        ect_watch_t *watch = ect_watch_new();
+        const ect_signal_ref_t ref = ref_of(&signal, value);
+        memcpy(value, rows[i].before, sizeof value);
+        assert_true(ect_watch_add(watch, &ref, 0));
+        memcpy(value, rows[i].after, sizeof value);
+        ect_watch_round(watch);
+        assert_int_equal(ect_watch_next(watch, &budget, 0, &line), rows[i].changed);
+        ect_watch_free(watch);
+    }
+}
+
 /* Compares with a budget. @return the signal that is reported; MOST: none */
 static size_t next_of(ect_watch_t *watch, unsigned int *budget)
 {
@@ -138,6 +163,7 @@ int main(int argc, char **argv)
          changes_are_recorded_while_there_is_room, NULL, NULL, NULL},
         {"A change that was sent leaves its room to the next one", changes_that_were_sent_leave_their_room, NULL, NULL,
          NULL},
+        {"A text has changed when it differs before its zero", texts_end_with_their_zero, NULL, NULL, NULL},
         {"A round compares as many signals as its budget allows, then continues", a_round_stops_at_its_budget, NULL,
          NULL, NULL},
     };

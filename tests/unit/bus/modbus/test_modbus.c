@@ -782,10 +782,9 @@ static void no_request_to_repeat(void **state)
 }
 
 /* A daemon's standard input may be closed: a client gets descriptor 0 then. */
-static void descriptor_0(void **state)
+static void serve_at_descriptor_0(bool idle)
 {
     bench_t b;
-    (void)state;
     open_bench(&b);
     wire_advance(&b.wire, 125 * MS);
     int fd = connect_client(&b);
@@ -794,15 +793,31 @@ static void descriptor_0(void **state)
     (void)serve(&b);
     expect(&b, fd, "descriptor 0", "00 01 00 00 00 06 FF 03 00 0B 00 01", "00 01 00 00 00 05 FF 03 02 00 00");
     const bool used = fcntl(STDIN_FILENO, F_GETFD) >= 0;
-    close_bench(&b);
+    const uint64_t due_ns = ect_modbus_server_due(b.server), last_ns = b.wire.now_ns + IDLE_S * 1000ull * MS;
+    if (idle) {
+        wire_advance(&b.wire, IDLE_S * 1000ull * MS);
+        (void)serve(&b);
+    } else {
+        close_bench(&b);
+    }
     const bool left = fcntl(STDIN_FILENO, F_GETFD) >= 0;
+    if (idle)
+        close_bench(&b);
     if (input >= 0) {
         (void)dup2(input, STDIN_FILENO);
         close(input);
     }
     close(fd);
     assert_true(used);
+    assert_true(due_ns == last_ns);
     assert_false(left);
+}
+
+static void descriptor_0(void **state)
+{
+    (void)state;
+    serve_at_descriptor_0(false);
+    serve_at_descriptor_0(true);
 }
 
 #define TEST(title, function) {title, function, NULL, NULL, NULL}
