@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Checks whether the parts of a network file (ENI) agree with each other: the description of a slave, and the writes to
- * its registers. Whether slaves agree with the file is a matter of playing it (eni/play.h).
+ * Checks the consistency of a network file (ENI): the description of each slave against the writes to its registers.
+ * The player (eni/play.h) checks slaves against the file.
  *
  * Host only. Context: mainline. Clauses: ETG.2100.
  */
@@ -17,10 +17,11 @@
 ECT_C_BEGIN
 
 /**
- * Checks a file: `AutoIncAddr` and place of each slave; mailboxes, SyncManagers and FMMUs as elements and as registers;
- * bits of `Send` and `Recv` as of PDOs and FMMUs; commands and variables inside the process image.
- * @param report  takes each contradiction, one line `FILE:LINE: ...` without its end
- * @return the number of lines
+ * Checks a file: `AutoIncAddr` against the position of each slave; the elements of mailboxes, SyncManagers and FMMUs
+ * against the registers; the bits of `Send` and `Recv` against PDOs and FMMUs; the limits of the process image for
+ * commands and variables.
+ * @param report  called for each contradiction with one line `FILE:LINE: ...`, without line end
+ * @return the number of contradictions
  */
 size_t ect_eni_check(const ect_eni_t *eni, void (*report)(void *ctx, const char *line), void *ctx);
 

@@ -4,8 +4,8 @@
  * Declarations that the files of eni/ share. No other room includes this header.
  *
  * From the lowest to the highest: read_command.c (datagrams and CoE commands), read_slave.c (a slave), read.c (a file),
- * bus.c (the tree), device.c (a slave as the model of a device), check.c (contradictions). The player (player.h) and
- * the writer (write_slave.h) have orders of their own.
+ * bus.c (the tree), device.c (the device model of a slave), check.c (contradictions). The player (player.h) and the
+ * writer (write_slave.h) have their own orders.
  */
 #ifndef ECT_ENI_INTERNAL_H
 #define ECT_ENI_INTERNAL_H
@@ -22,7 +22,7 @@ unsigned int ect_eni_transitions(ect_esi_xml_t *xml, const xmlNode *node);
 /** Reads one InitCmd of master or slave, or a cyclic command. */
 void ect_eni_read_command(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_command_t *command);
 
-/** Reads the `<InitCmd>`s of `<InitCmds>` below an element. @param[out] count  of them */
+/** Reads each `<InitCmd>` of `<InitCmds>` below an element. @param[out] count  number of commands */
 const ect_eni_command_t *ect_eni_read_inits(ect_esi_xml_t *xml, const xmlNode *parent, size_t *count);
 
 /** Reads one InitCmd of CoE. */

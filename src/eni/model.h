@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Model: a network file (ENI) as plain structures: the slaves that a master expects, and what it sends to them.
+ * Model of a network file (ENI) as plain structures: the slaves that a master expects, and the commands for them.
  *
- * Nothing is interpreted here. All memory belongs to the ::ect_eni_t that it came from. Texts are UTF-8 and never NULL.
+ * The model contains the elements uninterpreted. All memory belongs to the ::ect_eni_t. Texts are UTF-8 and never NULL.
  * Parts that an ENI shares with an ESI file have the types of esi/model.h.
  *
  * Clauses: ETG.2100.
@@ -39,7 +39,7 @@ enum {
 /** `<State>` of a cyclic command; bits. */
 enum { ECT_ENI_INIT = 1, ECT_ENI_PREOP = 2, ECT_ENI_SAFEOP = 4, ECT_ENI_OPERATIONAL = 8 };
 
-/** How the reply is compared, `Validate/@Type`. */
+/** Comparison of the reply, `Validate/@Type`. */
 typedef enum ect_eni_compare {
     ECT_ENI_EQ,
     ECT_ENI_NOT_EQ,
@@ -50,7 +50,7 @@ typedef enum ect_eni_compare {
     ECT_ENI_NONE,
 } ect_eni_compare_t;
 
-/** `<Validate>`: the master repeats the command until the reply fits. */
+/** `<Validate>`: the master repeats the command until the reply matches. */
 typedef struct ect_eni_validate {
     bool given;
     bool is_signed;
@@ -64,7 +64,7 @@ typedef struct ect_eni_validate {
 typedef struct ect_eni_command {
     unsigned int transitions; /**< ECT_ENI_II …, of an InitCmd; 0: none is given */
     unsigned int states;      /**< ECT_ENI_INIT …, of a cyclic command */
-    bool before_slave;        /**< `BeforeSlave`: a command of the master that goes ahead of those of the slaves */
+    bool before_slave;        /**< `BeforeSlave`: a command of the master that precedes those of the slaves */
     const char *comment;
     uint8_t command;      /**< 0 to 14: NOP, APRD … FRMW */
     uint16_t adp, ado;    /**< of a command with a physical address */
@@ -85,7 +85,7 @@ typedef struct ect_eni_coe {
     uint16_t index;
     uint8_t subindex;
     bool complete;
-    bool download; /**< it has `<Data>`, whatever `Ccs` */
+    bool download; /**< the command has `<Data>`; `Ccs` is ignored */
     bool disabled;
     ect_esi_bytes_t data;
     int line;
@@ -110,7 +110,7 @@ typedef struct ect_eni_bits {
     uint32_t start, length;
 } ect_eni_bits_t;
 
-/** `<Send>` and `<Recv>` of `<Mailbox>`: a mailbox of the slave, as the master sees it. */
+/** `<Send>` and `<Recv>` of `<Mailbox>`: a mailbox of the slave; the direction is that of the master. */
 typedef struct ect_eni_box {
     uint16_t start, length; /**< 0: absent */
 } ect_eni_box_t;
@@ -125,10 +125,10 @@ typedef struct ect_eni_mailbox {
     bool aoe, eoe, coe, foe, soe, voe;
     const ect_eni_coe_t *commands;
     size_t command_count;
-    size_t others; /**< start-up commands of SoE, AoE, EoE, which are counted only */
+    size_t others; /**< number of start-up commands of SoE, AoE, EoE, which are not read */
 } ect_eni_mailbox_t;
 
-/** `<PreviousPort>` that is selected, or the only one. */
+/** The selected `<PreviousPort>`, or the only one. */
 typedef struct ect_eni_previous {
     bool given;
     uint8_t port;     /**< 0 to 3: A to D */
@@ -156,8 +156,8 @@ typedef struct ect_eni_slave {
     const ect_eni_command_t *commands;
     size_t command_count;
     ect_eni_previous_t previous;
-    const char *group; /**< `GroupName` of `<HotConnect>`, "" for one without a name; NULL: none */
-    bool clocked;      /**< it has `<DC>` */
+    const char *group; /**< `GroupName` of `<HotConnect>`, "": a group without a name; NULL: no group */
+    bool clocked;      /**< the slave has `<DC>` */
     int64_t cycle0_ns, cycle1_ns, shift_ns;
     int line;
 } ect_eni_slave_t;

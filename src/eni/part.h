@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** @file
- * A slave of a network file that is written. */
+ * A slave for the writer of network files (eni/write.h). */
 #ifndef ECT_ENI_PART_H
 #define ECT_ENI_PART_H
 
@@ -9,13 +9,13 @@
 
 #include "seams/device.h"
 
-/** A slave of a file. */
+/** A slave. */
 typedef struct ect_eni_part {
-    const ect_device_t *device; /**< one that ect_device_check() has no objection to */
+    const ect_device_t *device; /**< valid by ect_device_check() */
     ect_identity_t identity;
     uint16_t alias;  /**< 0: none */
-    size_t up;       /**< with `up_port` not 0: position of the slave towards the master */
-    uint8_t up_port; /**< its port, 1 to 3; 0: port 1 of the slave before this one */
+    size_t up;       /**< position of the neighbour towards the master; ignored if `up_port` is 0 */
+    uint8_t up_port; /**< port of the neighbour, 1 to 3; 0: port 1 of the previous slave */
 } ect_eni_part_t;
 
 #endif

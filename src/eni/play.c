@@ -59,7 +59,7 @@ static void play_command(ect_eni_player_t *p, const ect_eni_command_t *command)
 {
     const eni_datagram_t datagram = eni_datagram_of(command);
     const ect_eni_validate_t *v = &command->validate;
-    const uint32_t most = v->given && v->timeout_ms > 0 ? eni_patience(v->timeout_ms) / WAIT_MS + 1 : REPEATS;
+    const uint32_t most = v->given && v->timeout_ms > 0 ? eni_bounded_timeout(v->timeout_ms) / WAIT_MS + 1 : REPEATS;
     const uint8_t *reply = NULL;
     int counter = -1;
     for (uint32_t i = 0; i < most; i++) {

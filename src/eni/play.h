@@ -1,18 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Plays a network file (ENI): a master that sends the commands of the file as they are written and compares each reply
- * with what the file expects. It decides nothing by itself, so a bus on which it reaches OP without a line is the bus
- * of the file.
+ * Player of a network file (ENI): a master that sends the commands of the file unchanged and compares each reply with
+ * the file. All decisions come from the file: a bus matches the file if the player reaches OP without a report.
  *
  *     ect_eni_player_t player = {.eni = eni, .wire = &wire};
  *     if (ect_eni_play(&player, ECT_ENI_OPERATIONAL))
  *         ... OP; ect_eni_play_cycle(&player) sends the cyclic frames once ...
  *
- * At each transition come the master's commands with `BeforeSlave`, those of the slaves in the order of the file, the
- * other ones of the master. CoE commands of a transition come before the commands of their slave, at the transition to
- * PREOP, where there is no mailbox yet, behind those of all slaves. Commands of the other mailbox protocols are not
- * sent. Output data are those of the file, zeros.
+ * Each transition sends the commands of the master with `BeforeSlave`, the commands of the slaves in the order of the
+ * file, and the other commands of the master. CoE commands of a slave precede its other commands, except at the
+ * transition to PREOP, which has no mailbox yet: there they follow the commands of all slaves. Commands of other
+ * mailbox protocols are not sent. Output data are those of the file, zeros.
  *
  * Host only. Context: mainline. Clauses: ETG.2100.
  */
@@ -27,27 +26,27 @@
 #include "wire/linkage.h"
 
 enum {
-    ECT_ENI_FRAME = 1514,     /**< bytes of a frame without its check sum */
-    ECT_ENI_PATIENCE = 60000, /**< milliseconds for which a command is repeated; a longer `Timeout` counts as this */
+    ECT_ENI_FRAME = 1514,        /**< bytes of a frame without its check sum */
+    ECT_ENI_MAX_TIMEOUT = 60000, /**< milliseconds for which a command is repeated; a longer `Timeout` counts as this */
 };
 
 /** The way to the bus; the caller's. */
 typedef struct ect_eni_wire {
     void *ctx;
-    /** Sends a frame and waits for its reply, which replaces it. @return whether it came back */
+    /** Sends a frame and overwrites it with the reply. @return false: no reply */
     bool (*exchange)(void *ctx, uint8_t *frame, size_t length);
     /** Returns after `ns` nanoseconds. */
     void (*wait)(void *ctx, uint64_t ns);
-    /** Takes a line, without its end: a reply that the file does not expect. */
+    /** Called with one line, without line end, for each reply that differs from the file. */
     void (*report)(void *ctx, const char *line);
 } ect_eni_wire_t;
 
-/** The caller sets the first two members and zeroes the others. */
+/** A player. The caller sets the first two members and zeroes the others. */
 typedef struct ect_eni_player {
     const ect_eni_t *eni;
     const ect_eni_wire_t *wire;
-    size_t reported;    /**< lines so far */
-    unsigned int state; /**< reached: 0 or ECT_ENI_INIT, ECT_ENI_PREOP … */
+    size_t reported;    /**< number of reports */
+    unsigned int state; /**< present state: 0 or ECT_ENI_INIT, ECT_ENI_PREOP … */
     /* Private. */
     uint8_t index;    /* of the last datagram */
     uint64_t idle_ns; /* since the last cyclic frames */
@@ -59,16 +58,16 @@ typedef struct ect_eni_player {
 ECT_C_BEGIN
 
 /**
- * Goes up to a state, one transition after the other. Each transition sends all its commands, and one with a line is
- * the last.
+ * Runs the transitions up to a state. Each transition sends all its commands; the first transition with a report is the
+ * last one.
  * @param state  ECT_ENI_PREOP, ECT_ENI_SAFEOP or ECT_ENI_OPERATIONAL; at least the present state
- * @return true: `state` is reached, and every reply was as the file expects
+ * @return true: `state` is reached, and every reply matched the file
  */
 bool ect_eni_play(ect_eni_player_t *player, unsigned int state);
 
 /**
  * Sends the cyclic commands of the present state once and compares their working counters.
- * @return true: all were as the file expects
+ * @return true: all working counters matched the file
  */
 bool ect_eni_play_cycle(ect_eni_player_t *player);
 

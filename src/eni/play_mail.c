@@ -71,7 +71,7 @@ static const uint8_t *receive_mail(transfer_t *t)
                                  .address = t->slave->address | (uint32_t)box->start << 16,
                                  .length = box->length,
                                  .data = zeros};
-    const uint32_t most = t->command->timeout_ms > 0 ? eni_patience(t->command->timeout_ms) : TIMEOUT_MS;
+    const uint32_t most = t->command->timeout_ms > 0 ? eni_bounded_timeout(t->command->timeout_ms) : TIMEOUT_MS;
     const uint8_t *reply;
     for (uint32_t i = 0; i <= most; i++) {
         if (eni_exchange(t->p, &read, &reply) == 1)

@@ -20,7 +20,7 @@ typedef struct eni_datagram {
     const uint8_t *data;
 } eni_datagram_t;
 
-/** A frame while it grows. */
+/** A frame under construction. */
 typedef struct eni_frame {
     uint8_t *bytes; /**< ::ECT_ENI_FRAME */
     size_t length;
@@ -36,26 +36,26 @@ static inline eni_datagram_t eni_datagram_of(const ect_eni_command_t *command)
                             .data = command->data.bytes};
 }
 
-static inline uint32_t eni_patience(uint32_t timeout_ms)
+static inline uint32_t eni_bounded_timeout(uint32_t timeout_ms)
 {
-    return timeout_ms < ECT_ENI_PATIENCE ? timeout_ms : ECT_ENI_PATIENCE;
+    return timeout_ms < ECT_ENI_MAX_TIMEOUT ? timeout_ms : ECT_ENI_MAX_TIMEOUT;
 }
 
-/** Takes note of a reply that line `line` of the file does not expect. */
+/** Reports a reply that differs from the expectation of line `line` of the file. */
 __attribute__((format(printf, 3, 4))) void eni_report(ect_eni_player_t *p, int line, const char *format, ...);
 
 void eni_frame_begin(eni_frame_t *f);
-/** @return offset of its data */
+/** @return offset of the datagram's data */
 size_t eni_frame_add(eni_frame_t *f, uint8_t index, const eni_datagram_t *datagram);
 bool eni_frame_exchange(ect_eni_player_t *p, eni_frame_t *f);
 
-/** Sends one datagram. @param[out] reply  its data. @return the working counter, -1: no frame came back */
+/** Sends one datagram. @param[out] reply  data of the reply @return the working counter, -1: no reply */
 int eni_exchange(ect_eni_player_t *p, const eni_datagram_t *datagram, const uint8_t **reply);
 
-/** Waits a millisecond; cyclic frames of the present state go on. */
+/** Waits a millisecond and sends the cyclic frames of the present state that are due. */
 void eni_wait(ect_eni_player_t *p);
 
-/** play_mail.c: a start-up command of CoE. */
+/** Plays a start-up command of CoE (play_mail.c). */
 void eni_play_coe(ect_eni_player_t *p, size_t slave, const ect_eni_coe_t *command);
 
 ECT_C_END

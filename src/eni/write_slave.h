@@ -13,7 +13,7 @@ ECT_C_BEGIN
 
 enum { ENI_LOGICAL_OUTPUTS = 0x00010000, ENI_LOGICAL_INPUTS = 0x01000000, ENI_FIRST_STATION = 1001 };
 
-/** An InitCmd of a datagram with a physical address. */
+/** An InitCmd with a physical address. */
 typedef struct eni_init {
     const char *transition, *comment;
     uint8_t command;
@@ -32,10 +32,10 @@ void eni_write_init(ect_pen_t *pen, const eni_init_t *init);
 /** @return bytes of process data in one direction */
 uint32_t eni_bytes(const ect_device_t *device, bool inputs);
 
-/** `<Slave>`. @param offsets  bytes of the outputs and the inputs of the slaves before */
+/** Writes `<Slave>`. @param offsets  bytes of outputs and inputs of the preceding slaves */
 void eni_write_slave(ect_pen_t *pen, const ect_eni_part_t *parts, size_t i, const uint32_t offsets[2]);
 
-/** `<Variable>` for each entry of the assigned PDOs. @param offset  bytes before, in the image */
+/** Writes a `<Variable>` for each entry of the assigned PDOs. @param offset  of the slave's data in the image, bytes */
 void eni_write_variables(ect_pen_t *pen, const ect_device_t *device, size_t i, bool inputs, uint32_t offset);
 
 ECT_C_END

@@ -189,7 +189,7 @@ static void give(session_t *s)
         assert(s->count < FIFO);
         s->given[(s->first + s->count++) % FIFO] = given;
     }
-    ect_network_give(s->network, frame, length);
+    ect_network_push(s->network, frame, length);
     ect_chain_wake(s->chain, 0);
     (void)ect_chain_poll(s->chain, 1);
 }

@@ -157,7 +157,7 @@ static bool receive_frame(const ect_hosts_t *h, host_t *host)
     uint8_t frame[ECT_EOE_FRAME + 1]; /* a longer one shows by its length */
     ssize_t length = read(host->fd, frame, sizeof frame);
     if (length > 0) {
-        ect_network_give(host->network, frame, (size_t)length);
+        ect_network_push(host->network, frame, (size_t)length);
         return true;
     }
     if (length == 0 || (errno != EAGAIN && errno != EINTR && errno != EIO)) /* EIO: the TAP is down */

@@ -261,7 +261,7 @@ static void lose(ect_network_t *n)
     n->values.dropped++;
 }
 
-void ect_network_give(ect_network_t *n, const uint8_t *frame, size_t length)
+void ect_network_push(ect_network_t *n, const uint8_t *frame, size_t length)
 {
     ECT_ASSERT(n->kind == ECT_NETWORK_HOST);
     if (length > ECT_EOE_FRAME || !ect_network_has_link(n) || !put(&n->in, frame, (uint16_t)length))

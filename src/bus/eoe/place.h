@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Places of a PC that a twin's network may lead to: a TAP interface, a socket.
+ * Ends of a twin's network on the host: a TAP interface or a socket.
  */
 #ifndef ECT_BUS_EOE_PLACE_H
 #define ECT_BUS_EOE_PLACE_H
@@ -14,16 +14,16 @@ ECT_C_BEGIN
 
 enum { ECT_PLACE_MESSAGE = 512, ECT_PLACE_NAME = 16 };
 
-/** Whether a text names a TAP: "tap" (the first free name) or "tapNAME". */
+/** @return whether a text names a TAP: "tap" (the first free name) or "tapNAME" */
 bool ect_place_is_tap(const char *text);
 
-/** The path in "unix:PATH"; NULL: the text names no socket. */
+/** @return the path of "unix:PATH"; NULL: the text names no socket */
 const char *ect_place_path(const char *text);
 
 /**
- * Opens a TAP interface in the network of the calling process, makes it if it does not exist, and brings it up if the
- * rights permit. It ends with its descriptor if it was made here.
- * @param text          ::ect_place_is_tap
+ * Opens a TAP interface in the network of the calling process, creates it if it does not exist, and brings it up if the
+ * capabilities permit. An interface that this function has created ends with its descriptor.
+ * @param text          a name of ::ect_place_is_tap
  * @param[out] name     of the interface, ECT_PLACE_NAME bytes
  * @param[out] message  on failure one line for the user, ECT_PLACE_MESSAGE bytes
  * @return a descriptor that does not block: each read and each write is one frame; -1: see message
@@ -31,8 +31,8 @@ const char *ect_place_path(const char *text);
 int ect_place_tap(const char *text, char *name, char *message);
 
 /**
- * Binds a SOCK_SEQPACKET socket to a path and listens: each message is one frame. A socket that a dead process has
- * left there is replaced.
+ * Binds a SOCK_SEQPACKET socket to a path and listens: each message is one frame. The socket of a dead process is
+ * replaced.
  * @param[out] message  on failure one line for the user, ECT_PLACE_MESSAGE bytes
  * @return a descriptor that does not block; -1: see message
  */

@@ -6,13 +6,13 @@
 
 #include <stdbool.h>
 
-/** Whether a request of ioctl(2) is one that an interface of the bus has an answer to. */
+/** @return whether the interface of the bus supports a request of ioctl(2) */
 bool ect_interface_has(unsigned long request);
 
 /**
- * A request of ioctl(2) about an interface of the bus, or for the list of all.
+ * Executes a request of ioctl(2) for an interface of the bus, or for the list of all interfaces.
  * @param[out] result  of ioctl: 0; -1 (errno)
- * @return false: about something else, nothing has been done
+ * @return false: the request concerns no interface of the bus; no effect
  */
 bool ect_interface_request(int fd, unsigned long request, void *argument, int *result);
 

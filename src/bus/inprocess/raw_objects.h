@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** @file
- * The objects of a process, and the instructions in them that make system calls. */
+ * The loaded objects of a process, and the system call instructions in them. */
 #ifndef ECT_BUS_INPROCESS_RAW_OBJECTS_H
 #define ECT_BUS_INPROCESS_RAW_OBJECTS_H
 
@@ -23,14 +23,14 @@ typedef struct ect_objects {
     unsigned long long adds; /**< objects loaded so far */
 } ect_objects_t;
 
-/** Searches all objects, if there are more than at the last time. @param[in,out] its  zero at the first time */
+/** Searches all objects if the number of objects has grown. @param[in,out] its  zeroed before the first call */
 void ect_objects_search(ect_objects_t *its);
 
-/** Whether an address is in a text whose calls pass. */
+/** @return whether an address is in a text whose system calls are not dispatched */
 bool ect_objects_pass(const ect_objects_t *its, const void *address);
 
-/** Whether a text has the instruction that makes a system call, shortly behind one that loads the number of a call: the
- * two bytes alone occur in other instructions too. */
+/** @return whether a text has a system call instruction shortly after an instruction that loads the number of a call;
+ *          the two bytes of the former alone also occur inside other instructions */
 bool ect_text_has_call(const uint8_t *text, size_t length);
 
 #endif

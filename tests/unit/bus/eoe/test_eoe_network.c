@@ -139,7 +139,7 @@ static void give(unsigned int n)
 {
     uint8_t frame[FRAME];
     fill(frame, n);
-    ect_network_give(network, frame, FRAME);
+    ect_network_push(network, frame, FRAME);
     ect_chain_wake(w.chain, 0);
     wire_poll(&w);
 }
@@ -308,7 +308,7 @@ static void too_long_for_a_twin(void **state)
     uint8_t back[SIZE];
     (void)state;
     open_network(ECT_NETWORK_HOST);
-    ect_network_give(network, frame, sizeof frame);
+    ect_network_push(network, frame, sizeof frame);
     assert_int_equal(value_of("eoe.dropped"), 1);
     give(1);
     assert_int_equal(receive_frame(back), FRAME);
