@@ -50,7 +50,14 @@ static const struct argp_option *find_letter(const struct argp *argp, int letter
     return found;
 }
 
-bool bus_option_is_path(const struct argp_option *option)
+static const char socket_prefix[] = "unix:";
+
+static bool is_socket(const struct argp_option *option)
+{
+    return option->arg && strstr(option->arg, "unix:PATH");
+}
+
+static bool is_path(const struct argp_option *option)
 {
     static const char twin[] = "[N:]";
     const char *arg = option->arg ? option->arg : "";
@@ -58,6 +65,14 @@ bool bus_option_is_path(const struct argp_option *option)
         arg += strlen(twin);
     size_t length = strcspn(arg, "[");
     return (length == 4 && strncmp(arg, "FILE", length) == 0) || (length == 3 && strncmp(arg, "DIR", length) == 0);
+}
+
+const char *bus_option_path(const struct argp_option *option, const char *text)
+{
+    if (is_path(option))
+        return text;
+    const bool named = is_socket(option) && strncmp(text, socket_prefix, strlen(socket_prefix)) == 0;
+    return named ? text + strlen(socket_prefix) : NULL;
 }
 
 static unsigned int kind_of(void *ctx, const char *name)
@@ -69,8 +84,10 @@ static unsigned int kind_of(void *ctx, const char *name)
     if (!o->arg)
         return ECT_BUS_OPTION_FLAG;
     unsigned int kind = ECT_BUS_OPTION_VALUE;
-    if (bus_option_is_path(o))
+    if (is_path(o))
         kind |= ECT_BUS_OPTION_PATH;
+    if (is_socket(o))
+        kind |= ECT_BUS_OPTION_SOCKET;
     if (strncmp(o->arg, "[N:]", 4) == 0)
         kind |= ECT_BUS_OPTION_OF_TWIN;
     return kind;

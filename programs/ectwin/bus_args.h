@@ -20,8 +20,12 @@
  */
 void bus_args_expand(const struct argp *argp, int *argc, char ***argv);
 
-/** @return whether the argument of an option is a path, perhaps that of twin N: FILE, DIR, [N:]FILE[,loop] */
-bool bus_option_is_path(const struct argp_option *option);
+/**
+ * The path in an argument of an option: FILE, DIR, [N:]FILE[,loop], or unix:PATH where the option takes that.
+ * @param text  the argument, without N:
+ * @return where the path begins; NULL: the argument has none
+ */
+const char *bus_option_path(const struct argp_option *option, const char *text);
 
 /** The bus that a command is about. */
 typedef struct bus_operand {

@@ -21,8 +21,9 @@
 /* An option of the running bus. */
 typedef struct saved_option {
     const struct argp_option *option;
-    char *text;  /* NULL: it has no argument */
-    size_t path; /* its path begins here: behind N: or NAME: */
+    char *text; /* NULL: it has no argument */
+    bool has_path;
+    size_t path; /* it begins here: behind N: or NAME: */
 } saved_option_t;
 
 /* A signal that differs from that of the same bus without settings. */
@@ -379,7 +380,7 @@ static const char *relative(const save_t *s, const char *path)
 static void put_path(const save_t *s, FILE *file, const saved_option_t *o)
 {
     char *text = NULL;
-    const char *path = bus_option_is_path(o->option) ? relative(s, o->text + o->path) : o->text + o->path;
+    const char *path = o->has_path ? relative(s, o->text + o->path) : o->text + o->path;
     if (asprintf(&text, "%.*s%s", (int)o->path, o->text, path) < 0)
         argp_failure(NULL, EXIT_RUN, ENOMEM, "the bus");
     put_scalar(file, text);
@@ -594,11 +595,17 @@ static void find_paths(save_t *s)
     ect_names_t *names = names_of_devices(s->state, s->devices);
     for (size_t i = 0; i < s->option_count; i++) {
         saved_option_t *o = &s->options[i];
-        const char *path = o->text;
-        if (!path || !bus_option_is_path(o->option))
+        const char *text = o->text;
+        if (!text)
             continue;
-        if (o->option->arg[0] == '[')
-            (void)twin_of(names, &path, 0);
+        const char *path = bus_option_path(o->option, text);
+        if (o->option->arg[0] == '[' && (!path || path == text)) { /* unix:PATH has no N: */
+            (void)twin_of(names, &text, 0);
+            path = bus_option_path(o->option, text);
+        }
+        if (!path)
+            continue;
+        o->has_path = true;
         o->path = (size_t)(path - o->text);
         char *prefix = copy_text(s, o->text);
         prefix[o->path] = 0;

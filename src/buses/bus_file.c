@@ -210,7 +210,13 @@ static size_t twin_before(const reader_t *r, const char *text)
 /* `n`: of the twin that the option is for; 0: of the bus. */
 static char *path_value(reader_t *r, const char *text, unsigned int option, size_t n)
 {
+    static const char socket[] = "unix:";
     size_t before = n == 0 && (option & ECT_BUS_OPTION_OF_TWIN) != 0 ? twin_before(r, text) : 0;
+    if ((option & ECT_BUS_OPTION_SOCKET) != 0) {
+        if (strncmp(text + before, socket, strlen(socket)) != 0)
+            return print(r, "%s", text);
+        before += strlen(socket);
+    }
     char *prefix = print(r, "%.*s", (int)before, text);
     char *path = prefix ? path_of(r, prefix, text + before) : NULL;
     free(prefix);
@@ -226,7 +232,8 @@ static char *value_of(reader_t *r, const yaml_node_t *node, const char *key, uns
         check_connection(r, node, text);
     if (strcmp(key, "fault") == 0)
         check_fault(r, node, text);
-    return (option & ECT_BUS_OPTION_PATH) != 0 ? path_value(r, text, option, n) : print(r, "%s", text);
+    return (option & (ECT_BUS_OPTION_PATH | ECT_BUS_OPTION_SOCKET)) != 0 ? path_value(r, text, option, n)
+                                                                         : print(r, "%s", text);
 }
 
 /* `n`: of the twin that the option is for; 0: of the bus. */

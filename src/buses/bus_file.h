@@ -50,6 +50,7 @@ typedef enum ect_bus_option {
     ECT_BUS_OPTION_FLAG = 1,    /**< no argument: true or false in a file */
     ECT_BUS_OPTION_VALUE = 2,   /**< an argument, or a list of them where the option is repeated */
     ECT_BUS_OPTION_PATH = 4,    /**< with ECT_BUS_OPTION_VALUE: a path, of OF_TWIN behind the twin */
+    ECT_BUS_OPTION_SOCKET = 16, /**< with ECT_BUS_OPTION_VALUE: a value may be a path behind `unix:` */
     ECT_BUS_OPTION_OF_TWIN = 8, /**< with ECT_BUS_OPTION_VALUE: may begin with the number of a twin and a colon */
 } ect_bus_option_t;
 

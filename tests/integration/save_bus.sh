@@ -100,6 +100,10 @@ printf 'time,data1\n0,3\n9999,3\n' >wave.csv
 again "tables" "'$ectwin' wait -t 5 b.data1=3" --play wave.csv,loop --play=2:wave.csv \
   --play b:"$work/machine/wave.csv" fzm1,fzm1,b=fzm1
 check "a path of a twin, below the folder" "  - 'wave.csv,loop'|  - 2:wave.csv|  - b:wave.csv" "$(grep 'wave' "$work/machine/one.yaml" | paste -sd'|')"
+cp "$esi/every.xml" .
+mkdir sockets
+again "sockets of EoE" "true" --quiet --eoe unix:"$PWD/sockets/one" --eoe b:unix:two "esi:every.xml,b=esi:every.xml"
+check "the path of a socket, below the folder" "  - unix:sockets/one|  - b:unix:two" "$(grep 'unix' "$work/machine/one.yaml" | paste -sd'|')"
 again "a number of 64 bits" "'$ectwin' set inputs.position_actual_value=1234567890123456789; '$ectwin' get >'$work/got' inputs.position_actual_value" \
   --behaviour none esi:drives.xml#WIDE
 check "all its digits, in the file and of get" "inputs.position_actual_value: 1234567890123456789|inputs.position_actual_value=1234567890123456789" \

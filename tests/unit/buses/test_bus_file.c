@@ -26,6 +26,7 @@ static unsigned int find(void *ctx, const char *name)
         {"fault", ECT_BUS_OPTION_VALUE},
         {"connect", ECT_BUS_OPTION_VALUE},
         {"store", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_PATH},
+        {"eoe", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_SOCKET | ECT_BUS_OPTION_OF_TWIN},
         {"play", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_PATH | ECT_BUS_OPTION_OF_TWIN},
         {"set", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_OF_TWIN},
         {"module", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_OF_TWIN},
@@ -83,6 +84,11 @@ static void a_file_stands_for_the_words_of_a_command_line(void **state)
          BUS("play: [w.csv, '2:w.csv', 'cam3:d/w.csv,loop', 'other:w.csv', '4:/x.csv']\n" TWO),
          "--play=/m/w.csv --play=2:/m/w.csv --play=cam3:/m/d/w.csv,loop --play=/m/other:w.csv --play=4:/x.csv "
          "axis=pmctendo-dd5,cam=fzm1*3,esi:/m/d/e.xml#T"},
+        {"a socket is relative to the file, behind a number or a name",
+         BUS("eoe: ['unix:s', '2:unix:d/s', 'cam3:unix:/s', echo, '1:tap0']\n" TWO),
+         "--eoe=unix:/m/s --eoe=2:unix:/m/d/s --eoe=cam3:unix:/s --eoe=echo --eoe=1:tap0 "
+         "axis=pmctendo-dd5,cam=fzm1*3,esi:/m/d/e.xml#T"},
+        {"a socket of a twin is relative to the file", BUS(ONE "  eoe: unix:s\n"), "--eoe=1:unix:/m/s fzm1"},
         {"a network file is relative to the file", BUS("twins:\n- device: fzm1\n- device: eni:m.xml\n"),
          "fzm1,eni:/m/m.xml"},
         {"a device file is relative to the file", BUS("twins:\n- device: yaml:d/g.yaml\n"), "yaml:/m/d/g.yaml"},
