@@ -37,7 +37,7 @@ CONFORM = ROOT / "programs/ectwin-conform"
 JUDGEMENTS = ["runner.c", "sha256.c", "report/decode.c", "report/words.c", "steps/expect.c", "steps/record.c", "steps/support.c",
               "steps/undo.c", "steps/verdict.c"]
 
-ROOMS = ["od", "esc", "slave", "sii", "esi", "facts", "check", "reader", "profiles"]
+ROOMS = ["od", "esc", "slave", "sii", "esi", "eni", "buses", "facts", "check", "reader", "profiles"]
 
 SWAPS = {
     " == ": " != ", " != ": " == ", " < ": " <= ", " <= ": " < ", " > ": " >= ", " >= ": " > ", " && ": " || ",

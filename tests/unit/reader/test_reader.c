@@ -122,6 +122,9 @@ static void the_pdi_gets_the_eeprom_back(void **state)
     assert_int_equal(wire_read8(&l.w, 0, ECT_REG_SII_CONFIG) & 1, 0);
     ect_reader_close(&reader);
     assert_int_equal(wire_read8(&l.w, 0, ECT_REG_SII_CONFIG) & 1, 1);
+    assert_int_equal(wire_write8(&l.w, 0, ECT_REG_SII_CONFIG, 0), 1);
+    ect_reader_close(&reader);
+    assert_int_equal(wire_read8(&l.w, 0, ECT_REG_SII_CONFIG) & 1, 0); /* returned once */
     liar_close(&l);
 }
 
@@ -645,6 +648,105 @@ static void a_list_of_one_object_is_a_description(void **state)
     close_reader(&l);
 }
 
+/* A list of 1008h in a mail of another service, then that of 1000h. */
+static liar_mail_t another_service(liar_t *l, const uint8_t *r)
+{
+    static const uint8_t list[] = {2, 0, 0, 0, 1, 0, 0x08, 0x10};
+    if (r[7] >> 4 != 8 || (r[8] & 0x7F) != 1)
+        return LIAR_PASSES;
+    liar_set_coe_mail(l, 3, list, sizeof list);
+    l->number = 1;
+    return LIAR_REPLIES;
+}
+
+/* Then one that ends in its header. */
+static bool then_a_short_one_and_the_list(liar_t *l)
+{
+    static const uint8_t list[] = {2, 0, 0, 0, 1, 0, 0x00, 0x10};
+    if (l->number == 0 || l->number > 2)
+        return false;
+    liar_set_coe_mail(l, 8, list, l->number == 1 ? 3 : sizeof list);
+    l->number++;
+    return true;
+}
+
+static void mails_of_another_service_are_no_list(void **state)
+{
+    static const liar_kind_t kind = {.request = another_service, .next = then_a_short_one_and_the_list};
+    size_t count = 0;
+    liar_t l;
+    (void)state;
+    open_reader(&l, &testdev, &kind);
+    assert_int_equal(ect_reader_preop(&reader), ECT_READER_OK);
+    assert_int_equal(ect_reader_list(&reader, &count), ECT_READER_OK);
+    assert_int_equal(count, 1);
+    assert_int_equal(reader.objects[0x1000 / 8], 1);
+    assert_int_equal(reader.objects[0x1008 / 8], 0);
+    assert_int_equal(reader.skipped, 2);
+    close_reader(&l);
+}
+
+/* The entry of 1000h without a type, or without a length: not a gap, for a gap has neither. */
+static void change_entry(liar_t *l, uint8_t *mail)
+{
+    if (mail[7] >> 4 != 8 || (mail[8] & 0x7F) != 6 || ect_load_le16(mail + 12) != 0x1000)
+        return;
+    if ((l->number & 1) != 0)
+        ect_store_le16(mail + 16, 0);
+    if ((l->number & 2) != 0)
+        ect_store_le16(mail + 18, 0);
+}
+
+static void a_gap_has_neither_type_nor_length(void **state)
+{
+    static const char *const entries[] = {"{\"subindex\": 0, \"type\": 7, \"bits\": 32,",
+                                          "{\"subindex\": 0, \"type\": 0, \"bits\": 32,",
+                                          "{\"subindex\": 0, \"type\": 7, \"bits\": 0,", NULL};
+    static const liar_kind_t kind = {.request = one_object, .reply = change_entry};
+    (void)state;
+    for (size_t i = 0; i < 4; i++) {
+        char *json = NULL;
+        size_t length;
+        liar_t l;
+        open_reader(&l, &testdev, &kind);
+        l.number = i;
+        FILE *file = open_memstream(&json, &length);
+        assert_int_equal(ect_reader_json(&reader, ECT_READER_IDENTITY_AND_PDOS, file), ECT_READER_OK);
+        assert_int_equal(fclose(file), 0);
+        assert_int_equal(strstr(json, "subindex") != NULL, entries[i] != NULL);
+        if (entries[i] != NULL)
+            assert_non_null(strstr(json, entries[i]));
+        free(json);
+        close_reader(&l);
+    }
+}
+
+/* Ten bytes with the reply to the start; the one segment after it ends the transfer with none. */
+static liar_mail_t last_segment_without_bytes(liar_t *l, const uint8_t *r)
+{
+    static const uint8_t start[18] = {0x41, 0x18, 0x10, 1,   12,  0,   0,   0,   'a',
+                                      'b',  'c',  'd',  'e', 'f', 'g', 'h', 'i', 'j'};
+    static const uint8_t last[1] = {1};
+    if (r[7] >> 4 != 2)
+        return LIAR_PASSES;
+    liar_set_coe_mail(l, 3, r[8] >> 5 == 2 ? start : last, r[8] >> 5 == 2 ? sizeof start : sizeof last);
+    return LIAR_REPLIES;
+}
+
+static void the_last_segment_may_be_empty(void **state)
+{
+    static const liar_kind_t kind = {.request = last_segment_without_bytes};
+    uint8_t value[20];
+    size_t size = sizeof value;
+    liar_t l;
+    (void)state;
+    open_reader(&l, &testdev, &kind);
+    assert_int_equal(ect_reader_upload(&reader, 0x1018, 1, false, value, &size), ECT_READER_OK);
+    assert_int_equal(size, 10);
+    assert_memory_equal(value, "abcdefghij", 10);
+    close_reader(&l);
+}
+
 /* Mails are numbered 1 to 7, and 1 again; 0 would be a mail without a number (ETG.1000.4 clause 5.6). */
 static liar_mail_t keeps_counters(liar_t *l, const uint8_t *r)
 {
@@ -991,6 +1093,9 @@ int main(void)
         cmocka_unit_test(without_sdo_information_identity_and_pdos_are_read),
         cmocka_unit_test(the_pdos_of_some_sync_managers_are_read),
         cmocka_unit_test(a_list_of_one_object_is_a_description),
+        cmocka_unit_test(mails_of_another_service_are_no_list),
+        cmocka_unit_test(a_gap_has_neither_type_nor_length),
+        cmocka_unit_test(the_last_segment_may_be_empty),
         cmocka_unit_test(mails_are_numbered_from_1_to_7),
         cmocka_unit_test(the_first_mail_continues_the_counter_of_the_mail_before),
         cmocka_unit_test(the_json_text_has_every_field),
