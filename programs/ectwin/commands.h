@@ -36,6 +36,7 @@ int command_clone(int argc, char **argv);
 int command_check(int argc, char **argv);
 int command_save_bus(int argc, char **argv);
 int command_esi(int argc, char **argv);
+int command_new(int argc, char **argv);
 int command_eni(int argc, char **argv);
 int command_doc(int argc, char **argv);
 int command_objects(int argc, char **argv);

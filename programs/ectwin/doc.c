@@ -13,8 +13,6 @@
 #include "page.h"
 #include "products.h"
 
-static const char who[] = "ectwin doc";
-
 enum { KEY_HTML = 0x202 };
 
 static const struct argp_option options[] = {
@@ -668,6 +666,21 @@ static void write_document(doc_t *d)
     page_end(&d->page);
 }
 
+int output_document(const char *who, const ect_twin_config_t *twin, bool html, const char *path)
+{
+    output_text_t out;
+    int status = EXIT_RUN;
+    doc_t doc = {.page = {.html = html}, .device = twin->device, .plant = twin->plant, .identity = &twin->identity};
+    doc.od = ect_esi_values(&doc.arena, twin->device, &twin->identity);
+    doc.page.file = output_open(who, &out);
+    if (doc.page.file) {
+        write_document(&doc);
+        status = output_close(who, &out, path);
+    }
+    ect_arena_free(&doc.arena);
+    return status;
+}
+
 int command_doc(int argc, char **argv)
 {
     static const struct argp argp = {
@@ -680,18 +693,7 @@ int command_doc(int argc, char **argv)
     };
     output_args_t args = {.key = KEY_HTML};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
-    const ect_twin_config_t *twin = &args.twins.twins[0];
-    output_text_t out;
-    int status = EXIT_RUN;
-    doc_t doc = {
-        .page = {.html = args.given}, .device = twin->device, .plant = twin->plant, .identity = &twin->identity};
-    doc.od = ect_esi_values(&doc.arena, twin->device, &twin->identity);
-    doc.page.file = output_open(who, &out);
-    if (doc.page.file) {
-        write_document(&doc);
-        status = output_close(who, &out, args.output);
-    }
-    ect_arena_free(&doc.arena);
+    int status = output_document("ectwin doc", &args.twins.twins[0], args.given, args.output);
     twin_args_free(&args.twins);
     return status;
 }

@@ -7,7 +7,7 @@
 #include "output.h"
 #include "products.h"
 
-static const char who[] = "ectwin esi";
+static const char esi[] = "ectwin esi";
 
 static const struct argp_option options[] = {
     {"output", 'o', "FILE", 0,
@@ -16,7 +16,7 @@ static const struct argp_option options[] = {
     {0},
 };
 
-static int write_parts(const ect_esi_part_t *parts, size_t count, const char *path)
+static int write_parts(const char *who, const ect_esi_part_t *parts, size_t count, const char *path)
 {
     ect_arena_t arena = {0};
     char why[200];
@@ -31,6 +31,20 @@ static int write_parts(const ect_esi_part_t *parts, size_t count, const char *pa
     return status;
 }
 
+static ect_esi_part_t part_of(const ect_twin_config_t *twin)
+{
+    return (ect_esi_part_t){.device = twin->device,
+                            .identity = &twin->identity,
+                            .plant = twin->plant,
+                            .twin = product_twin_of_device(twin->device)};
+}
+
+int output_esi(const char *who, const ect_twin_config_t *twin, const char *path)
+{
+    const ect_esi_part_t part = part_of(twin);
+    return write_parts(who, &part, 1, path);
+}
+
 /* A family is a group: ESI/ectwin-vr-bu.xml */
 static int write_family(const ect_esi_part_t *parts, size_t count, const char *folder)
 {
@@ -38,7 +52,7 @@ static int write_family(const ect_esi_part_t *parts, size_t count, const char *f
     snprintf(name, sizeof name, "ectwin-%s.xml", parts[0].device->group_type);
     for (char *letter = name; *letter; letter++)
         *letter = (char)(*letter == ' ' ? '-' : tolower((unsigned char)*letter));
-    return output_path(who, path, folder, name) ? write_parts(parts, count, path) : EXIT_OPEN;
+    return output_path(esi, path, folder, name) ? write_parts(esi, parts, count, path) : EXIT_OPEN;
 }
 
 static int write_families(ect_esi_part_t *parts, size_t count, const char *folder)
@@ -74,13 +88,10 @@ int command_esi(int argc, char **argv)
     int status = EXIT_RUN;
     ect_esi_part_t *parts = calloc(args.twins.count, sizeof *parts);
     for (size_t i = 0; parts && i < args.twins.count; i++)
-        parts[i] = (ect_esi_part_t){.device = args.twins.twins[i].device,
-                                    .identity = &args.twins.twins[i].identity,
-                                    .plant = args.twins.twins[i].plant,
-                                    .twin = product_twin_of_device(args.twins.twins[i].device)};
+        parts[i] = part_of(&args.twins.twins[i]);
     if (parts)
         status = args.all ? write_families(parts, args.twins.count, args.output ? args.output : ".")
-                          : write_parts(parts, args.twins.count, args.output);
+                          : write_parts(esi, parts, args.twins.count, args.output);
     free(parts);
     twin_args_free(&args.twins);
     return status;

@@ -30,7 +30,7 @@ static const struct command {
     {"clone", command_clone},       {"ps", command_ps},
     {"enter", command_enter},       {"wait", command_wait},
     {"veth", command_veth},         {"replay", command_replay},
-    {"complete", command_complete},
+    {"new", command_new},           {"complete", command_complete},
 };
 
 /* The names of the commands that begin with a word; `complete`, the last, is for shells. */
@@ -63,6 +63,9 @@ static int usage(FILE *stream, int status)
         "       ectwin clone -i IFACE -o DIR                  write every slave of a live bus as a twin, and a bus "
         "file\n"
         "       ectwin lint FILE.xml[#TYPE]                   list mistakes of an ESI file\n"
+        "       ectwin new  DEVICE.yaml [-o DIR]              write ESI, EEPROM, manual and C source of a device of "
+        "your "
+        "own\n"
         "       ectwin esi  DEVICE[,DEVICE...] [-o FILE]      write the ESI file that engineering tools import\n"
         "       ectwin eni  DEVICE[,DEVICE...] [-o FILE]      write the network file (ENI) of a bus, for masters that "
         "need one\n"

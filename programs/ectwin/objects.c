@@ -11,8 +11,6 @@
 #include "output.h"
 #include "wire/bytes.h"
 
-static const char who[] = "ectwin objects";
-
 enum { KEY_SOES = 0x201 };
 
 static const struct argp_option options[] = {
@@ -273,7 +271,7 @@ static void write_options(source_t *s)
 
 /* Its stack knows SyncManagers 0 and 1 as mailboxes, 2 as outputs and 3 as inputs; one without process data it leaves
  * alone. */
-static bool suits(const ect_device_t *device)
+bool output_suits_soes(const ect_device_t *device)
 {
     static const uint8_t roles[] = {ECT_SM_MAILBOX_OUT, ECT_SM_MAILBOX_IN, ECT_SM_OUTPUTS, ECT_SM_INPUTS};
     for (unsigned int n = 0; n < 4; n++) {
@@ -284,7 +282,7 @@ static bool suits(const ect_device_t *device)
     return device->sm_count == 4;
 }
 
-static int write_source(source_t *s, const char *folder, const char *name, void (*write)(source_t *s))
+static int write_source(source_t *s, const char *who, const char *folder, const char *name, void (*write)(source_t *s))
 {
     char path[OUTPUT_PATH];
     output_text_t out;
@@ -297,7 +295,7 @@ static int write_source(source_t *s, const char *folder, const char *name, void 
     return output_close(who, &out, path);
 }
 
-static int write_image(const ect_twin_config_t *twin, const char *folder)
+static int write_image(const char *who, const ect_twin_config_t *twin, const char *folder)
 {
     char path[OUTPUT_PATH];
     if (!output_path(who, path, folder, "eeprom.bin"))
@@ -309,7 +307,7 @@ static int write_image(const ect_twin_config_t *twin, const char *folder)
 }
 
 /* Makes the folder where it is missing. */
-static int write_all(source_t *s, const char *folder)
+static int write_all(source_t *s, const char *who, const char *folder)
 {
     static const struct {
         const char *name;
@@ -318,12 +316,24 @@ static int write_all(source_t *s, const char *folder)
     int status = EXIT_CLEAN;
     (void)mkdir(folder, 0777); /* a folder that cannot be made shows when a file is written */
     for (size_t i = 0; i < sizeof files / sizeof files[0] && status == EXIT_CLEAN; i++)
-        status = write_source(s, folder, files[i].name, files[i].write);
+        status = write_source(s, who, folder, files[i].name, files[i].write);
+    return status;
+}
+
+int output_soes(const char *who, const ect_twin_config_t *twin, const char *folder)
+{
+    source_t source = {.device = twin->device};
+    source.od = ect_esi_values(&source.arena, twin->device, &twin->identity);
+    int status = write_all(&source, who, folder);
+    if (status == EXIT_CLEAN)
+        status = write_image(who, twin, folder);
+    ect_arena_free(&source.arena);
     return status;
 }
 
 int command_objects(int argc, char **argv)
 {
+    static const char who[] = "ectwin objects";
     static const struct argp argp = {
         .options = options,
         .parser = output_parse,
@@ -337,16 +347,11 @@ int command_objects(int argc, char **argv)
     int status = EXIT_USAGE;
     if (!args.given) {
         fprintf(stderr, "%s: name the stack to write for: --soes\n", who);
-    } else if (!suits(device)) {
+    } else if (!output_suits_soes(device)) {
         fprintf(stderr, "%s: %s does not have the SyncManagers of a SOES slave: two mailboxes, outputs, inputs\n", who,
                 device->name);
     } else {
-        source_t source = {.device = device};
-        source.od = ect_esi_values(&source.arena, device, &args.twins.twins[0].identity);
-        status = write_all(&source, args.output ? args.output : ".");
-        if (status == EXIT_CLEAN)
-            status = write_image(&args.twins.twins[0], args.output ? args.output : ".");
-        ect_arena_free(&source.arena);
+        status = output_soes(who, &args.twins.twins[0], args.output ? args.output : ".");
     }
     twin_args_free(&args.twins);
     return status;

@@ -32,6 +32,19 @@ int output_close(const char *who, output_text_t *out, const char *path);
 /** The image of a twin's EEPROM. @return `twin->device->sii_size` bytes for free(); NULL: the reason is printed */
 uint8_t *output_image(const char *who, const ect_twin_config_t *twin);
 
+/**
+ * Writers of one file of a device each. @param path  NULL: standard output
+ * @return EXIT_CLEAN, or what to exit with, with the reason printed
+ */
+int output_esi(const char *who, const ect_twin_config_t *twin, const char *path);
+int output_hex(const char *who, const ect_twin_config_t *twin, const char *path);
+int output_document(const char *who, const ect_twin_config_t *twin, bool html, const char *path);
+
+/** @return true: the device has the SyncManagers that SOES knows */
+bool output_suits_soes(const ect_device_t *device);
+/** Writes the source for SOES, and the image of the EEPROM, to a folder. @return as of the writers */
+int output_soes(const char *who, const ect_twin_config_t *twin, const char *folder);
+
 /** Devices and where to write of them; `key` and `value` are the command's own option, 0 and NULL for none. */
 typedef struct output_args {
     twin_args_t twins;

@@ -4,7 +4,7 @@
 
 #include "output.h"
 
-static const char who[] = "ectwin sii";
+static const char sii[] = "ectwin sii";
 
 enum { KEY_FORMAT = 0x203, HEX_RECORD = 16 };
 
@@ -45,7 +45,7 @@ static void put_c(FILE *file, const ect_device_t *device, const uint8_t *image)
     fprintf(file, "\n};\n");
 }
 
-static int save_text(const char *path, const ect_device_t *device, const uint8_t *image,
+static int save_text(const char *who, const char *path, const ect_device_t *device, const uint8_t *image,
                      void (*put)(FILE *, const ect_device_t *, const uint8_t *))
 {
     output_text_t out;
@@ -55,16 +55,24 @@ static int save_text(const char *path, const ect_device_t *device, const uint8_t
     return output_close(who, &out, path);
 }
 
+int output_hex(const char *who, const ect_twin_config_t *twin, const char *path)
+{
+    uint8_t *image = output_image(who, twin);
+    int status = image ? save_text(who, path, twin->device, image, put_hex) : EXIT_RUN;
+    free(image);
+    return status;
+}
+
 static int save(const output_args_t *args, const ect_device_t *device, const uint8_t *image)
 {
     const char *format = args->given ? args->value : "bin";
     if (strcmp(format, "hex") == 0)
-        return save_text(args->output, device, image, put_hex);
+        return save_text(sii, args->output, device, image, put_hex);
     if (strcmp(format, "c") == 0)
-        return save_text(args->output, device, image, put_c);
+        return save_text(sii, args->output, device, image, put_c);
     if (strcmp(format, "bin") == 0)
-        return output_save(who, args->output, image, device->sii_size);
-    fprintf(stderr, "%s: --format takes bin, hex or c, not '%s'\n", who, format);
+        return output_save(sii, args->output, image, device->sii_size);
+    fprintf(stderr, "%s: --format takes bin, hex or c, not '%s'\n", sii, format);
     return EXIT_USAGE;
 }
 
@@ -80,7 +88,7 @@ int command_sii(int argc, char **argv)
     output_args_t args = {.key = KEY_FORMAT};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     const ect_twin_config_t *twin = &args.twins.twins[0];
-    uint8_t *image = output_image(who, twin);
+    uint8_t *image = output_image(sii, twin);
     int status = image ? save(&args, twin->device, image) : EXIT_RUN;
     free(image);
     twin_args_free(&args.twins);

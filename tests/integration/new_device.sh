@@ -1,10 +1,13 @@
 #!/usr/bin/env bash
 # A device file: its ESI file, its EEPROM image and its twin agree, and a master brings the twin to OP.
-# usage: new_device.sh ECTWIN ECTWIN-CONFORM ROOT
+# So does a SOES application with the source that is written.
+# usage: new_device.sh ECTWIN ECTWIN-CONFORM ROOT SOES-SLAVE FILES     FILES: the folder of `ectwin new` with which the slave is built
 set -u
 ectwin=$1
 conform=$2
 root=$3
+slave=$4
+files=$5
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export ASAN_OPTIONS=detect_leaks=0
@@ -34,4 +37,26 @@ check "a bus file names it, relative to itself" "inputs.distance=7" \
   "$("$ectwin" with "$work/bus.yaml" -- "$ectwin" get inputs.distance 2>"$work/err")"
 check "the running bus is saved with it" "yaml:gauge.yaml" \
   "$("$ectwin" with "$work/bus.yaml" -- "$ectwin" save-bus -o "$work/now.yaml" 2>"$work/err"; sed -n 's/.*device: //p' "$work/now.yaml" | tr -d "'\"")"
+
+mkdir "$work/new"
+check "new: the files" "gauge-1.bin gauge-1.hex gauge-1.html gauge-1.md gauge-1.xml soes " \
+  "$(cd "$work" && "$ectwin" new gauge.yaml -o new/d >"$work/out" && ls new/d | tr '\n' ' ')"
+check "new: each file is listed, and the way to run it" "$(printf '%s\n' new/d/gauge-1.{xml,bin,hex,md,html} new/d/soes Run)" \
+  "$(awk '{print $1}' "$work/out")"
+check "new: all agree" "0 " "$(cd "$work/new/d" && "$ectwin" verify gauge-1.xml gauge-1.bin gauge-1.hex soes/eeprom.bin yaml:../../gauge.yaml >"$work/out" 2>&1; echo $? "$(cat "$work/out")")"
+check "new: without -o the folder has the device's name" gauge-1.xml "$(cd "$work" && "$ectwin" new yaml:gauge.yaml >"$work/out" && ls gauge-1 | grep xml)"
+check "new: a mistake is one line with its place" "ectwin new: wrong.yaml:2: no YAML: did not find expected node content, 1" \
+  "$(cd "$work" && echo '{' >wrong.yaml; "$ectwin" new wrong.yaml 2>"$work/err"; status=$?; echo "$(cat "$work/err"), $status")"
+check "new: a folder that cannot be made" 2 "$(cd "$work" && "$ectwin" new gauge.yaml -o no/where >"$work/out" 2>"$work/err"; echo $?)"
+printf 'mailbox: none\n' | cat "$work/gauge.yaml" - >"$work/simple.yaml"
+check "new: a device without a mailbox has no source for SOES" "1 5" \
+  "$(cd "$work" && "$ectwin" new simple.yaml -o simple 2>&1 >"$work/out" | grep -c 'gauge-1 does not have the SyncManagers of a SOES slave') $(ls "$work/simple" | wc -l)"
+for wrong in "" "a.yaml b.yaml"; do
+  # shellcheck disable=SC2086
+  check "new '$wrong': wrong usage" 1 "$("$ectwin" new $wrong >"$work/out" 2>&1; echo $?)"
+done
+
+external() { timeout 60 "$ectwin" with --external "$slave --sii $files/soes/eeprom.bin" -- "$@" 2>"$work/err"; }
+check "the SOES application goes to OP (CF-095)" 1 "$(external "$conform" -i {} --only CF-095 | grep -c 'pass CF-095')"
+check "the SOES application has the EEPROM of the file" "0 " "$(external "$ectwin" verify "$files/gauge-1.bin" slave:{} >"$work/out"; echo $? "$(grep EEPROM "$work/out")")"
 exit $failed
