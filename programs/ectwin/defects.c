@@ -542,6 +542,36 @@ static void sdo_ends_frame(defect_t *d, datagram_t *g)
     d->memory[0] = g->sent[ECT_DATAGRAM_DATA + 5] & 0x0F;
 }
 
+/* A mail with the counter of the one before is taken as a new one: 0 is never compared. */
+static void repeat_is_new(defect_t *d, datagram_t *g)
+{
+    if (!is_ethernet(g, true))
+        return;
+    const uint8_t number = data(g)[5] >> 4;
+    if (number == d->memory[0])
+        data(g)[5] &= 0x0F;
+    d->memory[0] = number;
+}
+
+/* The second fragment after a restart still finds the first one, which is in the RAM of SM0. */
+static void half_frame_stays(defect_t *d, datagram_t *g)
+{
+    enum { FIRST = 32, AT = 10, UNITS = 2 };
+    if (g->command == ECT_FPWR && g->ado == ECT_REG_AL_CONTROL && (data(g)[0] & 0x0F) == 1)
+        d->memory[0] = 1;
+    if (!is_ethernet(g, true) || (data(g)[6] & 0x0F) != 0)
+        return;
+    uint8_t *mail = data(g);
+    const uint16_t size = (uint16_t)(ect_load_le16(mail) - 4);
+    if (d->memory[0] != 0 && (mail[8] & 0x3F) == 1 && AT + FIRST + size <= g->length) {
+        memmove(mail + AT + FIRST, mail + AT, size);
+        memcpy(mail + AT, g->chip + g->ado + AT, FIRST);
+        ect_store_le16(mail, (uint16_t)(4 + FIRST + size));
+        ect_store_le16(mail + 8, (uint16_t)((ect_load_le16(mail + 8) & 0xF000) | UNITS << 6));
+    }
+    d->memory[0] = 0;
+}
+
 static void reserved_type_is_done(defect_t *d, datagram_t *g)
 {
     (void)d;
@@ -709,9 +739,11 @@ static const defect_row_t rows[] = {
     {"CF-E02", "a last fragment of whole units is not marked as the last (needs EoE)", CUSTOM,
      .after = end_is_not_marked},
     {"CF-E03", "frame numbers of fragments are ignored (needs EoE)", CUSTOM, .before = frame_number_is_ignored},
+    {"CF-E04", "a repeated mail is taken as a new one (needs EoE)", CUSTOM, .before = repeat_is_new},
     {"CF-E05", "a cut set IP is answered as done (needs EoE)", CUSTOM, .after = cut_address_is_taken},
     {"CF-E07", "an SDO between two fragments ends the frame (needs EoE)", CUSTOM, .before = sdo_ends_frame,
      .after = return_hidden},
+    {"CF-E08", "the first fragment outlasts INIT (needs EoE)", CUSTOM, .before = half_frame_stays},
     {"CF-E12", "a reserved type is answered as done (needs EoE)", CUSTOM, .after = reserved_type_is_done},
     {"DEAD-MAILBOX", "an unknown SDO command ends the mailbox until the twin restarts", CUSTOM, .before = mailbox_stops,
      .after = uncounted_hidden},

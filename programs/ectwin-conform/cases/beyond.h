@@ -35,8 +35,12 @@ void cf_eoe_short_parameters(cf_t *c);
 void cf_eoe_lengths(cf_t *c);
 /** CF-E03: fragments that do not belong together. */
 void cf_eoe_wrong_fragments(cf_t *c);
+/** CF-E04: time stamps, repeated mails, the counter 0. */
+void cf_eoe_repeats(cf_t *c);
 /** CF-E07: SDOs between fragments and frames. */
 void cf_eoe_beside_sdo(cf_t *c);
+/** CF-E08: INIT in the middle of a frame, and BOOT. */
+void cf_eoe_restart(cf_t *c);
 /** CF-E12: types, ports and mails that no service has. */
 void cf_eoe_unsupported(cf_t *c);
 

@@ -135,12 +135,21 @@ void cf_eoe_arp(uint8_t *frame, const cf_eoe_host_t *h)
     memcpy(frame + 38, h->ip, ADDRESS);
 }
 
+/* The reply to a request for its time lies between frames. */
+static bool next_fragment(cf_t *c, cf_mail_t *mail, uint32_t ms)
+{
+    bool came = cf_receive_mail(c, mail, ms);
+    while (came && mail->type == CF_MBX_EOE && type_of(c, mail) == CF_EOE_TIMESTAMP)
+        came = cf_receive_mail(c, mail, ms);
+    return came;
+}
+
 /* Assembles the next frame of the slave and checks its fragments. @return bytes, 0: none within `ms` */
 uint16_t cf_eoe_receive_frame(cf_t *c, uint8_t *frame, uint32_t ms)
 {
     cf_mail_t mail;
     uint16_t length = 0;
-    for (unsigned int fragment = 0; cf_receive_mail(c, &mail, fragment == 0 ? ms : CF_MAIL_MS); fragment++) {
+    for (unsigned int fragment = 0; next_fragment(c, &mail, fragment == 0 ? ms : CF_MAIL_MS); fragment++) {
         cf_expect(c, "type of a mail with a frame of the slave", CF_MBX_EOE, mail.type);
         cf_expect(c, "EoE type of a frame of the slave", CF_EOE_FRAGMENT, type_of(c, &mail));
         const uint16_t word = ect_load_le16(mail.data + 2), size = (uint16_t)(mail.length - HEADER);

@@ -333,6 +333,121 @@ void cf_eoe_beside_sdo(cf_t *c)
     cf_note(c, "the reply of an SDO is one of the next %u mails", most);
 }
 
+/* --- time stamps, repeated mails, restarts ------------------------------------------------------------------------ */
+
+enum { MAIL_HEADER = 6, LAST = 0x0100, STAMPED = 0x0200, STAMP_WANTED = 0x0400, STAMP = 4 };
+
+/* A mail of the case's own counter: fragment `number` of a frame of two units. */
+static void send_fragment_mail(cf_t *c, uint8_t counter, unsigned int flags, uint8_t number, const uint8_t *data,
+                               uint16_t length)
+{
+    uint8_t mail[MAIL_HEADER + HEADER + ROOM] = {0};
+    const unsigned int units = number == 0 ? 2u : 1u;
+    ect_store_le16(mail, (uint16_t)(HEADER + length));
+    mail[5] = (uint8_t)(CF_MBX_EOE | counter << 4);
+    ect_store_le16(mail + MAIL_HEADER, (uint16_t)flags);
+    ect_store_le16(mail + MAIL_HEADER + 2, (uint16_t)(number | units << 6 | 7u << 12));
+    memcpy(mail + MAIL_HEADER + HEADER, data, length);
+    cf_send_raw_mail(c, mail, (uint16_t)(MAIL_HEADER + HEADER + length));
+}
+
+/* The counter after that of the last mail. */
+static uint8_t next_counter(cf_t *c)
+{
+    return c->mail_counter = (uint8_t)(c->mail_counter % 7 + 1);
+}
+
+static void stamps(cf_t *c, cf_eoe_host_t *h, const uint8_t *frame)
+{
+    uint8_t end[CF_EOE_LEAST - UNIT + STAMP] = {0};
+    memcpy(end, frame + UNIT, CF_EOE_LEAST - UNIT);
+    cf_step(c, "a frame with a time stamp of four bytes behind it");
+    send_fragment_mail(c, next_counter(c), 0, 0, frame, UNIT);
+    send_fragment_mail(c, next_counter(c), LAST | STAMPED, 1, end, sizeof end);
+    cf_eoe_expect_replies(c, h, "replies to a frame with a time stamp", 1);
+    cf_step(c, "a frame whose time of sending is requested");
+    send_fragment_mail(c, next_counter(c), STAMP_WANTED, 0, frame, UNIT);
+    send_fragment_mail(c, next_counter(c), LAST | STAMP_WANTED, 1, end, CF_EOE_LEAST - UNIT);
+    cf_eoe_expect_replies(c, h, "replies to a frame with a request for its time", 1);
+}
+
+void cf_eoe_repeats(cf_t *c)
+{
+    uint8_t frame[ROOM] = {0};
+    cf_eoe_host_t h;
+    begin_frames(c, &h);
+    cf_eoe_arp(frame, &h);
+    stamps(c, &h, frame);
+    cf_step(c, "each fragment twice, with equal counters");
+    for (uint8_t number = 0; number < 2; number++) {
+        const uint16_t from = (uint16_t)(number * UNIT), size = number == 0 ? UNIT : CF_EOE_LEAST - UNIT;
+        const uint8_t counter = next_counter(c);
+        for (unsigned int time = 0; time < 2; time++)
+            send_fragment_mail(c, counter, number == 0 ? 0 : LAST, number, frame + from, size);
+    }
+    cf_eoe_expect_replies(c, &h, "replies to a frame whose mails came twice", 1);
+    if (CF_EOE_LEAST + HEADER + MAIL_HEADER <= c->mailbox.out_size) {
+        const uint8_t counter = next_counter(c);
+        cf_step(c, "a frame in one fragment, twice, with equal counters");
+        for (unsigned int time = 0; time < 2; time++)
+            send_fragment_mail(c, counter, LAST, 0, frame, CF_EOE_LEAST);
+        cf_eoe_expect_replies(c, &h, "replies to a frame whose only mail came twice", 1);
+    }
+    cf_step(c, "a frame with the counter 0 throughout");
+    send_fragment_mail(c, 0, 0, 0, frame, UNIT);
+    send_fragment_mail(c, 0, LAST, 1, frame + UNIT, CF_EOE_LEAST - UNIT);
+    cf_eoe_expect_replies(c, &h, "replies to a frame with the counter 0", 1);
+}
+
+static void restart(cf_t *c)
+{
+    cf_go(c, CF_INIT);
+    cf_go(c, CF_PREOP);
+}
+
+static void expect_good_frame(cf_t *c, cf_eoe_host_t *h, const uint8_t *frame)
+{
+    cf_step(c, "a good frame");
+    cf_eoe_send_frame(c, h, frame, CF_EOE_LEAST, UNIT, 15, -1);
+    cf_eoe_expect_replies(c, h, "replies to a good frame", 1);
+}
+
+/* A mail of EoE in BOOT, where only FoE is allowed. */
+static void boot_refuses(cf_t *c)
+{
+    if ((c->facts.has & CF_BOOTSTRAP) == 0)
+        return;
+    cf_step(c, "get IP in BOOT");
+    cf_go(c, CF_INIT);
+    cf_go(c, CF_BOOT);
+    cf_eoe_send(c, CF_EOE_GET_IP, 0, "", 0, true);
+    cf_expect_mail_error(c, 2);
+}
+
+void cf_eoe_restart(cf_t *c)
+{
+    uint8_t frame[ROOM] = {0}, ping[ROOM];
+    cf_mail_t mail;
+    cf_eoe_host_t h;
+    begin_frames(c, &h);
+    cf_eoe_arp(frame, &h);
+    cf_step(c, "INIT and PREOP between two fragments");
+    cf_eoe_send_fragment(c, frame, CF_EOE_LEAST, 0, UNIT, 1, 0);
+    restart(c);
+    cf_eoe_send_fragment(c, frame, CF_EOE_LEAST, UNIT, CF_EOE_LEAST - UNIT, 1, 1);
+    cf_eoe_expect_replies(c, &h, "replies to a frame with a restart in it", 0);
+    expect_good_frame(c, &h, frame);
+    cf_step(c, "a long ping, then INIT and PREOP between two fragments of its echo");
+    make_ping(ping, &h, CF_EOE_MOST);
+    cf_eoe_send_frame(c, &h, ping, CF_EOE_MOST, cf_eoe_most(c), 2, -1);
+    if (!cf_receive_mail(c, &mail, CF_MAIL_MS))
+        cf_note(c, "it does not reply to ping: its half frames cannot be judged");
+    restart(c);
+    cf_eoe_expect_replies(c, &h, "replies after the restart", 0);
+    expect_good_frame(c, &h, frame);
+    boot_refuses(c);
+}
+
 /* --- what no master sends ----------------------------------------------------------------------------------------- */
 
 void cf_eoe_unsupported(cf_t *c)
