@@ -13,30 +13,30 @@
 
 /**
  * Replaces a bus file, the first operand, by the devices and options that it describes. Options of the command line
- * come after those of the file, and therefore replace them.
- * @param argp  of the command: which options there are, and which of them take a value
+ * follow those of the file, and therefore override them. If the file cannot be read, the program ends with EXIT_OPEN
+ * and one line.
+ * @param argp  of the command, for its options and their arguments
  * @param[in,out] argc, argv  of the command; the words of a file live until the program ends
- * Ends the program with EXIT_OPEN and one line when the file cannot be read.
  */
 void bus_args_expand(const struct argp *argp, int *argc, char ***argv);
 
 /**
- * The path in an argument of an option: FILE, DIR, [N:]FILE[,loop], or unix:PATH where the option takes that.
+ * Finds the path in the argument of an option: FILE, DIR, [N:]FILE[,loop], or unix:PATH if the option accepts it.
  * @param text  the argument, without N:
- * @return where the path begins; NULL: the argument has none
+ * @return the beginning of the path; NULL: the argument has none
  */
 const char *bus_option_path(const struct argp_option *option, const char *text);
 
-/** The bus that a command is about. */
+/** The bus that is the operand of a command. */
 typedef struct bus_operand {
     twin_args_t twins;
     const char *devices; /**< as on the command line */
 } bus_operand_t;
 
 /**
- * Parser of argp for a command about one bus, a bus file or devices: reads the operand and the options of twins, which
- * are the command's first child.
- * @return ARGP_ERR_UNKNOWN: neither the operand nor its end. A missing or second operand ends the program with one line
+ * Argp parser for a command whose operand is one bus, a bus file or devices: reads the operand and the options of
+ * twins, the first child of the command's parser. A missing or second operand ends the program with one line.
+ * @return ARGP_ERR_UNKNOWN: another key than that of the operand or its end
  */
 error_t bus_operand_parse(bus_operand_t *bus, int key, char *text, struct argp_state *state);
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A command in a PID namespace of its own: no process that it leaves behind outlives it, or the program that started
- * it, however that ends.
+ * A command in a PID namespace: its processes end with it, and also with the program that started it, however that
+ * program ends.
  */
 #ifndef ECTWIN_CONTAIN_H
 #define ECTWIN_CONTAIN_H
@@ -13,10 +13,10 @@
 int contain_status(int wait_status);
 
 /**
- * Starts `run` as process 2 of a new PID namespace with a /proc of its own where the system allows that. Process 1 of
- * the namespace passes on signals that it receives, but those from the terminal, which `run` has received itself. When
- * `run` ends, process 1 ends the processes that are left, by force after a second, and exits with ::contain_status of
- * `run`. It is killed, and the namespace with it, when the calling process ends in any way.
+ * Starts `run` as process 2 of a new PID namespace, with a private /proc if the system permits. Process 1 of the
+ * namespace forwards the signals that it receives, except those from the terminal, which `run` receives itself. When
+ * `run` ends, process 1 terminates the remaining processes, kills them after a second, and exits with ::contain_status
+ * of `run`. When the calling process ends in any way, the kernel kills process 1 and the namespace.
  *
  * Needs CAP_SYS_ADMIN in the user namespace, as after ::ect_netns_enter.
  * @param run  must not return; signals are blocked in it

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Tables from a text file: the first line holds names, each other one as many cells.
+ * Tables from a text file: the first line contains names, each other line the same number of cells.
  *
- * The cells are between commas, semicolons or tabs, whichever comes first in the first line; blanks around a cell do
- * not count; one in double quotes may have anything in it but the end of a line, and "" for a quote. A byte order mark
- * and CR LF are fine; empty lines are passed over. Nothing is cut: what cannot be taken whole is refused.
+ * The separator is the first comma, semicolon or tab of the first line. Blanks around a cell are ignored. A cell in
+ * double quotes may contain any character except the end of a line; "" is a quote. A byte order mark and CR LF are
+ * accepted; empty lines are skipped. A line that exceeds a limit is refused, not cut.
  */
 #ifndef ECTWIN_CSV_H
 #define ECTWIN_CSV_H
@@ -27,7 +27,7 @@ typedef struct csv {
     char *cells[CSV_CELLS];
     char header[CSV_LINE];
     char text[CSV_LINE];
-    const char *why; /**< what is wrong, NULL: nothing */
+    const char *why; /**< reason of a failure; NULL: none */
 } csv_t;
 
 /** Opens a file ("-": standard input) and reads its first line. @return false: csv->why has the reason */
@@ -36,17 +36,17 @@ bool csv_open(csv_t *csv, const char *path);
 /** Reads the next line with cells. @return false at the end, or with csv->why set */
 bool csv_next(csv_t *csv);
 
-/** @return the column with this name; csv->columns: there is none */
+/** @return the column with this name; csv->columns: none */
 size_t csv_column(const csv_t *csv, const char *name);
 
 /**
- * Reads the cell of a time, seconds, in the line read last.
- * @param before_ns  time of the line above
- * @return false: csv->why has the reason: no number, or a time before that of the line above
+ * Reads the cell of a time, in seconds, from the line read last.
+ * @param before_ns  time of the previous line
+ * @return false: no number, or a time before that of the previous line; csv->why has the reason
  */
 bool csv_time(csv_t *csv, size_t column, uint64_t before_ns, uint64_t *ns);
 
-/** Writes a cell, in quotes where it needs them. */
+/** Writes a cell, in quotes if necessary. */
 void csv_write(FILE *file, const char *text);
 
 void csv_close(csv_t *csv);

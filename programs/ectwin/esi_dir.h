@@ -9,15 +9,17 @@
 #include "seams/device.h"
 
 /**
- * Names the device of each identity that a file has and that has no name yet: `esi:FILE#@PRODUCT/REVISION`.
- * @param identities  vendor, product and revision count
- * @param[in,out] names  `count`, NULL or for free()
+ * Searches a file for devices with the given identities, and names each found one, `esi:FILE#@PRODUCT/REVISION`, unless
+ * its identity already has a name.
+ * @param identities  vendor, product and revision are compared
+ * @param[in,out] names  `count` names to be freed with free(); NULL: no name yet
  * @param[out] message  PRODUCT_MESSAGE bytes
  * @return false: the file cannot be read
  */
 bool esi_dir_search_file(const char *path, const ect_identity_t *identities, char **names, size_t count, char *message);
 
-/** The same in all ESI files of a folder, in the order of their names; others are left out. @return false: no folder */
+/** Searches all ESI files of a folder, in the order of their names; other files are ignored. @return false: no folder
+ */
 bool esi_dir_search(const char *folder, const ect_identity_t *identities, char **names, size_t count, char *message);
 
 #endif

@@ -13,18 +13,18 @@
 enum { INPROCESS_MESSAGE = 1024 };
 
 typedef struct in_process {
-    bool virtual_time;  /**< of the two libraries, the one on the virtual clock */
-    char *const *words; /**< options and devices, as the library takes them (bus/library.h) */
+    bool virtual_time;  /**< selects the library on the virtual clock */
+    char *const *words; /**< options and devices for the library (bus/library.h) */
     int word_count;
-    const char *command;           /**< the program that will run */
+    const char *command;           /**< the program of CMD */
     const char *const *interfaces; /**< names */
     size_t interface_count;
-    char folder[64]; /**< private: a folder for `mark`, the file that a bus marks when it starts, and for interfaces */
+    char folder[64]; /**< private: folder of the file `mark`, which a bus writes when it starts, and of interfaces */
 } in_process_t;
 
 /**
- * Sets the environment of this process for CMD: LD_PRELOAD, in front of libraries that are there already, and the
- * variables of bus/inprocess/bus.h.
+ * Sets the environment of this process for CMD: LD_PRELOAD, with the library before existing ones, and the variables of
+ * bus/inprocess/bus.h.
  * @param[out] message  on failure one line for the user; INPROCESS_MESSAGE bytes
  * @return false: a library is missing, or CMD is a program of another word size or processor; nothing has changed
  */

@@ -5,7 +5,7 @@
 
 #include "bus/chain/crossing.h"
 
-/** Exit statuses of a command that cannot run, as of a shell. */
+/** Exit statuses of a command that cannot run, as those of a shell. */
 enum { LAUNCH_NOT_FOUND = 127, LAUNCH_NOT_EXECUTABLE = 126 };
 
 /**

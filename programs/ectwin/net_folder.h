@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * /sys/class/net as a master in process finds it: the machine's interfaces, and those of the bus. The folder has two
- * trees, `up` and `down`, for the states of the latter (bus/inprocess/paths.c).
+ * The folder that replaces /sys/class/net for a master with twins in its process: the interfaces of the machine and
+ * those of the bus. Its two trees, `up` and `down`, are for the two states of the bus (bus/inprocess/paths.c).
  */
 #ifndef ECTWIN_NET_FOLDER_H
 #define ECTWIN_NET_FOLDER_H
@@ -10,7 +10,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/** Makes the two trees. @param names  of the interfaces of the bus @return false (errno) */
+/** Creates the two trees. @param names  of the interfaces of the bus @return false (errno) */
 bool net_folder_make(const char *folder, const char *const *names, size_t count);
 
 /** Removes a folder with everything in it. */

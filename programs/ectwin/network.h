@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The bus of a network file (ENI) as twins: a device for each slave, from its ESI file where one is at hand, else from
- * the network file itself.
+ * The twins of a network file (ENI): a device for each slave, from its ESI file if available, else from the network
+ * file itself.
  */
 #ifndef ECTWIN_NETWORK_H
 #define ECTWIN_NETWORK_H
@@ -12,13 +12,13 @@
 
 #include "bus/chain/chain.h"
 
-/** The devices of a network, names for ::product_find. */
+/** The devices of a network, as names for ::product_find. */
 typedef struct network_names {
     char **names;
     size_t count;
 } network_names_t;
 
-/** @return the path behind `eni:` of a name that stands for a whole bus; NULL: another name, or one slave, FILE#N */
+/** @return the path in `eni:FILE`, the name of a whole bus; NULL: another name, or FILE#N, the name of one slave */
 const char *network_path(const char *name);
 
 /**
@@ -32,7 +32,7 @@ const char *network_path(const char *name);
 bool network_names(network_names_t *names, const char *path, const char *esi_dir, bool quiet, char *message);
 
 /**
- * The same from ESI files, without lines.
+ * Finds the device of each slave in the given ESI files, as ::network_names does in a folder, without printing lines.
  * @return false: one of the files cannot be read
  */
 bool network_names_of_files(network_names_t *names, const char *path, const char *const files[], size_t count,
@@ -41,10 +41,10 @@ bool network_names_of_files(network_names_t *names, const char *path, const char
 void network_names_free(network_names_t *names);
 
 /**
- * Gives twins what the network file has of them: serial number, alias, place in the tree.
- * @param first  position of the first of them in `twins`; those of all slaves are there
+ * Sets the serial number, the alias and the position in the tree of twins from the network file.
+ * @param first  position of the twin of the first slave in `twins`, which has a twin for each slave
  * @param[out] message  PRODUCT_MESSAGE bytes
- * @return false: a slave has an impossible place
+ * @return false: a slave has an impossible position
  */
 bool network_apply(const char *path, ect_twin_config_t *twins, size_t first, char *message);
 

@@ -17,7 +17,7 @@ int output_save(const char *who, const char *path, const void *data, size_t size
 /** Writes FOLDER/NAME. @return false: it does not fit, which is printed */
 bool output_path(const char *who, char path[OUTPUT_PATH], const char *folder, const char *name);
 
-/** A text that is written to a file when it is complete. */
+/** A text in memory, written to a file when it is complete. */
 typedef struct output_text {
     FILE *file;
     char *text;
@@ -33,31 +33,31 @@ int output_close(const char *who, output_text_t *out, const char *path);
 uint8_t *output_image(const char *who, const ect_twin_config_t *twin);
 
 /**
- * Writers of one file of a device each. @param path  NULL: standard output
- * @return EXIT_CLEAN, or what to exit with, with the reason printed
+ * Writes one file of a device. @param path  NULL: standard output
+ * @return EXIT_CLEAN, or an exit status, with the reason printed
  */
 int output_esi(const char *who, const ect_twin_config_t *twin, const char *path);
 int output_hex(const char *who, const ect_twin_config_t *twin, const char *path);
 int output_document(const char *who, const ect_twin_config_t *twin, bool html, const char *path);
 
-/** @return true: the device has the SyncManagers that SOES knows */
+/** @return true: SOES supports the SyncManagers of the device */
 bool output_suits_soes(const ect_device_t *device);
-/** Writes the source for SOES, and the image of the EEPROM, to a folder. @return as of the writers */
+/** Writes the source for SOES, and the image of the EEPROM, to a folder. @return as ::output_esi */
 int output_soes(const char *who, const ect_twin_config_t *twin, const char *folder);
 
-/** Devices and where to write of them; `key` and `value` are the command's own option, 0 and NULL for none. */
+/** The devices and the output file of a command; `key` and `value`: an option of the command, 0 and NULL: none. */
 typedef struct output_args {
     twin_args_t twins;
     const char *devices;
     const char *output;
     int key;
     const char *value;
-    bool given;   /**< the own option was */
-    bool several; /**< more than one device may be named */
-    bool all;     /**< all of the catalogue, one after another, when none is named */
+    bool given;   /**< the option `key` was given */
+    bool several; /**< the command accepts more than one device */
+    bool all;     /**< --all was given: each device of the catalogue */
 } output_args_t;
 
-/** Argp parser of these; its input is an output_args_t. */
+/** Argp parser of devices and output file; its input is an output_args_t. */
 error_t output_parse(int key, char *text, struct argp_state *state);
 
 enum { OUTPUT_KEY_ALL = 0x200 };

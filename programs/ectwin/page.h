@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A page for people: the same headings and tables as Markdown or as one page of HTML that needs no other file.
+ * A page for readers: the same headings and tables as Markdown, or as a self-contained page of HTML.
  *
- * Texts are escaped as the format wants it. Links and their targets exist in HTML only.
+ * Texts are escaped for the format. Links and their targets exist only in HTML.
  */
 #ifndef ECTWIN_PAGE_H
 #define ECTWIN_PAGE_H
@@ -36,7 +36,7 @@ void page_links(page_t *p, const char *label, const cell_t *links);
 /** @param html  shown as it is, without escapes, in HTML only; @param caption  text below it */
 void page_figure(page_t *p, const char *html, size_t length, const char *caption);
 
-/** Between the two calls come rows, the head first. */
+/** Begins a table, or ends it; the rows follow the begin, the head first. */
 void page_table(page_t *p, bool begin);
 void page_row(page_t *p, bool head, const char *id, const cell_t *cells);
 

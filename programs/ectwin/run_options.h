@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The options of `run` and `with` themselves, in one place: the commands take them from here, and so do the readers of
- * whole command lines, the library (library.c) and a replay (replay_file.c).
+ * The options of `run` and `with`, without those of twins: for the commands, and for the parsers of recorded command
+ * lines in the library (library.c) and the replay (replay_file.c).
  */
 #ifndef ECTWIN_RUN_OPTIONS_H
 #define ECTWIN_RUN_OPTIONS_H
@@ -17,23 +17,23 @@ enum {
     KEY_IN_PROCESS,
     KEY_VIRTUAL_TIME,
     KEY_REQUIRE_PRIVATE,
-    KEYS_OF_WITH_END, /**< behind the last one */
+    KEYS_OF_WITH_END, /**< after the last key */
 };
 
 extern const struct argp_option run_options[];
 extern const struct argp_option with_options[];
 
-/** A command line of `with` up to its devices, of which only the twins count. Zero but `twins` at the start. */
+/** A command line of `with` up to its devices; only the twins are used. Zeroed at the start, except `twins`. */
 typedef struct with_words {
     twin_args_t *twins;
     const char *devices;
     bool in_process, virtual_time;
 } with_words_t;
 
-/** Argp parser of such a line; its input is a with_words_t. The twins' devices are taken at its end. */
+/** Argp parser of such a line; its input is a with_words_t. At the end of the line it parses the list of devices. */
 extern const struct argp with_words_argp;
 
-/** Argp parser that takes the options of `run` and ignores them; without an input. */
+/** Argp parser that accepts and ignores the options of `run`; without an input. */
 extern const struct argp run_words_argp;
 
 #endif

@@ -20,19 +20,19 @@ typedef struct listed_device {
 } listed_device_t;
 
 /**
- * Takes the next part of a list. A part that is none ends the program with a line.
- * @param[in,out] rest  changed; NULL behind the last part
- * @return false: there are no more
+ * Reads the next part of a list. An invalid part ends the program with a line.
+ * @param[in,out] rest  the unread part of the list, which is modified; NULL after the last part
+ * @return false: the list is at its end
  */
 bool listed_device_next(const struct argp_state *state, char **rest, listed_device_t *one);
 
-/** @return the names in a list of devices, to be freed with ect_names_free; NULL: there are none */
+/** @return the names in a list of devices, to be freed with ect_names_free; NULL: none */
 ect_names_t *names_of_devices(const struct argp_state *state, const char *list);
 
 /**
- * Takes "N:" or "NAME:" off the beginning of an option's text.
- * @param none  the result without either
- * @return the number of the twin, 0: not from 1 to 65535
+ * Removes "N:" or "NAME:" from the beginning of an option's text.
+ * @param none  the result for a text without such a prefix
+ * @return the number of the twin; 0: not from 1 to 65535
  */
 size_t twin_of(const ect_names_t *names, const char **text, size_t none);
 

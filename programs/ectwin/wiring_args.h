@@ -15,7 +15,7 @@
 /** "[N:]VALUE" of such an option. */
 typedef struct wiring_setting {
     int key;          /**< of the option */
-    const char *text; /**< the value; until ::wiring_args_apply with the twin in front */
+    const char *text; /**< the value; before ::wiring_args_apply with the prefix "N:" */
     size_t twin;      /**< from 1; 0: all */
 } wiring_setting_t;
 
@@ -31,7 +31,7 @@ typedef struct wiring_args {
 extern const struct argp wiring_argp;
 
 /**
- * Applies the options to the twins. An impossible one ends the program with a line that names the reason.
+ * Applies the options to the twins. An impossible value ends the program with a line that gives the reason.
  * @param seed  of the random generators for drifts, delays and jitter
  */
 void wiring_args_apply(wiring_args_t *args, const struct argp_state *state, ect_twin_config_t *twins, size_t count,

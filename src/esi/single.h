@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A model of a device that no ESI file describes, made by its caller from another source: an EEPROM image, an ENI. The
- * result is an ::ect_esi_t as that of a file with one device, and serves wherever one does.
+ * A model of a device without an ESI file: the caller fills it from another source, an EEPROM image or an ENI. The
+ * result is an ::ect_esi_t with one device, like that of an ESI file.
  *
  * Host only. Context: mainline.
  */
@@ -25,16 +25,16 @@ ECT_C_BEGIN
  */
 ect_esi_t *ect_esi_single_begin(const char *name, char *text, size_t room);
 
-/** The device, for its maker to fill. @param[out] arena  the memory of all that it points to */
+/** @return the device, to be filled by the caller @param[out] arena  for the memory of its parts */
 ect_esi_device_t *ect_esi_single_device(ect_esi_t *esi, ect_arena_t **arena);
 
-/** Appends a zeroed PDO to a device whose PDOs are all from this function. */
+/** Appends a zeroed PDO to a device; all PDOs of the device must come from this function. */
 ect_esi_pdo_t *ect_esi_append_pdo(ect_arena_t *arena, ect_esi_device_t *device);
 
 /**
- * Ends the model. A SyncManager of process data without any PDO in its direction gets PDOs whose entries are bytes; a
- * device without a type gets its product code as one.
- * @param source  "EEPROM", for the names of such PDOs
+ * Completes the model. A SyncManager of process data without PDOs in its direction gets PDOs with one-byte entries; the
+ * type of a device without a type is its product code.
+ * @param source  such as "EEPROM", for the names of these PDOs
  */
 void ect_esi_single_end(ect_esi_t *esi, const char *source);
 

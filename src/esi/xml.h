@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * XML files of the field, ESI and ENI: a document in memory, and the parts of its elements.
+ * Reads XML files of the fieldbus (ESI, ENI): a document in memory, and the parts of its elements.
  *
- * Nothing but the file itself is opened: no network, no external entity, and a file with a document type definition is
- * refused (neither an ESI nor an ENI has one; what has one is an attack). Nesting and the length of a text are bounded
- * by libxml2's limits (256 levels, 10 MB).
+ * Only the file itself is opened: no network, no external entity. A file with a document type definition is refused as
+ * an attack, because neither an ESI nor an ENI has one. libxml2 limits nesting (256 levels) and texts (10 MB).
  *
- * Reading goes on after a mistake with zeros and empty texts, so that no reader needs an error path of its own; whoever
- * began asks ::ect_esi_xml_t::failed at the end. Host only. Context: mainline.
+ * After a mistake reading continues with zeros and empty texts, so that the readers need no error path; the caller of
+ * the first reader checks ::ect_esi_xml_t::failed at the end. Host only. Context: mainline.
  */
 #ifndef ECT_ESI_XML_H
 #define ECT_ESI_XML_H
@@ -21,13 +20,13 @@
 #include "esi/model.h"
 #include "wire/linkage.h"
 
-/** libxml2's node and document (xmlNode, xmlDoc), so that users of this header need not include libxml2. */
+/** libxml2's node and document (xmlNode, xmlDoc), declared here so that this header does not include libxml2. */
 struct _xmlNode;
 struct _xmlDoc;
 
 ECT_C_BEGIN
 
-/** Source of memory, and destination of the first mistake. */
+/** Memory for the model, and the message of the first mistake. */
 typedef struct ect_esi_xml {
     ect_arena_t *arena;
     const char *file;
@@ -46,7 +45,7 @@ typedef struct ect_esi_file {
  * Reads a file.
  * @param path  a regular file of at most 64 MiB
  * @param[out] text, room  the error, one line
- * @return its bytes; `data` NULL: not there, too large, no file
+ * @return the content; `data` NULL: missing, too large, no regular file
  */
 ect_esi_file_t ect_esi_load(const char *path, char *text, size_t room);
 
@@ -65,7 +64,7 @@ struct _xmlDoc *ect_esi_document(const char *kind, const char *name, const void 
     (array) = ect_arena_grow((owner)->arena, (array), (count), sizeof *(array));                                       \
     (element) = &(array)[(count)++]
 
-/** Takes note of a mistake at an element's line, unless there was one before. */
+/** Stores the message of a mistake at an element's line, if it is the first mistake. */
 __attribute__((format(printf, 3, 4))) void ect_esi_fail(ect_esi_xml_t *xml, const struct _xmlNode *node,
                                                         const char *format, ...);
 
@@ -81,40 +80,40 @@ const struct _xmlNode *ect_esi_child(const struct _xmlNode *parent, const char *
 /** @return the next sibling of this name, or NULL */
 const struct _xmlNode *ect_esi_next(const struct _xmlNode *node, const char *name);
 
-/** Runs over the children of a name. */
+/** Iterates over the children with a name. */
 #define ECT_ESI_EACH(node, parent, name)                                                                               \
     for (const struct _xmlNode *node = ect_esi_child(parent, name); node != NULL; node = ect_esi_next(node, name))
 
-/** @return the text of an element, one line without blanks around it; "" for NULL or an empty one */
+/** @return the text of an element, one line without surrounding blanks; "" for NULL or an empty element */
 const char *ect_esi_text(ect_esi_xml_t *xml, const struct _xmlNode *node);
 
-/** @return the text of a child in English when there are several languages, "" when there is none */
+/** @return the text of a child, in English if there are several languages; "" if there is no such child */
 const char *ect_esi_name(ect_esi_xml_t *xml, const struct _xmlNode *parent, const char *name);
 
-/** @return an attribute's text, one line without blanks around it, "" when it is absent */
+/** @return the text of an attribute, one line without surrounding blanks; "": absent */
 const char *ect_esi_attribute(ect_esi_xml_t *xml, const struct _xmlNode *node, const char *name);
 
-/** @return true when the attribute is 1 or true */
+/** @return whether the attribute is 1 or true */
 bool ect_esi_flag(ect_esi_xml_t *xml, const struct _xmlNode *node, const char *name);
 
-/** A child's number between two limits, both inclusive; 0 and a mistake noted when it is another; `none` if absent. */
+/** @return the number of a child, minimum..maximum; `none`: absent; any other value is a mistake and returns 0 */
 int64_t ect_esi_number(ect_esi_xml_t *xml, const struct _xmlNode *parent, const char *name, int64_t minimum,
                        int64_t maximum, int64_t none);
 
-/** The element's own number. */
+/** @return the number of the element itself, minimum..maximum; any other value is a mistake and returns 0 */
 int64_t ect_esi_value(ect_esi_xml_t *xml, const struct _xmlNode *node, int64_t minimum, int64_t maximum);
 
-/** An attribute's number. */
+/** @return the number of an attribute, minimum..maximum; `none`: absent; any other value is a mistake and returns 0 */
 int64_t ect_esi_attribute_number(ect_esi_xml_t *xml, const struct _xmlNode *node, const char *name, int64_t minimum,
                                  int64_t maximum, int64_t none);
 
-/** A child's number, or that there is none. */
+/** @return the number of a child, if there is one */
 ect_esi_number_t ect_esi_optional(ect_esi_xml_t *xml, const struct _xmlNode *parent, const char *name);
 
-/** A child's hexadecimal bytes; blanks between them are allowed. */
+/** @return the hexadecimal bytes of a child; blanks between them are allowed */
 ect_esi_bytes_t ect_esi_hex(ect_esi_xml_t *xml, const struct _xmlNode *parent, const char *name);
 
-/** Reads the `<RxPdo>` and `<TxPdo>` below an element, outputs first. @param[out] count  of them */
+/** Reads the `<RxPdo>` and `<TxPdo>` below an element, outputs first. @param[out] count  number of PDOs */
 const ect_esi_pdo_t *ect_esi_read_pdos(ect_esi_xml_t *xml, const struct _xmlNode *parent, size_t *count);
 
 ECT_C_END
