@@ -15,7 +15,7 @@ enum { SOURCE = 6, TYPE = 12, IP = 14, UDP = 34, ECAT_HEADER = 2 };
 enum { ETHERTYPE_IPV4 = 0x0800, PORT_ECAT = 0x88A4, LENGTH_MASK = 0x07FF };
 
 /* Offsets in the IPv4 header, and in that of UDP. */
-enum { IP_SIZE = 2, IP_ID = 4, IP_LIFE = 8, IP_PROTOCOL = 9, IP_SUM = 10, IP_FROM = 12 };
+enum { IP_SIZE = 2, IP_ID = 4, IP_LIFE = 8, IP_CARRIES = 9, IP_SUM = 10, IP_FROM = 12 };
 enum { UDP_FROM = 0, UDP_TO = 2, UDP_SIZE = 4, IP_BYTES = 20, UDP_BYTES = 8 };
 
 static int refuse(char *message, const char *where, const char *why, int error)
@@ -82,7 +82,7 @@ static void write_headers(uint8_t *frame, const struct sockaddr_in *from, size_t
     ect_store_be16(ip + IP_SIZE, (uint16_t)(IP_BYTES + UDP_BYTES + payload));
     ect_store_be16(ip + IP_ID, port);
     ip[IP_LIFE] = 64;
-    ip[IP_PROTOCOL] = IPPROTO_UDP;
+    ip[IP_CARRIES] = IPPROTO_UDP;
     memcpy(ip + IP_FROM, &from->sin_addr, sizeof from->sin_addr);
     ect_store_be16(ip + IP_SUM, (uint16_t)~sum_of(ip));
     ect_store_be16(udp + UDP_FROM, port);
