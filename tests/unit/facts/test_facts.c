@@ -466,6 +466,7 @@ static void an_image_has_a_fact_of_each_field(void **state)
         {ECT_FACT_CHECKSUM, 0, 0, "right"},
         {ECT_FACT_CONFIG, 0, 0, "0x0008"},
         {ECT_FACT_CONFIG, 4, 0, "none"}, /* the station alias */
+        {ECT_FACT_CONFIG, 7, 0, "none"}, /* the checksum has a fact of its own */
         {ECT_FACT_EEPROM_SIZE, 0, 0, "2048 bytes"},
         {ECT_FACT_MAILBOX_OUT, 0, 0, "128 bytes at 0x1000"},
         {ECT_FACT_MAILBOX_IN, 0, 0, "128 bytes at 0x1080"},
@@ -590,6 +591,22 @@ static void an_image_shorter_than_its_header_is_one_fact(void **state)
     ect_facts_free(&f);
 }
 
+/* The last category announces more words than the image has: there is none. */
+static void a_category_beyond_the_image_is_none(void **state)
+{
+    enum { SIZE = ECT_SII_CATEGORIES + 4 + 20, VENDOR = 0x0800 };
+    (void)state;
+    for (unsigned int words = 9; words <= 12; words++) {
+        uint8_t image[2 * SIZE] = {0};
+        ect_facts_t f = {.source = "image"};
+        ect_store_le16(image + ECT_SII_CATEGORIES, VENDOR);
+        ect_store_le16(image + ECT_SII_CATEGORIES + 2, (uint16_t)words);
+        ect_facts_of_sii(&f, image, SIZE);
+        assert_int_equal(strcmp(text_of(&f, ECT_FACT_CATEGORY, VENDOR, 0), "none") != 0, words <= 10);
+        ect_facts_free(&f);
+    }
+}
+
 static void objects_with_facts_elsewhere_are_known(void **state)
 {
     (void)state;
@@ -620,6 +637,7 @@ int main(void)
         cmocka_unit_test(a_constant_has_no_default),
         cmocka_unit_test(an_image_with_coe_has_all_pdos_or_none),
         cmocka_unit_test(an_image_shorter_than_its_header_is_one_fact),
+        cmocka_unit_test(a_category_beyond_the_image_is_none),
         cmocka_unit_test(objects_with_facts_elsewhere_are_known),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -97,6 +97,17 @@ static void aborts(void **state)
     }
 }
 
+/* Each fault has its own object; the first that concerns a transfer decides. */
+static void aborts_of_several(void **state)
+{
+    wire_t *w = *state;
+    set(w, "abort 0x2002 0x08000022 slave 2");
+    set(w, "abort 0x2000 0x08000020 slave 2");
+    set(w, "abort 0x2000 0x08000021 slave 2");
+    assert_int_equal(write_u32(w, 1), 0x08000020);
+    assert_int_equal(read_octets(w), 0x08000022);
+}
+
 /* The stack reads a request of a fault in one piece or in several: each is a piece of the same request. */
 static void aborts_in_pieces(void **state)
 {
@@ -463,6 +474,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         TEST("CF-030: SDO transfers are aborted with any code, and the device never gets them", aborts),
+        TEST("CF-030: transfers of several objects are aborted, each with its code", aborts_of_several),
         TEST("CF-030: a request that is aborted is read in pieces of any size", aborts_in_pieces),
         TEST("CF-033: a transfer is aborted at any of its requests", aborts_in_the_middle),
         TEST("CF-026: a repeated request gets the same abort", repeated_request),

@@ -35,6 +35,8 @@ ssize_t __real_recv(int fd, void *buffer, size_t size, int flags);
 ssize_t __wrap_recv(int fd, void *buffer, size_t size, int flags);
 int __real_accept4(int fd, struct sockaddr *address, socklen_t *size, int flags);
 int __wrap_accept4(int fd, struct sockaddr *address, socklen_t *size, int flags);
+void *__real_calloc(size_t count, size_t size);
+void *__wrap_calloc(size_t count, size_t size);
 int __real_epoll_wait(int fd, struct epoll_event *events, int room, int timeout);
 int __wrap_epoll_wait(int fd, struct epoll_event *events, int room, int timeout);
 int __real_poll(struct pollfd *fds, nfds_t count, int timeout);
@@ -44,6 +46,13 @@ ssize_t __wrap_recv(int fd, void *buffer, size_t size, int flags)
 {
     work.receives++;
     return __real_recv(fd, buffer, size, flags);
+}
+
+static bool refuses_memory;
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+    return refuses_memory ? NULL : __real_calloc(count, size);
 }
 
 int __wrap_accept4(int fd, struct sockaddr *address, socklen_t *size, int flags)
@@ -792,6 +801,12 @@ static void serve_at_descriptor_0(bool idle)
     (void)close(STDIN_FILENO);
     (void)serve(&b);
     expect(&b, fd, "descriptor 0", "00 01 00 00 00 06 FF 03 00 0B 00 01", "00 01 00 00 00 05 FF 03 02 00 00");
+    int other = connect_client(&b);
+    (void)serve(&b);
+    expect(&b, other, "another one", "00 02 00 00 00 06 FF 03 00 0B 00 01", "00 02 00 00 00 05 FF 03 02 00 00");
+    expect(&b, fd, "descriptor 0", "00 03 00 00 00 06 FF 03 00 0B 00 01", "00 03 00 00 00 05 FF 03 02 00 00");
+    close(other);
+    (void)serve(&b);
     const bool used = fcntl(STDIN_FILENO, F_GETFD) >= 0;
     const uint64_t due_ns = ect_modbus_server_due(b.server), last_ns = b.wire.now_ns + IDLE_S * 1000ull * MS;
     if (idle) {
@@ -811,6 +826,23 @@ static void serve_at_descriptor_0(bool idle)
     assert_true(used);
     assert_true(due_ns == last_ns);
     assert_false(left);
+}
+
+static void without_memory(void **state)
+{
+    char message[ECT_MODBUS_MESSAGE] = "";
+    int fd = open("/dev/null", O_RDONLY);
+    (void)state;
+    refuses_memory = true;
+    const ect_modbus_server_t *server = ect_modbus_server_at(fd, message);
+    refuses_memory = false;
+    assert_null(server);
+    assert_string_equal(message, "not enough memory");
+    assert_int_equal(fcntl(fd, F_GETFD), -1); /* it belonged to the server */
+    refuses_memory = true;
+    server = ect_modbus_server_new(message);
+    refuses_memory = false;
+    assert_null(server);
 }
 
 static void descriptor_0(void **state)
@@ -846,6 +878,7 @@ int main(int argc, char **argv)
         TEST("a record gets each request and its reply; repeated to another unit they give the same replies",
              observed_and_repeated),
         TEST("bytes of a record that are no request have no reply", no_request_to_repeat),
+        TEST("Without memory there is no server, and its socket is closed", without_memory),
         TEST("A client whose descriptor is 0 is served, and closed with the server", descriptor_0),
         TEST("A unit that hangs answers nothing", a_unit_that_hangs),
         TEST("--modbus: a wrong address gets a line", no_address),
