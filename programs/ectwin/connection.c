@@ -2,7 +2,6 @@
 #define _GNU_SOURCE
 #include "connection.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <glob.h>
 #include <poll.h>
@@ -80,28 +79,6 @@ static const char *name_of(uid_t user, char room[32])
     return room;
 }
 
-static bool is_socket_name(const char *name)
-{
-    size_t length = strlen(name);
-    return name[0] != '.' && length > 5 && strcmp(name + length - 5, ".sock") == 0;
-}
-
-/* Calls `found` for each socket in a folder until it returns false. */
-static void each_socket(const char *folder, bool (*found)(void *ctx, const char *path), void *ctx)
-{
-    char path[ECT_ENDPOINT_PATH];
-    DIR *directory = opendir(folder);
-    const struct dirent *entry;
-    bool more = true;
-    while (directory && more && (entry = readdir(directory)) != NULL) {
-        if (is_socket_name(entry->d_name) &&
-            snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) < (int)sizeof path)
-            more = found(ctx, path);
-    }
-    if (directory)
-        closedir(directory);
-}
-
 static connection_t *make_connection(int fd, const char *path, const char *who)
 {
     const struct timeval patience = {.tv_sec = ECT_ENDPOINT_PATIENCE_S};
@@ -150,7 +127,7 @@ bool connection_each(const char *who, bool (*found)(void *ctx, connection_t *con
         return false;
     }
     if (ect_endpoint_trust(folder) == 0) {
-        each_socket(folder, visit, &all);
+        ect_endpoint_each(folder, visit, &all);
     } else if (errno == EPERM) {
         fprintf(stderr, "%s: '%s' belongs to somebody else, or others may write to it: no twin in it is trusted\n", who,
                 folder);
@@ -196,7 +173,7 @@ static void report_others(const char *pattern)
                  strchr(pattern, '*') + 1);
         if (strcmp(theirs, found.gl_pathv[i]) != 0)
             continue;
-        each_socket(found.gl_pathv[i], report_one, &reported);
+        ect_endpoint_each(found.gl_pathv[i], report_one, &reported);
         if (!reported && access(found.gl_pathv[i], R_OK) < 0)
             fprintf(stderr, "  %s may have some, in %s: ask as that user, or with sudo\n", name_of(info.st_uid, room),
                     found.gl_pathv[i]);

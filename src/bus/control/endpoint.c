@@ -25,6 +25,27 @@ int ect_endpoint_folder(char *path)
     return length < ECT_ENDPOINT_PATH - 32 ? 0 : -1; /* a name follows */
 }
 
+static bool is_socket_name(const char *name)
+{
+    size_t length = strlen(name);
+    return name[0] != '.' && length > 5 && strcmp(name + length - 5, ".sock") == 0;
+}
+
+void ect_endpoint_each(const char *folder, bool (*found)(void *ctx, const char *path), void *ctx)
+{
+    char path[ECT_ENDPOINT_PATH];
+    DIR *directory = opendir(folder);
+    const struct dirent *entry;
+    bool more = true;
+    while (directory && more && (entry = readdir(directory)) != NULL) {
+        if (is_socket_name(entry->d_name) &&
+            snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) < (int)sizeof path)
+            more = found(ctx, path);
+    }
+    if (directory)
+        closedir(directory);
+}
+
 int ect_endpoint_find(const char *name, char *path)
 {
     size_t room = strlen(name) + sizeof "/.sock";
@@ -115,6 +136,11 @@ int ect_endpoint_connect(const char *path, uid_t *owner)
     return connect_to(path, 0, owner);
 }
 
+int ect_endpoint_connect_now(const char *path, uid_t *owner)
+{
+    return connect_to(path, SOCK_NONBLOCK, owner);
+}
+
 void ect_endpoint_clear(const char *path)
 {
     struct stat info;
@@ -197,20 +223,11 @@ static int listen_in(int fd, const char *folder, const char *name, char *path)
     return result;
 }
 
-/* Sockets that killed processes have left. */
-static void clear_folder(const char *folder)
+static bool clear_one(void *ctx, const char *path)
 {
-    char path[ECT_ENDPOINT_PATH];
-    DIR *directory = opendir(folder);
-    const struct dirent *entry;
-    while (directory && (entry = readdir(directory)) != NULL) {
-        size_t length = strlen(entry->d_name);
-        if (length > 5 && strcmp(entry->d_name + length - 5, ".sock") == 0 &&
-            snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) < (int)sizeof path)
-            ect_endpoint_clear(path);
-    }
-    if (directory)
-        closedir(directory);
+    (void)ctx;
+    ect_endpoint_clear(path);
+    return true;
 }
 
 const char *ect_endpoint_unfit(const char *name)
@@ -231,7 +248,7 @@ int ect_endpoint_listen(const char *name, char *path, char *message)
                  folder, why);
         return -1;
     }
-    clear_folder(folder);
+    ect_endpoint_each(folder, clear_one, NULL); /* sockets that killed processes have left */
     int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (fd >= 0 && listen_in(fd, folder, name, path) == 0)
         return fd;

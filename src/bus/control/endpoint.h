@@ -37,6 +37,12 @@ int ect_endpoint_folder(char *path);
  */
 int ect_endpoint_trust(const char *folder);
 
+/**
+ * Calls `found` with the path of each socket in a folder, dead ones as well, until it returns false. A name that begins
+ * with a dot is left out. No folder is as an empty one.
+ */
+void ect_endpoint_each(const char *folder, bool (*found)(void *ctx, const char *path), void *ctx);
+
 /** Writes the path of the socket with a name, which need not exist. @return as ::ect_endpoint_folder */
 int ect_endpoint_find(const char *name, char *path);
 
@@ -69,6 +75,9 @@ void ect_endpoint_close(int fd, const char *path, ino_t identity);
  *         process listens · EAGAIN no process has accepted in time
  */
 int ect_endpoint_connect(const char *path, uid_t *owner);
+
+/** The same without waiting: the descriptor is non-blocking, and EAGAIN comes at once. */
+int ect_endpoint_connect_now(const char *path, uid_t *owner);
 
 /** Removes a socket of this user at which no process listens. Any other file stays. */
 void ect_endpoint_clear(const char *path);

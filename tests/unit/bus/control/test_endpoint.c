@@ -461,6 +461,68 @@ static void without_a_runtime_folder(void **state)
     assert_string_equal(folder, want);
 }
 
+typedef struct seen {
+    size_t count, most;
+    char path[ECT_ENDPOINT_PATH];
+} seen_t;
+
+static bool count_one(void *ctx, const char *path)
+{
+    seen_t *seen = ctx;
+    strcpy(seen->path, path);
+    return ++seen->count < seen->most;
+}
+
+static void each_socket(void **state)
+{
+    static const char *const others[] = {".1.sock", "1.socket", ".sock", "1.sock.html"};
+    char folder[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH], other[ECT_ENDPOINT_PATH + 16];
+    char message[ECT_ENDPOINT_MESSAGE];
+    seen_t seen = {.most = 10};
+    (void)state;
+    runtime_folder("each", folder);
+    ect_endpoint_each(folder, count_one, &seen);
+    assert_int_equal(seen.count, 0);
+    int fd = ect_endpoint_listen("one", path, message);
+    assert_true(fd >= 0);
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        snprintf(other, sizeof other, "%s/%s", folder, others[i]);
+        close(open(other, O_CREAT | O_WRONLY, 0600));
+    }
+    ect_endpoint_each(folder, count_one, &seen);
+    assert_int_equal(seen.count, 1);
+    assert_string_equal(seen.path, path);
+    int second = ect_endpoint_listen("two", path, message);
+    assert_true(second >= 0);
+    seen = (seen_t){.most = 1};
+    ect_endpoint_each(folder, count_one, &seen);
+    assert_int_equal(seen.count, 1);
+    close(fd);
+    close(second);
+}
+
+static void full_backlog(void **state)
+{
+    char folder[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH], message[ECT_ENDPOINT_MESSAGE];
+    int fds[64];
+    size_t count = 0;
+    uid_t owner = 0;
+    (void)state;
+    runtime_folder("full", folder);
+    int fd = ect_endpoint_listen("full", path, message);
+    assert_true(fd >= 0);
+    while (count < 64 && (fds[count] = ect_endpoint_connect_now(path, &owner)) >= 0) {
+        assert_true((fcntl(fds[count], F_GETFL) & O_NONBLOCK) != 0);
+        assert_int_equal(owner, geteuid());
+        count++;
+    }
+    assert_true(count > 0 && count < 64);
+    assert_int_equal(errno, EAGAIN);
+    while (count > 0)
+        close(fds[--count]);
+    close(fd);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -482,6 +544,8 @@ int main(int argc, char **argv)
         {"Attack: a folder that others could have made or may write to is not trusted", folders_not_to_trust, NULL,
          NULL, NULL},
         {"A name belongs to one live twin, and is free when that has ended", names, NULL, NULL, NULL},
+        {"Sockets of a folder: other files and names with a dot are left out", each_socket, NULL, NULL, NULL},
+        {"Connecting without waiting: a full backlog is EAGAIN", full_backlog, NULL, NULL, NULL},
         {"Without XDG_RUNTIME_DIR it is /tmp/ectwin-UID", without_a_runtime_folder, NULL, NULL, NULL},
     };
     if (argc > 1)
