@@ -18,10 +18,14 @@ if(Python3_FOUND)
     get_filename_component(program ${program} NAME_WLE)
     if(TARGET ${program})
       set(page ${share}/man/man1/${program}.1)
+      set(started "") # `ectwin panel --help` is the help of ectwin-panel
+      if(program STREQUAL ectwin AND TARGET ectwin-panel)
+        set(started ectwin-panel)
+      endif()
       add_custom_command(OUTPUT ${page}
         COMMAND ${CMAKE_COMMAND} -E make_directory ${share}/man/man1
         COMMAND Python3::Interpreter tools/dev/man.py ${template} $<TARGET_FILE:${program}> ${PROJECT_VERSION} ${page}
-        DEPENDS ${template} ${program} tools/dev/man.py WORKING_DIRECTORY ${CMAKE_SOURCE_DIR} VERBATIM)
+        DEPENDS ${template} ${program} ${started} tools/dev/man.py WORKING_DIRECTORY ${CMAKE_SOURCE_DIR} VERBATIM)
       list(APPEND products ${page})
       install(FILES ${page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT doc)
     endif()

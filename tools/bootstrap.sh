@@ -1,26 +1,29 @@
 #!/usr/bin/env bash
 # Installs what a job needs and is missing, and no more.  usage: tools/bootstrap.sh run|board|bench|package|test
 #
-#   run   build ectwin and run the demo: compiler, CMake, libnl, cJSON, libseccomp, libxml2, libyaml, libmodbus, and SOEM for the demo's master
+#   run   build ectwin and run the demo: compiler, CMake, libnl, cJSON, libseccomp, libxml2, libyaml, libmodbus, libwebsockets, and SOEM for
+#         the demo's master
 #   board run, and what the firmware of a board needs: compilers for ARM, with their C libraries, and RISC-V; QEMU and iproute2
 #         to see it run
 #   bench run, and what tools/dev/bench/run.py measures with: valgrind, iproute2, util-linux
 #   package run, and what tools/package.sh builds packages with
 #   test  all but what measures, and what the tests need: CMocka, clang for the fuzz targets, gcovr, and from PyPI
-#         pymodbus, and the sources of SOEM for examples/fuzz-master
+#         pymodbus, and the sources of SOEM for examples/fuzz-master; Chromium with its driver, which the panel's page is tested in
 #
 # Debian and Ubuntu packages, as root or through sudo. SOEM: one that is installed (find_package) is taken when our programs
 # compile with it; else the source package pyecm 0.0.3 from PyPI, which carries SOEM 1.4.0, is fetched by pip against a pinned
 # hash and built below ~/.cache/ectwin, where pymodbus is put as well. Safe to run again; does nothing when nothing is missing.
 set -eu
 
-run_packages="gcc libc6-dev cmake ninja-build pkg-config libnl-route-3-dev libcjson-dev libseccomp-dev libxml2-dev libmodbus-dev libyaml-dev"
+run_packages="gcc libc6-dev cmake ninja-build pkg-config libnl-route-3-dev libcjson-dev libseccomp-dev libxml2-dev libmodbus-dev libyaml-dev
+  libwebsockets-dev"
 soem_packages="python3 python3-pip python3-venv ca-certificates"
 board_packages="binutils gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-unknown-elf gcc-aarch64-linux-gnu libc6-dev-arm64-cross
   gcc-arm-linux-gnueabihf libc6-dev-armhf-cross qemu-system-arm iproute2 python3"
 package_packages="dpkg-dev file git python3 python3-pip python3-venv ca-certificates"
 bench_packages="valgrind iproute2 util-linux python3"
 test_packages="libcmocka-dev clang gcovr libxml2-utils doxygen"
+browser_packages="chromium chromium-driver" # Ubuntu has them as snaps alone
 lint_packages="clang-format-19 clang-tidy-19" # one version everywhere, for each finds something else; not every release has it
 
 soem_prefix="$HOME/.cache/ectwin/soem-1.4.0"
@@ -57,6 +60,8 @@ is_there() {
     iproute2) command -v ip >/dev/null && return 0 ;;
     util-linux) command -v taskset >/dev/null && command -v unshare >/dev/null && return 0 ;;
     valgrind) command -v valgrind >/dev/null && return 0 ;;
+    chromium) command -v chromium >/dev/null && return 0 ;;
+    chromium-driver) command -v chromedriver >/dev/null && return 0 ;;
     git) command -v git >/dev/null && return 0 ;;
     python3-pip) python3 -m pip --version >/dev/null 2>&1 && return 0 ;;
     python3-venv) python3 -c 'import venv, ensurepip' >/dev/null 2>&1 && return 0 ;;
@@ -161,6 +166,8 @@ case "$job" in
     # shellcheck disable=SC2086
     install_packages $run_packages $board_packages $test_packages
     install_clang_runtime
+    # shellcheck disable=SC2086
+    (install_packages $browser_packages) || say "without $browser_packages the panel's page is not tested"
     # shellcheck disable=SC2086
     (install_packages $lint_packages) || say "without $lint_packages the layout of the files and what clang-tidy says are not checked"
     ;;

@@ -58,6 +58,7 @@ int command_unplug(int argc, char **argv);
 int command_plug(int argc, char **argv);
 int command_cut(int argc, char **argv);
 int command_mend(int argc, char **argv);
+int command_panel(int argc, char **argv);
 
 /** Room of a reason why twins cannot be powered on. */
 enum { TWIN_MESSAGE = 1280 };

@@ -30,7 +30,8 @@ static const struct command {
     {"clone", command_clone},       {"ps", command_ps},
     {"enter", command_enter},       {"wait", command_wait},
     {"veth", command_veth},         {"replay", command_replay},
-    {"new", command_new},           {"complete", command_complete},
+    {"new", command_new},           {"panel", command_panel},
+    {"complete", command_complete},
 };
 
 /* The names of the commands that begin with a word; `complete`, the last, is for shells. */
@@ -85,6 +86,7 @@ static int usage(FILE *stream, int status)
         "       ectwin cut N.PORT        ectwin mend N.PORT   cut the wire at a port of slave N, mend it\n"
         "       ectwin fault [FAULT]                          inject a fault, or list the active faults\n"
         "       ectwin replay FILE [DEVICE[,DEVICE...]]       replay a record; compare a capture with devices\n"
+        "       ectwin panel [--port PORT] [--open]           show and touch your running twins in a browser\n"
         "       ectwin stats [--json]                         print the counters of a running twin\n"
         "       ectwin --version\n"
         "'ectwin COMMAND --help' describes each command.\n",

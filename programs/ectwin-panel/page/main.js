@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: MIT
+// The page: the list of buses, and the bus that is shown.
+import { make, setText, short } from "./dom.js";
+import { Connection, Signals } from "./bus.js";
+import { makeRail } from "./rail.js";
+import { makeSignals } from "./signals.js";
+import { makeFaults } from "./faults.js";
+import { Plot } from "./plot.js";
+
+const stateNames = { 0: "off", 1: "INIT", 2: "PREOP", 3: "BOOT", 4: "SAFEOP", 8: "OP" };
+const view = { buses: [], shown: 0, slave: 0, readOnly: false, signals: new Signals(), parts: null, last: null };
+const main = document.getElementById("main");
+const list = document.getElementById("buses");
+const messages = document.getElementById("messages");
+
+function report(text) {
+  const message = make("p", {}, text);
+  messages.append(message);
+  while (messages.children.length > 3) messages.firstChild.remove();
+  setTimeout(() => message.remove(), 8000);
+}
+
+const context = {
+  get signals() { return view.signals; },
+  get view() { return view.readOnly; },
+  async set(signal, value) {
+    const reply = await connection.request(view.shown, { op: "set", slave: signal.slave, name: signal.name, value });
+    if (!reply.ok) report(`${signal.name}: ${reply.message}`);
+    if (!reply.ok) for (const watcher of signal.watchers) watcher(signal, performance.now());
+  },
+  async fault(line) {
+    const reply = await connection.request(view.shown, { op: "fault", fault: line });
+    if (!reply.ok) report(reply.message);
+  },
+};
+
+/* --- the list of buses --------------------------------------------------------------------------------------------- */
+
+function nameOf(bus) {
+  return bus.about.name || bus.about.devices || `process ${bus.process}`;
+}
+
+function stateOf(about) {
+  if (about.lowest === undefined) return "";
+  const [low, high] = [stateNames[about.lowest] ?? about.lowest, stateNames[about.highest] ?? about.highest];
+  return low === high ? low : `${low} to ${high}`;
+}
+
+function showBuses(buses) {
+  view.buses = buses;
+  const focused = document.activeElement?.dataset?.bus;
+  list.replaceChildren(...buses.map((bus) => make("button", { type: "button", "data-bus": bus.bus, "aria-pressed": String(bus.bus === view.shown), on: { click: () => open(bus.bus) } },
+    make("span", { class: "bus-name" }, nameOf(bus)), make("span", { class: `bus-state ${bus.about.errors > 0 ? "bad" : ""}` }, stateOf(bus.about)))));
+  if (focused) list.querySelector(`[data-bus="${Number(focused)}"]`)?.focus();
+  const shown = buses.find((bus) => bus.bus === view.shown);
+  if (!shown && buses.length > 0) open(buses[0].bus);
+  else if (!shown) showNothing();
+  else if (view.parts) showAbout(shown.about);
+}
+
+function showNothing() {
+  view.shown = 0;
+  view.parts = null;
+  main.replaceChildren(make("section", { class: "empty" }, make("h2", {}, "No twin is running"),
+    make("p", {}, "Start one, and it appears here:"), make("pre", {}, "ectwin with fzm1 -- ./my_master {}")));
+}
+
+function open(number) {
+  view.shown = number;
+  view.slave = 0;
+  view.parts = null;
+  view.signals.clear();
+  connection.send({ open: number });
+  for (const button of list.children) button.setAttribute("aria-pressed", String(Number(button.dataset.bus) === number));
+  main.replaceChildren(make("p", { class: "none" }, "Reading the signals …"));
+}
+
+/* --- one bus ------------------------------------------------------------------------------------------------------- */
+
+function makeFigure(label) {
+  const value = make("output", {}, "–");
+  return { element: make("div", { class: "figure" }, make("span", { class: "label" }, label), value), value };
+}
+
+function section(title, className, ...children) {
+  return make("section", { class: className }, make("h2", {}, title), ...children);
+}
+
+function makeHistogram() {
+  const bars = make("div", { class: "bars", role: "img", "aria-label": "Replies by response time" });
+  const edges = make("div", { class: "edges" });
+  let before = null;
+  const show = ({ answers, edges_us: limits }) => {
+    const last = answers.findLastIndex((count) => count > 0);
+    const shown = Math.max(last + 1, 12);
+    const most = Math.log1p(Math.max(...answers, 1));
+    if (!before || bars.children.length !== shown) {
+      bars.replaceChildren(...answers.slice(0, shown).map(() => make("span", { class: "bar" })));
+      edges.replaceChildren(...answers.slice(0, shown).map((_, i) => make("span", {}, limits[i] >= 1000 ? `${limits[i] / 1000} ms` : `${limits[i] ?? ""}`)));
+    }
+    answers.slice(0, shown).forEach((count, i) => {
+      bars.children[i].style.height = `${100 * Math.log1p(count) / most}%`;
+      bars.children[i].title = `${count} replies below ${limits[i] ?? "…"} µs`;
+    });
+    before = answers;
+  };
+  return { element: make("div", { class: "histogram" }, bars, edges, make("p", { class: "label" }, "µs, upper edges; heights are logarithmic")), show };
+}
+
+function presetsOf(slave) {
+  const has = (name) => view.signals.find(slave, name);
+  const sets = [["Timing chart", ["step", "exe", "ready", "busy", "flg", "gate", "or", "overall"]], ["Motion", ["position", "demand", "speed", "torque", "following_error"]]];
+  return sets.map(([title, names]) => [title, names.map(has).filter((signal) => signal?.range)]).filter(([, found]) => found.length >= 3);
+}
+
+function select(number) {
+  const { parts } = view;
+  view.slave = number;
+  parts.rail.mark(number);
+  const twin = view.signals.slaves().find((slave) => slave.number === number);
+  setText(parts.twinTitle, `Signals of ${number}${twin?.name ? ` ${twin.name}` : ""}`);
+  parts.signals.replaceChildren(makeSignals(context, number, parts.plot));
+  parts.presets.replaceChildren(...presetsOf(number).map(([title, found]) => make("button", { type: "button", on: { click: () => parts.plot.choose(found) } }, title)));
+}
+
+function showBus() {
+  const about = view.buses.find((bus) => bus.bus === view.shown)?.about ?? {};
+  const names = String(about.devices ?? "").split(",").map((name) => name.replace(/^[^=]*=/, ""));
+  const slaves = view.signals.slaves();
+  const devices = names.length === slaves.length ? names : [];
+  const figures = Object.fromEntries(["Frames/s", "Replied", "Dropped", "Median", "99 %", "Longest"].map((label) => [label, makeFigure(label)]));
+  const parts = {
+    rail: makeRail(context, devices, select), plot: new Plot(), faults: makeFaults(context), histogram: makeHistogram(), figures,
+    signals: make("div"), presets: make("span", { class: "presets" }), twinTitle: make("h2", {}, "Signals"), about: make("p", { class: "about" }),
+  };
+  view.parts = parts;
+  view.last = null;
+  main.replaceChildren(
+    make("section", { class: "overview" }, parts.about, make("div", { class: "figures" }, ...Object.values(figures).map((figure) => figure.element))),
+    section("Bus", "wide", make("div", { class: "rail-frame", tabindex: "0", role: "group", "aria-label": "Twins in the order of the chain" }, parts.rail)),
+    make("div", { class: "columns" },
+      make("section", { class: "panel-signals" }, make("header", {}, parts.twinTitle), parts.signals),
+      make("div", { class: "side" },
+        make("section", {}, make("header", {}, make("h2", {}, "Plot"), parts.presets), parts.plot.element),
+        section("Faults", "", parts.faults),
+        section("Response time", "", parts.histogram.element))));
+  parts.plot.changed();
+  showAbout(about);
+  if (slaves.length > 0) select(slaves[0].number);
+}
+
+function showAbout(about) {
+  const parts = [about.name, about.devices, about.iface && `on ${about.iface}`].filter(Boolean);
+  setText(view.parts.about, parts.join(" · "));
+}
+
+function microseconds(value) {
+  return value >= 1000 ? `${short(value / 1000)} ms` : `${short(value)} µs`;
+}
+
+function showStats({ counters, answers }) {
+  if (!view.parts) return;
+  const { figures, histogram } = view.parts;
+  const span = view.last ? counters.time - view.last.time : 0;
+  if (span > 0) setText(figures["Frames/s"].value, short(Math.round((counters.frames - view.last.frames) / span)));
+  setText(figures["Replied"].value, short(counters.answered));
+  setText(figures["Dropped"].value, short(counters.dropped));
+  setText(figures["Median"].value, microseconds(counters.p50_us));
+  setText(figures["99 %"].value, microseconds(counters.p99_us));
+  setText(figures["Longest"].value, microseconds(counters.longest_us));
+  view.last = counters;
+  histogram.show(answers);
+}
+
+/* --- the connection ------------------------------------------------------------------------------------------------ */
+
+const ofShown = (take) => (message) => { if (message.bus === view.shown) take(message); };
+
+const connection = new Connection(location.hash.slice(1), {
+  state(text, good) {
+    const line = document.getElementById("connection");
+    setText(line, text);
+    line.classList.toggle("good", good);
+  },
+  hello: (message) => { view.readOnly = message.view; },
+  buses: (message) => showBuses(message.buses),
+  signals: ofShown((message) => { if (view.signals.describe(message)) showBus(); }),
+  values: ofShown((message) => view.signals.change(message)),
+  stats: ofShown(showStats),
+  faults: ofShown((message) => view.parts?.faults.show(message.faults)),
+  trouble: ofShown((message) => main.replaceChildren(make("p", { class: "none" }, message.message))),
+  lost() {
+    view.shown = 0;
+    view.parts = null;
+  },
+});

@@ -1,0 +1,325 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""The server of `ectwin panel`: pages, token, Origin and Host, requests, hostile clients.
+
+usage: panel.py ECTWIN [CASE]
+"""
+import base64
+import contextlib
+import http.client
+import json
+import os
+import shutil
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+ECTWIN = sys.argv[1]
+failed = False
+
+
+def check(title, expected, actual):
+    global failed
+    if expected != actual:
+        failed = True
+        print(f"FAILED {title}\n  expected: {expected!r}\n  got:      {actual!r}")
+
+
+class Panel:
+    """The program while it runs."""
+
+    def __init__(self, *options):
+        self.process = subprocess.Popen([ECTWIN, "panel", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.url = json.loads(self.process.stdout.readline())["url"]
+        self.base, self.token = self.url.split("/#")
+        self.port = int(self.base.rsplit(":", 1)[1])
+
+    def get(self, path, method="GET", **headers):
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=10)
+        connection.request(method, path, headers=headers)
+        reply = connection.getresponse()
+        reply.text = reply.read()
+        connection.close()
+        return reply
+
+    def descriptors(self):
+        return len(os.listdir(f"/proc/{self.process.pid}/fd"))
+
+    def stop(self):
+        self.process.send_signal(signal.SIGTERM)
+        text = self.process.communicate(timeout=20)[1]
+        return self.process.returncode, text
+
+
+class Page:
+    """A WebSocket connection; `token` None: none is sent."""
+
+    def __init__(self, panel, token=None, **headers):
+        self.panel = panel
+        self.socket = socket.create_connection(("127.0.0.1", panel.port), timeout=10)
+        key = base64.b64encode(os.urandom(16)).decode()
+        lines = {"Host": f"127.0.0.1:{panel.port}", "Origin": panel.base, "Upgrade": "websocket", "Connection": "Upgrade",
+                 "Sec-WebSocket-Key": key, "Sec-WebSocket-Version": "13", "Sec-WebSocket-Protocol": "ectwin-panel", **headers}
+        self.socket.sendall(("GET / HTTP/1.1\r\n" + "".join(f"{n}: {v}\r\n" for n, v in lines.items() if v) + "\r\n").encode())
+        self.received = b""
+        self.kept = []
+        self.status = self._head()
+        if token is not None and self.status == 101:
+            self.send({"token": token})
+
+    def _more(self):
+        try:
+            piece = self.socket.recv(65536)
+        except ConnectionError:
+            piece = b""
+        self.received += piece
+        return piece != b""
+
+    def _head(self):
+        while b"\r\n\r\n" not in self.received:
+            if not self._more():
+                return 0
+        head, self.received = self.received.split(b"\r\n\r\n", 1)
+        return int(head.split()[1])
+
+    def frame(self, opcode, content):
+        size = struct.pack("!B", 0x80 | len(content)) if len(content) < 126 else struct.pack("!BH", 0x80 | 126, len(content))
+        mask = os.urandom(4)
+        self.socket.sendall(bytes([0x80 | opcode]) + size + mask + bytes(b ^ mask[i % 4] for i, b in enumerate(content)))
+
+    def send(self, message):
+        self.frame(1, (message if isinstance(message, str) else json.dumps(message)).encode())
+
+    def next(self):
+        """The next message; None: the connection has ended."""
+        while True:
+            data = self.received
+            if len(data) >= 2:
+                length, at = data[1] & 127, 2
+                if length == 126 and len(data) >= 4:
+                    length, at = struct.unpack("!H", data[2:4])[0], 4
+                elif length == 126:
+                    length = 1 << 20
+                if len(data) >= at + length:
+                    self.received = data[at + length:]
+                    if data[0] & 15 == 1:
+                        return json.loads(data[at:at + length])
+                    if data[0] & 15 == 8:
+                        return None
+                    continue
+            if not self._more():
+                return None
+
+    def wait(self, event, fits=lambda message: True):
+        """The next message of a kind."""
+        while True:
+            message = self.next()
+            if message is None or (message["event"] == event and fits(message)):
+                return message
+
+    def open(self, devices):
+        """Opens the bus with these devices. Returns its number, and its signals by slave and name."""
+        buses = self.wait("buses", lambda m: any(b["about"].get("devices") == devices for b in m["buses"]))["buses"]
+        bus = next(b["bus"] for b in buses if b["about"].get("devices") == devices)
+        self.send({"open": bus})
+        signals = []
+        while True:
+            message = self.wait("signals")
+            signals += message["signals"]
+            if len(signals) == message["of"]:
+                return bus, {(s["slave"], s["name"]): i for i, s in enumerate(signals)}
+
+    def request(self, bus, request, number=1):
+        self.send({"id": number, "bus": bus, "request": request})
+        return self.wait("reply", lambda m: m["id"] == number)["reply"]
+
+    def value(self, index, value):
+        """Waits until a signal has a value."""
+        return self.wait("values", lambda m: [index, value] in m["values"]) is not None
+
+
+@contextlib.contextmanager
+def twins(devices, *options):
+    process = subprocess.Popen([ECTWIN, "with", *options, devices, "--", "sh", "-c", "echo; exec sleep 600"], stdout=subprocess.PIPE,
+                               stderr=subprocess.DEVNULL)
+    process.stdout.readline()
+    yield
+    process.terminate()
+    process.wait(20)
+
+
+@contextlib.contextmanager
+def running(*options):
+    panel = Panel("--port", "0", *options)
+    try:
+        yield panel
+    finally:
+        status, panel.errors = panel.stop()
+        check("the panel ends with status 0 at SIGTERM", 0, status)
+
+
+def pages():
+    with running() as panel:
+        page = panel.get("/")
+        check("the page is served", (200, True), (page.status, b"<title>" in page.text))
+        check("pages may load and run nothing else", "default-src 'none'; script-src 'self'; style-src 'self'",
+              page.headers["content-security-policy"][:55])
+        check("no script and no style is inline", False, b"style=" in page.text or b"<style" in page.text or b"<script>" in page.text)
+        check("types are not guessed", "nosniff", page.headers["x-content-type-options"])
+        check("nothing is kept", "no-store", page.headers["cache-control"])
+        check("no file of the machine is served", [404] * 3, [panel.get(p).status for p in ("/../etc/passwd", "/%2e%2e/etc", "/panel")])
+        check("GET alone", [405] * 2, [panel.get("/", m).status for m in ("POST", "PUT")])
+        check("the page needs no token, and has none", False, panel.token.encode() in page.text)
+        check("SEC: a name that leads to this machine is refused (DNS rebinding)", [403, 403, 403],
+              [panel.get("/", Host=h).status for h in (f"evil.example:{panel.port}", "127.0.0.1", f"127.0.0.1.evil.example:{panel.port}")])
+        check("localhost is this machine", 200, panel.get("/", Host=f"localhost:{panel.port}").status)
+    first = Panel()
+    again = subprocess.run([ECTWIN, "panel", "--port", str(first.port)], capture_output=True, text=True)
+    check("a port that is taken: status 2 and a line", (2, True), (again.returncode, "cannot listen at 127.0.0.1" in again.stderr))
+    first.stop()
+    wrong = subprocess.run([ECTWIN, "panel", "--bind", "example.org"], capture_output=True, text=True)
+    check("a name is no address", 1, wrong.returncode)
+    with tempfile.TemporaryDirectory() as folder:
+        alone = shutil.copy(ECTWIN, folder)
+        lacking = subprocess.run([alone, "panel"], capture_output=True, text=True, env={"PATH": folder})
+        check("without ectwin-panel: status 2 and the cure", (2, True), (lacking.returncode, "install libwebsockets-dev" in lacking.stderr))
+        check("its help is there all the same", 0, subprocess.run([alone, "panel", "--help"], stdout=subprocess.DEVNULL, env={"PATH": folder}).returncode)
+    with running("--bind", "0.0.0.0") as panel:
+        pass
+    check("another address than this machine's: a warning", True, "everybody on the way" in panel.errors)
+
+
+def tokens():
+    with running() as panel, twins("fzm1"):
+        check("the token opens", "hello", Page(panel, panel.token).next()["event"])
+        for title, token in (("wrong", "0" * 32), ("empty", ""), ("longer", panel.token + "0"), ("no", 7)):
+            check(f"SEC: a {title} token closes the connection", None, Page(panel, token).next())
+        page = Page(panel)
+        page.send({"open": 1})
+        check("SEC: another message before the token closes the connection", None, page.next())
+        for origin in ("http://evil.example", f"https://127.0.0.1:{panel.port}", "null", "", f"http://localhost:{panel.port}"):
+            page = Page(panel, panel.token, Origin=origin)
+            check(f"SEC: a page of {origin or 'no origin'} is refused", False, page.status == 101)
+        page = Page(panel, panel.token, Host=f"evil.example:{panel.port}", Origin=f"http://evil.example:{panel.port}")
+        check("SEC: a page under another name of this machine is refused", False, page.status == 101)
+
+
+def signals():
+    with running() as panel, twins("gripper=fzm1,pmctendo-dd5"):
+        page = Page(panel, panel.token)
+        hello = page.next()
+        check("the panel says whether it may change anything", ("hello", False), (hello["event"], hello["view"]))
+        bus, index = page.open("gripper=fzm1,pmctendo-dd5")
+        check("values come", True, page.value(index[2, "friction"], 0.05))
+        check("a signal is set", {"ok": True}, page.request(bus, {"op": "set", "slave": 1, "name": "data1", "value": 7}))
+        check("its change comes", True, page.value(index[1, "data1"], 7))
+        check("a wrong value is refused with the twin's reason", (False, True),
+              (lambda r: (r["ok"], "scene" in r["message"]))(page.request(bus, {"op": "set", "slave": 1, "name": "scene", "value": 999})))
+        check("SEC: a page may not send other requests", False, page.request(bus, {"op": "data", "offset": 0})["ok"])
+        check("a bus that is not there", False, page.request(99, {"op": "fault", "fault": "off"})["ok"])
+        check("a fault is set", {"ok": True}, page.request(bus, {"op": "fault", "fault": "drop 5%"}))
+        check("it is in the list", ["drop 5%"], page.wait("faults", lambda m: m["faults"])["faults"])
+        stats = page.wait("stats")
+        check("counters come", True, stats["counters"]["frames"] >= 0 and len(stats["answers"]["answers"]) > 0)
+        other = Page(panel, panel.token)
+        other.open("gripper=fzm1,pmctendo-dd5")
+        check("a second page gets all values", True, other.value(index[1, "data1"], 7))
+    with running("--view") as panel, twins("fzm1"):
+        page = Page(panel, panel.token)
+        bus, index = page.open("fzm1")
+        check("--view: nothing is set", False, page.request(bus, {"op": "set", "name": "data1", "value": 1})["ok"])
+        check("--view: no fault is set", False, page.request(bus, {"op": "fault", "fault": "drop"})["ok"])
+
+
+def buses():
+    with running() as panel:
+        page = Page(panel, panel.token)
+        check("without a twin the list is empty", [], page.wait("buses")["buses"])
+        with twins("fzm1", "--name", "press"):
+            found = page.wait("buses", lambda m: m["buses"])["buses"][0]
+            check("a twin that starts is in the list", ("press", 1), (found["about"]["name"], found["about"]["slaves"]))
+            page.send({"open": found["bus"]})
+            page.wait("signals")
+        check("a twin that ends leaves it", [], page.wait("buses", lambda m: not m["buses"])["buses"])
+
+
+def hostile():
+    with running() as panel, twins("fzm1"):
+        good = Page(panel, panel.token)
+        bus, index = good.open("fzm1")
+        for title, message in (("no JSON", "{"), ("an array", "[]"), ("no id", {"request": {}}), ("a long one", " " * 5000)):
+            page = Page(panel, panel.token)
+            page.wait("hello")
+            page.send(message)
+            check(f"SEC: {title} closes the connection", None, page.wait("never"))
+        page = Page(panel, panel.token)
+        page.wait("hello")
+        page.frame(2, b"\0\1")
+        check("SEC: a binary message closes the connection", None, page.wait("never"))
+        page = Page(panel, panel.token)
+        page.wait("hello")
+        with contextlib.suppress(OSError):
+            for n in range(5000):
+                page.send({"id": n, "bus": bus, "request": {"op": "set", "name": "data1", "value": n}})
+        check("SEC: requests without end close the connection", None, page.wait("never"))
+        held = []
+        for _ in range(300):
+            held.append(socket.create_connection(("127.0.0.1", panel.port), timeout=10))
+        check("SEC: 300 idle connections do not stop a page", {"ok": True},
+              good.request(bus, {"op": "set", "name": "data1", "value": 3}, 5))
+        check("SEC: connections are bounded", True, panel.descriptors() < 64 + 32)
+        for one in held:
+            one.close()
+        for garbage in (b"\0" * 10000, b"GET " + b"/" * 20000, b"GET / HTTP/1.1\r\n" + b"a: b\r\n" * 5000, b"\r\n\r\n" * 100):
+            one = socket.create_connection(("127.0.0.1", panel.port), timeout=10)
+            with contextlib.suppress(OSError):
+                one.sendall(garbage)
+            one.close()
+        check("SEC: garbage does no harm", {"ok": True}, good.request(bus, {"op": "set", "name": "data1", "value": 4}, 6))
+        deadline = time.monotonic() + 20  # connections that were closed are counted out
+        while time.monotonic() < deadline:
+            with contextlib.suppress(OSError, http.client.HTTPException):
+                if panel.get("/").status == 200:
+                    break
+        check("SEC: pages are served afterwards", 200, panel.get("/").status)
+
+
+def patience():
+    """Pages that send nothing, or receive nothing."""
+    with running() as panel, twins("fzm1"):
+        good = Page(panel, panel.token)
+        bus, _ = good.open("fzm1")
+        silent, deaf, idle = Page(panel), Page(panel, panel.token), socket.create_connection(("127.0.0.1", panel.port), timeout=15)
+        deaf.wait("buses", lambda m: m["buses"])
+        for _ in range(400):  # all signals again and again, 20 MB
+            deaf.send({"open": bus})
+            time.sleep(0.002)
+        check("SEC: a page that does not read delays no other one", {"ok": True},
+              good.request(bus, {"op": "set", "name": "data1", "value": 3}, 5))
+        check("SEC: a page without a token is closed", None, silent.next())
+        check("SEC: a connection without a request is closed", b"", idle.recv(1))
+        time.sleep(1.5)
+        with contextlib.suppress(ConnectionError):
+            check("SEC: a page that does not read is closed", None, deaf.wait("never"))
+        good.send({"open": 0})
+        check("the others stay", {"ok": True}, good.request(bus, {"op": "set", "name": "data1", "value": 4}, 6))
+
+
+CASES = (pages, tokens, signals, buses, hostile, patience)
+
+
+def main():
+    if len(sys.argv) < 3:  # side by side: they wait most of the time
+        started = [subprocess.Popen([sys.executable, __file__, ECTWIN, case.__name__]) for case in CASES]
+        return max(process.wait() for process in started)
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["XDG_RUNTIME_DIR"] = folder
+        next(case for case in CASES if case.__name__ == sys.argv[2])()
+    return 1 if failed else 0
+
+
+sys.exit(main())

@@ -1,0 +1,244 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""The page of `ectwin panel` in headless Chromium: plugs, signals, faults, hostile names, with a master beside.
+
+usage: panel_browser.py ECTWIN MASTER [FOLDER]      FOLDER: screenshots are written there. Exits with 77 without Chromium.
+"""
+import base64
+import contextlib
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import urllib.error
+import urllib.request
+
+ECTWIN, MASTER = sys.argv[1:3]
+SHOTS = sys.argv[3] if len(sys.argv) > 3 else None
+ELEMENT = "element-6066-11e4-a52e-4f735466cecf"  # the key of an element in WebDriver
+failed = False
+
+
+def check(title, expected, actual):
+    global failed
+    if expected != actual:
+        failed = True
+        print(f"FAILED {title}\n  expected: {expected!r}\n  got:      {actual!r}")
+
+
+class Browser:
+    """A session of chromedriver."""
+
+    def __init__(self, profile):
+        self.driver = subprocess.Popen(["chromedriver", "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        self.session = None
+        for line in self.driver.stdout:
+            if "successfully on port " in line:
+                self.base = "http://127.0.0.1:" + line.rsplit("on port ", 1)[1].strip().rstrip(".")
+                break
+        options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--window-size=1400,1000",
+                   "--force-device-scale-factor=1", "--no-proxy-server", f"--user-data-dir={profile}"]
+        wanted = {"browserName": "chrome", "goog:chromeOptions": {"args": options}, "goog:loggingPrefs": {"browser": "ALL"}}
+        self.session = self.call("POST", "/session", {"capabilities": {"alwaysMatch": wanted}}, bare=True)["sessionId"]
+
+    def call(self, method, path, body=None, bare=False):
+        url = self.base + ("" if bare else f"/session/{self.session}") + path
+        data = json.dumps(body).encode() if body is not None else None
+        request = urllib.request.Request(url, data, {"Content-Type": "application/json"}, method=method)
+        with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(request, timeout=60) as reply:
+            return json.load(reply)["value"]
+
+    def open(self, url):
+        self.call("POST", "/url", {"url": url})
+
+    def run(self, script, *arguments):
+        return self.call("POST", "/execute/sync", {"script": script, "args": list(arguments)})
+
+    def wait(self, script, *arguments, seconds=10):
+        """Waits until a script returns something true; returns it."""
+        deadline = time.monotonic() + seconds
+        while not (value := self.run(script, *arguments)) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        return value
+
+    def click(self, selector):
+        self.wait("return document.querySelector(arguments[0])", selector)
+        element = self.call("POST", "/element", {"using": "css selector", "value": selector})[ELEMENT]
+        self.call("POST", f"/element/{element}/click", {})
+
+    def type(self, selector, text):
+        element = self.call("POST", "/element", {"using": "css selector", "value": selector})[ELEMENT]
+        self.call("POST", f"/element/{element}/clear", {})
+        self.call("POST", f"/element/{element}/value", {"text": text})
+
+    def picture(self, name, scheme=None):
+        if not SHOTS:
+            return
+        if scheme:
+            self.command("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+            time.sleep(0.3)
+        pathlib.Path(SHOTS, name).write_bytes(base64.b64decode(self.call("GET", "/screenshot")))
+
+    def command(self, name, **parameters):
+        return self.call("POST", "/goog/cdp/execute", {"cmd": name, "params": parameters})
+
+    def errors(self):
+        return [line["message"] for line in self.call("POST", "/se/log", {"type": "browser"}) if line["level"] == "SEVERE"]
+
+    def close(self):
+        with contextlib.suppress(OSError, urllib.error.URLError):
+            if self.session:
+                self.call("DELETE", "")
+        self.driver.terminate()
+        self.driver.wait(20)
+
+
+@contextlib.contextmanager
+def panel(*options):
+    process = subprocess.Popen([ECTWIN, "panel", *options], stdout=subprocess.PIPE, text=True)
+    try:
+        yield json.loads(process.stdout.readline())["url"]
+    finally:
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=20)
+
+
+@contextlib.contextmanager
+def bus(devices, master, *options):
+    process = subprocess.Popen([ECTWIN, "with", "--quiet", *options, devices, "--", *master], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        yield
+    finally:
+        process.terminate()
+        process.wait(20)
+
+
+STATES = "return [...document.querySelectorAll('.module')].map((m) => m.dataset.state).join()"
+
+
+def reaches(browser, states, seconds=15):
+    return browser.wait(f"return {STATES.removeprefix('return ')} === arguments[0]", states, seconds=seconds) or browser.run(STATES)
+
+
+def value(name):
+    return subprocess.run([ECTWIN, "get", name], capture_output=True, text=True).stdout.strip()
+
+
+def with_a_master(browser, url):
+    browser.open(url)
+    check("the slaves are in OP", True, reaches(browser, "OP,OP,OP"))
+    check("their names are shown", "gripper", browser.run("return document.querySelector('[data-module=\"1\"] .title').textContent"))
+    browser.click('.plug[data-slave="3"][data-port="input"]')
+    check("a click on a plug: the master loses the slave", "off the bus",
+          browser.wait("return document.querySelector('[data-module=\"3\"]').dataset.state === 'OP' ? '' : 'off the bus'"))
+    check("the twin knows it", True, browser.wait("return document.querySelectorAll('.cable.cut').length === 1"))
+    browser.click('.plug[data-slave="3"][data-port="input"]')
+    check("again, and the slave returns to OP", True, reaches(browser, "OP,OP,OP"))
+    browser.type('[data-signal="data1"] input.number', "12.5\n")
+    deadline = time.monotonic() + 5
+    while value("gripper.data1") != "gripper.data1=12.5" and time.monotonic() < deadline:
+        time.sleep(0.05)
+    check("a signal is set", "gripper.data1=12.5", value("gripper.data1"))
+    subprocess.run([ECTWIN, "set", "gripper.data1=3"], check=True)
+    check("a change from elsewhere is shown", True,
+          browser.wait("return document.querySelector('[data-signal=\"data1\"] input.number').value === '3'"))
+    browser.click('[data-signal="err"] .switch')
+    check("a switch is on when the twin is", True, browser.wait("return document.querySelector('[data-signal=\"err\"] .switch').ariaChecked === 'true'"))
+    browser.click('[data-signal="err"] .switch')
+    browser.type('[data-signal="scene"] input.number', "999\n")
+    check("a refusal is shown with the twin's reason", True, browser.wait("return document.querySelector('#messages').textContent.includes('scene')"))
+    check("the control shows the twin's value again", "0", browser.wait("return document.querySelector('[data-signal=\"scene\"] input.number').value.replace('999', '')"))
+
+
+def faults_and_plots(browser):
+    browser.run("const kind = document.querySelector('[name=kind]'); kind.value = 0; kind.dispatchEvent(new Event('change'));"
+                "const amount = document.querySelector('[name=amount]'); amount.value = 2; amount.dispatchEvent(new Event('input'));")
+    check("the form shows its line", "drop 2%", browser.run("return document.querySelector('[name=line]').value"))
+    browser.click(".line-row .primary")
+    check("the fault is in the list", True, browser.wait("return document.querySelector('.fault-list').textContent === 'drop 2%'"))
+    check("the twin has it", "drop 2%", subprocess.run([ECTWIN, "fault"], capture_output=True, text=True).stdout.strip())
+    browser.click(".faults > button")
+    check("it is cleared", True, browser.wait("return document.querySelector('.fault-list .none') !== null"))
+    browser.click(".presets button")
+    check("a preset plots its signals", True, browser.wait("return document.querySelectorAll('.lane').length >= 5"))
+    check("the chart draws", True, browser.wait("const c = document.querySelector('canvas'); return c.width > 100 && "
+                                                "c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some((v) => v !== 0)"))
+    if SHOTS:
+        subprocess.run([ECTWIN, "fault", "counter -1 every 1000"], check=True)
+        for n in range(40):
+            subprocess.run([ECTWIN, "set", "gripper.trigger=1"], check=True)
+            time.sleep(0.25 + 0.05 * (n % 3))
+        browser.run("scrollTo(0, 0)")
+        browser.picture("dark.png", "dark")
+        browser.picture("light.png", "light")
+        browser.command("Emulation.setDeviceMetricsOverride", width=390, height=1600, deviceScaleFactor=1, mobile=True)
+        browser.picture("phone.png", "light")
+        browser.command("Emulation.clearDeviceMetricsOverride")
+
+
+def widths(browser):
+    for width in (390, 800, 1400):
+        browser.command("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
+        check(f"nothing is cut off at a width of {width}", True, browser.wait("return document.documentElement.scrollWidth <= innerWidth"))
+    browser.command("Emulation.clearDeviceMetricsOverride")
+    named = browser.run("return [...document.querySelectorAll('button, input, select')].filter((e) => !(e.getAttribute('aria-label') || "
+                        "e.getAttribute('aria-labelledby') || e.closest('label') || e.textContent.trim())).map((e) => e.outerHTML)")
+    check("every control has a name for screen readers", [], named)
+
+
+HOSTILE = "<img src=x onerror=document.title='hit'>"
+
+
+def hostile_names(browser, url, folder):
+    """A description whose texts are markup: it is text on the page."""
+    source = pathlib.Path(__file__).resolve().parents[1] / "esi" / "digital.xml"
+    escaped = HOSTILE.replace("<", "&lt;").replace(">", "&gt;")
+    text = source.read_text().replace("<Name>Input", f"<Name>{escaped}Input").replace("<Name>Channel", f"<Name>{escaped}Channel")
+    path = pathlib.Path(folder, "<b>hostile.xml")
+    path.write_text(text)
+    with bus(f"esi:{path}#DI4", ["sleep", "600"]):
+        browser.open("about:blank")
+        browser.open(url)
+        check("a bus with a hostile name is shown", True, browser.wait("return document.querySelectorAll('.signal').length > 0"))
+        check("the name is text", True, browser.wait("return document.body.textContent.includes('<b>hostile.xml')"))
+        check("SEC: no markup of a name is carried out", ["ectwin", 0, 0],
+              browser.run("return [document.title, document.querySelectorAll('main img').length, document.querySelectorAll('b').length]"))
+
+
+def view_only(browser):
+    with panel("--view") as url, bus("fzm1", ["sleep", "600"]):
+        browser.open(url)
+        browser.wait("return document.querySelectorAll('.signal').length > 0")
+        check("--view: nothing to set", [0, True], browser.run("return [document.querySelectorAll('.signal input, .signal select, .switch, .fault-form').length, "
+                                                              "[...document.querySelectorAll('.plug')].every((p) => p.disabled)]"))
+
+
+def main():
+    if not shutil.which("chromium") or not shutil.which("chromedriver"):
+        print("skipped: no Chromium with chromedriver here; tools/bootstrap.sh test installs them")
+        return 77
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["XDG_RUNTIME_DIR"] = folder
+        os.environ["HOME"] = folder
+        browser = Browser(folder + "/profile")
+        try:
+            with panel() as url:
+                with bus("gripper=fzm1,axis=pmctendo-dd5,fzm1", [MASTER, "{}"]):
+                    with_a_master(browser, url)
+                    faults_and_plots(browser)
+                    widths(browser)
+                hostile_names(browser, url, folder)
+            view_only(browser)
+            check("nothing is refused by the policy, and no script fails", [],
+                  [line for line in browser.errors() if "WebSocket" not in line])
+        finally:
+            browser.close()
+    return 1 if failed else 0
+
+
+sys.exit(main())

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: MIT */
+/* A master over SOEM that brings slaves back: takes the bus to OP, and each slave that leaves OP or the bus again.
+ * usage: panel_master IFACE      Until SIGTERM. */
+#include "master.h"
+
+enum { CYCLE_US = 2000, CHECK_CYCLES = 50, STEP_US = 20000 };
+
+/* One step on the way back. */
+static void bring_back(uint16 slave)
+{
+    uint16 state = ec_slave[slave].state;
+    if (state == EC_STATE_OPERATIONAL)
+        return;
+    if (state == EC_STATE_NONE) {
+        (void)ec_recover_slave(slave, STEP_US);
+    } else if (state == EC_STATE_SAFE_OP) {
+        ec_slave[slave].state = EC_STATE_OPERATIONAL;
+        ec_writestate(slave);
+    } else if (state == EC_STATE_SAFE_OP + EC_STATE_ERROR) {
+        ec_slave[slave].state = EC_STATE_SAFE_OP + EC_STATE_ACK;
+        ec_writestate(slave);
+    } else {
+        (void)ec_reconfig_slave(slave, STEP_US);
+    }
+}
+
+static void check_slaves(void)
+{
+    ec_readstate();
+    for (uint16 slave = 1; slave <= ec_slavecount; slave++)
+        bring_back(slave);
+}
+
+int main(int argc, char **argv)
+{
+    static const master_start_t start = {0};
+    if (argc != 2 || !master_open("panel_master", argv[1]))
+        return MASTER_OPEN;
+    master_catch_signals();
+    if (!master_to_op(&start)) {
+        master_close();
+        return MASTER_FAILED;
+    }
+    uint64_t next_ns = master_now();
+    for (unsigned int cycle = 0; !master_ended; cycle++) {
+        (void)master_exchange();
+        if (cycle % CHECK_CYCLES == 0) /* the working counter of a slave in SAFEOP is that of one in OP */
+            check_slaves();
+        master_pace(&next_ns, CYCLE_US);
+    }
+    master_close();
+    return 0;
+}

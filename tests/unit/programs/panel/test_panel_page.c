@@ -1,0 +1,373 @@
+/* SPDX-License-Identifier: MIT */
+/* A bus and a page of the panel without sockets (link.h, table.h, bus.h, page.h): bytes in, messages out. */
+#include "page.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define TOKEN "0123456789abcdef0123456789abcdef"
+
+static buses_t buses;
+static bus_t *bus;
+static page_t *page;
+static char message[PAGE_MESSAGE];
+
+static void take_reply(void *ctx, const bus_t *from, const link_request_t *request, const char *text)
+{
+    (void)ctx;
+    assert_ptr_equal(from, bus);
+    if (request->page == page->number)
+        page_reply(page, request->id, text);
+}
+
+static int begin(void **state)
+{
+    (void)state;
+    bus = calloc(1, sizeof *bus);
+    page = calloc(1, sizeof *page);
+    assert_true(bus && page);
+    bus->number = 1;
+    page->number = 5;
+    buses = (buses_t){.count = 1, .all = {bus}, .reply = take_reply};
+    bus_connected(&buses, bus, 77);
+    return 0;
+}
+
+static int finish(void **state)
+{
+    (void)state;
+    table_clear(&bus->table);
+    free(bus);
+    free(page);
+    return 0;
+}
+
+static void from_bus(const char *text)
+{
+    assert_true(bus_take(&buses, bus, text, strlen(text)));
+}
+
+static page_action_t from_page(const char *text)
+{
+    static page_passed_t passed;
+    page_action_t action = page_take(page, text, strlen(text), TOKEN, &passed);
+    if (action == PAGE_PASS_ON) {
+        const link_request_t request = {.kind = LINK_PAGE, .page = page->number, .id = passed.id};
+        assert_int_equal(passed.bus, 1);
+        assert_true(link_ask(&bus->link, passed.line, &request));
+    }
+    return action;
+}
+
+/* The next message is this one; "": none. */
+static void expect(const char *text)
+{
+    size_t length = page_next(page, &buses, message);
+    assert_true(length < sizeof message);
+    message[length] = 0;
+    assert_string_equal(message, text);
+}
+
+static void expect_requests(const char *text)
+{
+    bus->link.out[bus->link.unsent] = 0;
+    assert_string_equal(bus->link.out, text);
+    link_sent(&bus->link, bus->link.unsent);
+}
+
+static void skip_message(void)
+{
+    assert_true(page_next(page, &buses, message) > 0);
+}
+
+#define ABOUT    "{\"op\":\"about\"}\n"
+#define POLLED   ABOUT "{\"op\":\"list\",\"slave\":0}\n{\"op\":\"stats\"}\n{\"op\":\"fault\"}\n"
+#define SIGNAL_A "{\"slave\":1,\"name\":\"a\",\"value\":1,\"access\":\"rw\",\"range\":\"0..1\",\"meaning\":\"m\"}"
+#define SIGNAL_B "{\"slave\":2,\"name\":\"a\",\"value\":1,\"access\":\"r\",\"range\":\"0..1\",\"meaning\":\"m\"}"
+#define OK       "{\"ok\":true}\n"
+
+/* A page that shows the bus, which has two signals; all messages up to the values are taken. */
+static void open_bus(void)
+{
+    expect_requests(ABOUT);
+    from_bus("{\"devices\":\"fzm1\",\"slaves\":2}\n" OK);
+    assert_int_equal(from_page("{\"token\":\"" TOKEN "\"}"), PAGE_DONE);
+    expect("{\"event\":\"hello\",\"version\":\"" ECTWIN_VERSION "\",\"view\":false}");
+    expect(
+        "{\"event\":\"buses\",\"buses\":[{\"bus\":1,\"process\":77,\"about\":{\"devices\":\"fzm1\",\"slaves\":2}}]}");
+    expect("");
+    assert_int_equal(from_page("{\"open\":1}"), PAGE_DONE);
+    bus_poll(bus, true);
+    expect_requests(POLLED);
+    from_bus("{\"devices\":\"fzm1\",\"slaves\":2}\n" OK SIGNAL_A "\n" SIGNAL_B "\n" OK);
+    expect_requests("{\"op\":\"watch\",\"slave\":0}\n");
+    from_bus("{\"frames\":1}\n{\"answers\":[]}\n" OK "{\"fault\":\"drop \\\"5%\"}\n{\"fault\":\"reorder\"}\n" OK OK);
+    expect("{\"event\":\"signals\",\"bus\":1,\"of\":2,\"from\":0,\"signals\":[" SIGNAL_A "," SIGNAL_B "]}");
+    expect("{\"event\":\"faults\",\"bus\":1,\"faults\":[\"drop \\\"5%\",\"reorder\"]}");
+    expect("{\"event\":\"stats\",\"bus\":1,\"counters\":{\"frames\":1},\"answers\":{\"answers\":[]}}");
+    expect("");
+}
+
+static void values(void **state)
+{
+    (void)state;
+    open_bus();
+    from_bus("{\"slave\":1,\"name\":\"a\",\"value\":1,\"time\":1.5}\n");
+    expect(""); /* not yet */
+    page->due = true;
+    expect("{\"event\":\"values\",\"bus\":1,\"values\":[[0,1]]}");
+    expect("");
+    for (int i = 0; i < 1000; i++)
+        from_bus("{\"slave\":2,\"name\":\"a\",\"value\":\"x\\\"\",\"time\":1.5}\n{\"slave\":2,\"name\":\"a\",\"value\":"
+                 "2,\"time\":1.6}\n");
+    page->due = true;
+    expect("{\"event\":\"values\",\"bus\":1,\"values\":[[1,2]]}");
+    from_bus("{\"slave\":2,\"name\":\"a\",\"value\":18446744073709551615,\"time\":1.7}\n"
+             "{\"slave\":3,\"name\":\"a\",\"value\":1,\"time\":1.7}\n{\"slave\":1,\"name\":\"b\",\"value\":1,\"time\":"
+             "1.7}\n");
+    page->due = true;
+    expect("{\"event\":\"values\",\"bus\":1,\"values\":[[1,\"18446744073709551615\"]]}");
+    expect("");
+}
+
+static void requests(void **state)
+{
+    (void)state;
+    open_bus();
+    assert_int_equal(from_page("{\"id\":9,\"bus\":1,\"request\":{\"op\":\"set\",\"name\":\"a\",\"value\":1}}"),
+                     PAGE_PASS_ON);
+    bus_poll(bus, true); /* waits: a reply is missing */
+    expect_requests("{\"op\":\"set\",\"name\":\"a\",\"value\":1}\n");
+    from_bus("{\"slave\":1,\"name\":\"a\",\"value\":0,\"time\":2}\n{\"ok\":false,\"message\":\"no\"}\n");
+    expect("{\"event\":\"reply\",\"id\":9,\"reply\":{\"ok\":false,\"message\":\"no\"}}");
+    bus_poll(bus, true);
+    expect_requests(ABOUT "{\"op\":\"stats\"}\n{\"op\":\"fault\"}\n");
+    assert_int_equal(from_page("{\"id\":1,\"bus\":1,\"request\":{\"op\":\"watch\"}}"), PAGE_DONE);
+    expect("{\"event\":\"reply\",\"id\":1,\"reply\":{\"ok\":false,\"message\":\"a page may send 'set' and 'fault' "
+           "alone\"}}");
+    page->view = true;
+    assert_int_equal(from_page("{\"id\":2,\"bus\":1,\"request\":{\"op\":\"set\"}}"), PAGE_DONE);
+    expect("{\"event\":\"reply\",\"id\":2,\"reply\":{\"ok\":false,\"message\":\"this panel was started with --view: it "
+           "changes "
+           "nothing\"}}");
+}
+
+static void a_long_reply(void **state)
+{
+    static char text[2 * PAGE_REPLY];
+    (void)state;
+    open_bus();
+    snprintf(text, sizeof text, "{\"ok\":false,\"message\":\"%01500d\"}\n", 0);
+    assert_int_equal(from_page("{\"id\":9,\"bus\":1,\"request\":{\"op\":\"set\"}}"), PAGE_PASS_ON);
+    from_bus(text);
+    expect(
+        "{\"event\":\"reply\",\"id\":9,\"reply\":{\"ok\":false,\"message\":\"the reply is too long for this panel\"}}");
+}
+
+static void too_many_requests(void **state)
+{
+    (void)state;
+    open_bus();
+    for (int i = 0; i < PAGE_REPLIES; i++)
+        assert_int_equal(from_page("{\"id\":9,\"bus\":1,\"request\":{\"op\":\"set\"}}"), PAGE_PASS_ON);
+    assert_int_equal(from_page("{\"id\":9,\"bus\":1,\"request\":{\"op\":\"set\"}}"), PAGE_CLOSE);
+}
+
+static void rules(void **state)
+{
+    static const char *const bad[] = {"{\"token\":\"\"}", "{\"token\":1}", "{}", "{\"open\":1}", "", "{", "[]", "1"};
+    static const char *const bad_later[] = {"{\"id\":1}", "{\"request\":{\"op\":\"set\"}}", "{\"id\":1,\"request\":[]}",
+                                            "{}"};
+    (void)state;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        assert_int_equal(from_page(bad[i]), PAGE_CLOSE);
+        expect("");
+    }
+    assert_int_equal(from_page("{\"token\":\"" TOKEN "\"}"), PAGE_DONE);
+    for (size_t i = 0; i < sizeof bad_later / sizeof *bad_later; i++)
+        assert_int_equal(from_page(bad_later[i]), PAGE_CLOSE);
+    assert_int_equal(from_page("{\"open\":-1}"), PAGE_DONE);
+    assert_int_equal(page->bus, 0);
+}
+
+/* Signals with long texts, so that a message has a few of them only. */
+static void add_signals(int count)
+{
+    char line[LINK_LINE];
+    for (int i = 0; i < count; i++) {
+        snprintf(line, sizeof line,
+                 "{\"slave\":1,\"name\":\"long%d\",\"value\":1,\"access\":\"r\",\"meaning\":\"%03000d\"}\n", i, i);
+        from_bus(line);
+    }
+}
+
+static size_t members(const char *text, const char *begin_of_one)
+{
+    size_t count = 0;
+    for (text = strstr(text, begin_of_one); text; text = strstr(text + 1, begin_of_one))
+        count++;
+    return count;
+}
+
+static void many_signals(void **state)
+{
+    enum { COUNT = 40 };
+    char line[LINK_LINE];
+    size_t described = 0, changed = 0, messages = 0;
+    (void)state;
+    expect_requests(ABOUT);
+    from_bus(OK);
+    assert_int_equal(from_page("{\"token\":\"" TOKEN "\"}"), PAGE_DONE);
+    assert_int_equal(from_page("{\"open\":1}"), PAGE_DONE);
+    bus_poll(bus, true);
+    from_bus(OK);
+    add_signals(COUNT);
+    from_bus(OK);
+    for (int i = 0; i < COUNT; i++) {
+        snprintf(line, sizeof line, "{\"slave\":1,\"name\":\"long%d\",\"value\":\"%03000d\",\"time\":1}\n", i, i);
+        from_bus(line);
+    }
+    page->due = true;
+    for (size_t length; (length = page_next(page, &buses, message)) > 0; messages++) {
+        assert_true(length < sizeof message);
+        message[length] = 0;
+        cJSON *parsed = cJSON_Parse(message);
+        assert_non_null(parsed);
+        cJSON_Delete(parsed);
+        described += members(message, "{\"slave\":1");
+        changed += strstr(message, "\"values\"") ? members(message, ",\"00") : 0;
+    }
+    assert_int_equal(described, COUNT);
+    assert_int_equal(changed, COUNT);
+    assert_true(messages > 8);
+}
+
+static void too_many_signals(void **state)
+{
+    char line[LINK_LINE];
+    (void)state;
+    from_bus(OK);
+    assert_int_equal(from_page("{\"token\":\"" TOKEN "\"}"), PAGE_DONE);
+    assert_int_equal(from_page("{\"open\":1}"), PAGE_DONE);
+    bus_poll(bus, true);
+    from_bus(OK);
+    for (int i = 0; i <= TABLE_SIGNALS; i++) {
+        snprintf(line, sizeof line, "{\"slave\":1,\"name\":\"s%d\",\"value\":1}\n", i);
+        from_bus(line);
+    }
+    from_bus(OK);
+    assert_false(bus->listed);
+    skip_message();
+    skip_message();
+    expect("{\"event\":\"trouble\",\"bus\":1,\"message\":\"this bus has more than 4096 signals: the panel shows none "
+           "of them\"}");
+}
+
+static void another_connection(void **state)
+{
+    (void)state;
+    open_bus();
+    page->due = true;
+    from_bus("{\"slave\":1,\"name\":\"a\",\"value\":1,\"time\":1.5}\n");
+    skip_message();
+    bus_disconnected(&buses, bus);
+    skip_message(); /* the list */
+    expect("");
+    bus_connected(&buses, bus, 78);
+    from_bus("{\"devices\":\"fzm1\",\"slaves\":2}\n" OK);
+    bus_poll(bus, true);
+    from_bus("{\"devices\":\"fzm1\",\"slaves\":2}\n" OK SIGNAL_B "\n" OK);
+    skip_message(); /* the list */
+    expect("{\"event\":\"signals\",\"bus\":1,\"of\":1,\"from\":0,\"signals\":[" SIGNAL_B "]}");
+    from_bus("{\"frames\":1}\n{\"answers\":[]}\n" OK OK OK "{\"slave\":2,\"name\":\"a\",\"value\":3,\"time\":1.5}\n");
+    skip_message(); /* faults */
+    page->due = true;
+    expect("{\"event\":\"values\",\"bus\":1,\"values\":[[0,3]]}");
+}
+
+static void lines_of_no_twin(void **state)
+{
+    static const char *const bad[] = {"hello\n", "\n", "{\n"};
+    static char long_one[LINK_LINE + 1];
+    (void)state;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        assert_false(bus_take(&buses, bus, bad[i], strlen(bad[i])));
+    bus->link.received = 0;
+    assert_false(bus_take(&buses, bus, "\0", 1));
+    memset(long_one, 'x', sizeof long_one);
+    assert_false(bus_take(&buses, bus, long_one, sizeof long_one));
+    bus->link.received = 0;
+    from_bus(OK);                                        /* of about */
+    assert_false(bus_take(&buses, bus, OK, strlen(OK))); /* of nothing */
+}
+
+static void characters(void **state)
+{
+    static const char *const rows[][2] = {
+        {"gr\xC3\xBCn \xE2\x82\xAC \xF0\x9F\x98\x80", "gr\xC3\xBCn \xE2\x82\xAC \xF0\x9F\x98\x80"},
+        {"\xFF"
+         "a",
+         "?a"},
+        {"\xC3", "?"},
+        {"\xC0\xAF", "??"},
+        {"\xED\xA0\x80", "???"},
+        {"\xE0\x80\xAF", "???"},
+        {"\xF4\x90\x80\x80", "????"},
+        {"\xF0\x80\x80\x80", "????"},
+        {"\xE2\x82", "??"},
+        {"\xF5", "?"},
+        {"\x80", "?"},
+    };
+    char line[128], expected[128];
+    (void)state;
+    expect_requests(ABOUT);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        snprintf(line, sizeof line, "{\"name\":\"%s\"}\n", rows[i][0]);
+        snprintf(expected, sizeof expected, "{\"name\":\"%s\"}", rows[i][1]);
+        from_bus(line);
+        assert_string_equal(bus->about.text, expected);
+    }
+}
+
+static void faults_that_do_not_fit(void **state)
+{
+    char line[1200];
+    (void)state;
+    from_bus(OK);
+    bus_poll(bus, true);
+    from_bus(OK OK OK);
+    snprintf(line, sizeof line, "{\"fault\":\"%01000d\"}\n", 0);
+    for (int i = 0; i < 10; i++)
+        from_bus(line);
+    from_bus("{\"fault\":\"drop\"}\n" OK);
+    cJSON *list = cJSON_Parse(bus->faults.text);
+    assert_int_equal(cJSON_GetArraySize(list), 5);
+    cJSON_Delete(list);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"Values are sent when they are due, the newest of each signal alone", values, begin, finish, NULL},
+        {"Replies come in the order of the requests, beside changes", requests, begin, finish, NULL},
+        {"A reply that is too long becomes a short one", a_long_reply, begin, finish, NULL},
+        {"SEC: a seventeenth request without a reply ends the connection", too_many_requests, begin, finish, NULL},
+        {"SEC: a page that breaks the rules is closed", rules, begin, finish, NULL},
+        {"Signals and values that one message has no room for come in several", many_signals, begin, finish, NULL},
+        {"More signals than a connection watches: the reason is shown", too_many_signals, begin, finish, NULL},
+        {"A bus that was restarted is described again", another_connection, begin, finish, NULL},
+        {"SEC: a socket that does not speak the protocol is closed", lines_of_no_twin, begin, finish, NULL},
+        {"SEC: bytes that are no UTF-8 become question marks", characters, begin, finish, NULL},
+        {"Faults that do not fit are left out of the list", faults_that_do_not_fit, begin, finish, NULL},
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("Panel: buses and pages", tests, NULL, NULL);
+}
