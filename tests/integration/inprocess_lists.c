@@ -9,6 +9,7 @@
 #include <dirent.h>
 #include <fcntl.h>
 #include <ifaddrs.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/ioctl.h>
@@ -91,7 +92,7 @@ static void assert_file(const char *name, const char *expected)
 
 static void system_files_describe_the_interface(void **state)
 {
-    char index[16], path[128];
+    char index[16], path[128], target[PATH_MAX];
     struct stat its;
     struct ifreq request = {0};
     struct dirent **list = NULL;
@@ -110,6 +111,13 @@ static void system_files_describe_the_interface(void **state)
     assert_int_equal(access(path, R_OK), 0);
     assert_int_equal(stat("/sys/class/net/lo/mtu", &its), 0); /* of the machine */
     assert_int_equal(open("/sys/class/net/none/mtu", O_RDONLY | O_CLOEXEC), -1);
+    /* The folder is there, and is no link. The compiler does not know the size, and has it checked. */
+    volatile size_t size = sizeof target;
+    assert_int_equal(readlink(path, target, size), -1);
+    assert_int_equal(errno, EINVAL);
+    assert_int_equal(readlinkat(AT_FDCWD, path, target, size), -1);
+    assert_int_equal(errno, EINVAL);
+    assert_ptr_equal(realpath(path, target), target);
     DIR *folder = opendir("/sys/class/net/");
     assert_non_null(folder);
     for (const struct dirent *one = readdir(folder); one; one = readdir(folder))

@@ -230,3 +230,25 @@ REPLACES char *realpath(const char *restrict path, char *restrict resolved)
     char room[PATH_MAX];
     return REAL(realpath)(path_of(path, room), resolved);
 }
+
+/* The variants that a compiler with _FORTIFY_SOURCE calls when it knows the room. */
+ssize_t __readlink_chk(const char *path, char *target, size_t size, size_t room);
+REPLACES ssize_t __readlink_chk(const char *path, char *target, size_t size, size_t room)
+{
+    char other[PATH_MAX];
+    return REAL(__readlink_chk)(path_of(path, other), target, size, room);
+}
+
+ssize_t __readlinkat_chk(int folder, const char *path, char *target, size_t size, size_t room);
+REPLACES ssize_t __readlinkat_chk(int folder, const char *path, char *target, size_t size, size_t room)
+{
+    char other[PATH_MAX];
+    return REAL(__readlinkat_chk)(folder, path_of(path, other), target, size, room);
+}
+
+char *__realpath_chk(const char *path, char *resolved, size_t room);
+REPLACES char *__realpath_chk(const char *path, char *resolved, size_t room)
+{
+    char other[PATH_MAX];
+    return REAL(__realpath_chk)(path_of(path, other), resolved, room);
+}

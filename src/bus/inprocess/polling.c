@@ -119,6 +119,14 @@ REPLACES int ppoll(struct pollfd *fds, nfds_t count, const struct timespec *time
     return result;
 }
 
+int __ppoll_chk(struct pollfd *fds, nfds_t count, const struct timespec *timeout, const sigset_t *mask, size_t room);
+REPLACES int __ppoll_chk(struct pollfd *fds, nfds_t count, const struct timespec *timeout, const sigset_t *mask,
+                         size_t room)
+{
+    return count <= room / sizeof *fds ? ppoll(fds, count, timeout, mask)
+                                       : REAL(__ppoll_chk)(fds, count, timeout, mask, room);
+}
+
 typedef struct selecting {
     int count;
     fd_set *sets[3];
