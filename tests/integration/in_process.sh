@@ -59,6 +59,14 @@ check "--modbus needs a process of the twins' own" modbus
 not_opened() { reports "has not opened ecat0 through the C library" with fzm1 -- true; }
 check "A CMD that never opens the interface is reported" not_opened
 
+# The file of the device is gone when the master opens the interface.
+not_started() {
+  "$ectwin" esi fzm1 >"$work/gone.xml" &&
+    reports "gone.xml" with "esi:$work/gone.xml" -- sh -c 'rm "$2" && "$1" {}' sh "$slaveinfo" "$work/gone.xml" &&
+    ! grep -F "has not opened" "$work/err"
+}
+check "A bus that does not start gives its own reason alone" not_started
+
 # CMD's own status, and the line that reports that no interface was opened
 unreachable() { # PROGRAM
   exits 7 with fzm1 -- "$1" {} && grep -qF "has not opened ecat0 through the C library" "$work/err" && [ "$(wc -l <"$work/err")" -eq 2 ]

@@ -179,15 +179,13 @@ static bool start(uint64_t now_ns)
 {
     const char *words = getenv("ECTWIN_INPROCESS");
     char *copy = words ? strdup(words) : NULL;
-    if (!copy || (!state.library.open && !load(&state.library))) {
-        free(copy);
-        return false;
-    }
-    state.bus = open_bus(copy, now_ns);
+    if (copy)
+        leave_mark(ECT_BUS_MARK_OPENED); /* a bus that does not start gives a line of its own */
+    if (copy && (state.library.open || load(&state.library)))
+        state.bus = open_bus(copy, now_ns);
     free(copy);
     if (!state.bus)
         return false;
-    leave_mark(ECT_BUS_MARK_OPENED);
     state.control_fd = state.library.control(state.bus);
     if (state.control_fd >= 0)
         setenv("ECTWIN_SOCKET", state.library.control_path(state.bus), 1);

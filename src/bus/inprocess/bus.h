@@ -7,9 +7,10 @@
  * Environment, set by `ectwin with --in-process`:
  *   ECTWIN_INPROCESS       options and devices, separated by the character 1Fh
  *   ECTWIN_INPROCESS_CWD   folder that relative paths in them start from
- *   ECTWIN_INPROCESS_MARK  file that gets a byte when a bus starts
- *   ECTWIN_INPROCESS_NET   folder with `up` and `down`, each /sys/class/net with the interfaces of the bus in this
- * state ECTWIN_IFACE, ECTWIN_IFACE2   names of the interfaces
+ *   ECTWIN_INPROCESS_MARK  file that gets a byte when an interface is opened, whether its bus starts or not
+ *   ECTWIN_INPROCESS_NET   folder with `up` and `down`: /sys/class/net with the interfaces of the bus in this state
+ *
+ *   ECTWIN_IFACE, ECTWIN_IFACE2   names of the interfaces
  */
 #ifndef ECT_BUS_INPROCESS_BUS_H
 #define ECT_BUS_INPROCESS_BUS_H
@@ -56,8 +57,8 @@ int ect_bus_control_fd(void);
 /** Ends the bus: saves are finished. With the lock. */
 void ect_bus_end(void);
 
-/** Marks in the file that $ECTWIN_INPROCESS_MARK names: a bus has been opened; it has ended with all expectations of
- * its scenario met. */
+/** Marks in the file that $ECTWIN_INPROCESS_MARK names: an interface has been opened; its bus has ended with all
+ * expectations of its scenario met. */
 enum { ECT_BUS_MARK_OPENED = '+', ECT_BUS_MARK_MET = '.' };
 
 #endif
