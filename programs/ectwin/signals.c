@@ -15,7 +15,7 @@
 #include "bus/eoe/network.h"
 #include "commands.h"
 #include "connection.h"
-#include "csv.h"
+#include "csv/csv.h"
 #include "products.h"
 #include "text/number.h"
 #include "until.h"
@@ -273,8 +273,8 @@ static void print_and_check_line(const cJSON *line)
 static struct {
     FILE *file;
     size_t columns;
-    char headings[CSV_CELLS][CONNECTION_NAME], names[CSV_CELLS][CONNECTION_NAME];
-    char *values[CSV_CELLS]; /* of the beginning */
+    char headings[ECT_CSV_CELLS][CONNECTION_NAME], names[ECT_CSV_CELLS][CONNECTION_NAME];
+    char *values[ECT_CSV_CELLS]; /* of the beginning */
     double start;
     const follow_t *follow;
 } record;
@@ -291,7 +291,7 @@ static void add_column(const cJSON *line)
     connection_full_name(line, name);
     if (record.columns == 0)
         record.start = time_of(line);
-    if (record.columns < CSV_CELLS - 1) {
+    if (record.columns < ECT_CSV_CELLS - 1) {
         memcpy(record.names[record.columns], name, sizeof name);
         snprintf(record.headings[record.columns], CONNECTION_NAME, "%s",
                  is_named(line) ? name : connection_text(line, "name", room));
@@ -310,7 +310,7 @@ static void write_header(void)
     fputs("\n0.000000", record.file);
     for (size_t i = 0; i < record.columns; i++) {
         putc(',', record.file);
-        csv_write(record.file, record.values[i] ? record.values[i] : "");
+        ect_csv_write(record.file, record.values[i] ? record.values[i] : "");
         free(record.values[i]);
     }
     putc('\n', record.file);
@@ -330,7 +330,7 @@ static bool write_change(void *ctx, const cJSON *line)
         for (size_t i = 0; i < record.columns; i++) {
             putc(',', record.file);
             if (i == column)
-                csv_write(record.file, connection_text(line, "value", room));
+                ect_csv_write(record.file, connection_text(line, "value", room));
         }
         putc('\n', record.file);
         fflush(record.file);
@@ -349,8 +349,8 @@ static int record_changes(connection_t *connection, const client_args_t *args, c
         return EXIT_OPEN;
     }
     int status = request_each(connection, args, 0, who, "watch", add_column);
-    if (status == EXIT_CLEAN && record.columns >= CSV_CELLS) {
-        fprintf(stderr, "%s: --csv takes at most %d signals, and %zu match: name fewer\n", who, CSV_CELLS - 1,
+    if (status == EXIT_CLEAN && record.columns >= ECT_CSV_CELLS) {
+        fprintf(stderr, "%s: --csv takes at most %d signals, and %zu match: name fewer\n", who, ECT_CSV_CELLS - 1,
                 record.columns);
         status = EXIT_USAGE;
     }
@@ -557,7 +557,7 @@ static int set_arguments(connection_t *connection, const client_args_t *args, co
 }
 
 /* The time of a row, from the first one on. */
-static bool wait_for_row(csv_t *csv, size_t time, uint64_t *before_ns)
+static bool wait_for_row(ect_csv_t *csv, size_t time, uint64_t *before_ns)
 {
     static struct timespec start;
     uint64_t due_ns;
@@ -565,7 +565,7 @@ static bool wait_for_row(csv_t *csv, size_t time, uint64_t *before_ns)
         return true;
     if (start.tv_sec == 0)
         (void)clock_gettime(CLOCK_MONOTONIC, &start);
-    if (!csv_time(csv, time, *before_ns, &due_ns))
+    if (!ect_csv_time(csv, time, *before_ns, &due_ns))
         return false;
     *before_ns = due_ns;
     uint64_t at_ns = due_ns + (uint64_t)start.tv_nsec;
@@ -576,7 +576,7 @@ static bool wait_for_row(csv_t *csv, size_t time, uint64_t *before_ns)
     return true;
 }
 
-static int set_row(connection_t *connection, const client_args_t *args, const char *who, csv_t *csv, size_t time)
+static int set_row(connection_t *connection, const client_args_t *args, const char *who, ect_csv_t *csv, size_t time)
 {
     cJSON *values = cJSON_CreateObject();
     for (size_t i = 0; i < csv->columns; i++) {
@@ -593,12 +593,12 @@ static int set_row(connection_t *connection, const client_args_t *args, const ch
     return status;
 }
 
-static int set_rows(connection_t *connection, const client_args_t *args, const char *who, csv_t *csv)
+static int set_rows(connection_t *connection, const client_args_t *args, const char *who, ect_csv_t *csv)
 {
     int status = EXIT_CLEAN;
-    size_t rows = 0, time = csv_column(csv, "time");
+    size_t rows = 0, time = ect_csv_column(csv, "time");
     uint64_t before_ns = 0;
-    for (; status == EXIT_CLEAN && csv_next(csv) && wait_for_row(csv, time, &before_ns); rows++)
+    for (; status == EXIT_CLEAN && ect_csv_next(csv) && wait_for_row(csv, time, &before_ns); rows++)
         status = set_row(connection, args, who, csv, time);
     if (rows == 0 && !csv->why)
         csv->why = "no line with values follows";
@@ -610,16 +610,16 @@ static int set_rows(connection_t *connection, const client_args_t *args, const c
 
 static int set_from_csv(connection_t *connection, const client_args_t *args, const char *who)
 {
-    csv_t *csv = calloc(1, sizeof *csv);
+    ect_csv_t *csv = calloc(1, sizeof *csv);
     int status = EXIT_OPEN;
-    if (csv && csv_open(csv, args->csv)) {
+    if (csv && ect_csv_open(csv, args->csv)) {
         status = set_rows(connection, args, who, csv);
     } else {
         fprintf(stderr, "%s: cannot read '%s': %s\n", who, args->csv, csv ? csv->why : strerror(errno));
         status = csv && csv->file ? EXIT_USAGE : EXIT_OPEN;
     }
     if (csv)
-        csv_close(csv);
+        ect_csv_close(csv);
     free(csv);
     return status;
 }

@@ -12,7 +12,7 @@
 #include "bus/net/rights.h"
 #include "commands.h"
 #include "connect_args.h"
-#include "csv.h"
+#include "csv/csv.h"
 #include "grow.h"
 #include "network.h"
 #include "products.h"
@@ -358,7 +358,8 @@ static void read_faults(twin_args_t *args, const struct argp_state *state, const
 }
 
 /* The columns but that of the time. */
-static size_t other_cells(const csv_t *csv, char *const cells[CSV_CELLS], size_t time, const char *others[CSV_CELLS])
+static size_t other_cells(const ect_csv_t *csv, char *const cells[ECT_CSV_CELLS], size_t time,
+                          const char *others[ECT_CSV_CELLS])
 {
     size_t count = 0;
     for (size_t i = 0; i < csv->columns; i++) {
@@ -369,19 +370,19 @@ static size_t other_cells(const csv_t *csv, char *const cells[CSV_CELLS], size_t
 }
 
 /* @return the table, NULL with csv->why set */
-static ect_table_t *read_table(csv_t *csv, uint16_t slave)
+static ect_table_t *read_table(ect_csv_t *csv, uint16_t slave)
 {
-    const char *cells[CSV_CELLS];
+    const char *cells[ECT_CSV_CELLS];
     uint64_t before_ns = 0, due_ns;
-    size_t time = csv_column(csv, "time");
+    size_t time = ect_csv_column(csv, "time");
     if (time == csv->columns || csv->columns == 1) {
         csv->why = "expected a column 'time' and at least one signal";
         return NULL;
     }
     size_t columns = other_cells(csv, csv->names, time, cells);
     ect_table_t *table = ect_table_new(slave, cells, columns);
-    while (table && csv_next(csv)) {
-        if (!csv_time(csv, time, before_ns, &due_ns))
+    while (table && ect_csv_next(csv)) {
+        if (!ect_csv_time(csv, time, before_ns, &due_ns))
             break;
         (void)other_cells(csv, csv->cells, time, cells);
         if (!ect_table_add(table, due_ns, cells))
@@ -408,7 +409,7 @@ static const char *cut_words(char *file, bool *loop, uint64_t *every_ns)
 }
 
 /* @return the table; NULL with csv->why set */
-static ect_table_t *open_table(csv_t *csv, uint16_t slave, bool loop, uint64_t every_ns)
+static ect_table_t *open_table(ect_csv_t *csv, uint16_t slave, bool loop, uint64_t every_ns)
 {
     ect_table_t *table = read_table(csv, slave);
     if (!table)
@@ -428,7 +429,7 @@ static void add_table(twin_args_t *args, const struct argp_state *state, const c
     const char *rest = text;
     size_t slave = twin_of(args->names, &rest, 1);
     char *path = strdup(rest);
-    csv_t *csv = calloc(1, sizeof *csv);
+    ect_csv_t *csv = calloc(1, sizeof *csv);
     ect_table_t **last = &args->scenario.tables;
     bool loop = false;
     uint64_t every_ns = 0;
@@ -436,14 +437,14 @@ static void add_table(twin_args_t *args, const struct argp_state *state, const c
     if (wrong)
         argp_error(state, "--play %s: '%s' is neither loop nor every=TIME, as in every=5ms, and there is no such file",
                    text, wrong);
-    if (!path || !csv || slave == 0 || !csv_open(csv, path))
+    if (!path || !csv || slave == 0 || !ect_csv_open(csv, path))
         argp_failure(state, EXIT_OPEN, 0, "--play %s: %s", text, csv && csv->why ? csv->why : "N is 1 to 65535");
     while (*last)
         last = &(*last)->next;
     *last = open_table(csv, (uint16_t)slave, loop, every_ns);
     if (!*last)
         argp_failure(state, EXIT_USAGE, 0, "--play %s line %u: %s", path, csv->line, csv->why);
-    csv_close(csv);
+    ect_csv_close(csv);
     free(csv);
     free(path);
 }

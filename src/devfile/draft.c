@@ -8,6 +8,7 @@
 
 #include "esi/image.h"
 #include "esi/number.h"
+#include "esi/single.h"
 #include "esi/types.h"
 #include "od/pdo.h"
 #include "wire/bytes.h"
@@ -67,6 +68,19 @@ ect_draft_object_t *ect_draft_add(ect_draft_t *d, ect_word_t word, uint8_t code,
     return object;
 }
 
+static void check_default(ect_draft_t *d, const ect_draft_object_t *object, uint8_t subindex,
+                          const ect_draft_entry_t *entry)
+{
+    if (!entry->limited)
+        return;
+    int64_t value = ect_draft_initial(entry);
+    if (value < entry->minimum || value > entry->maximum)
+        ect_mistake(&d->mistake, entry->line,
+                    "the default %" PRId64 " of %04X:%u is not within its limits %" PRId64 " to %" PRId64
+                    ": write 'default'",
+                    value, (unsigned int)object->index, (unsigned int)subindex, entry->minimum, entry->maximum);
+}
+
 ect_draft_entry_t *ect_draft_entry(ect_draft_t *d, uint8_t subindex, const ect_draft_entry_t *entry)
 {
     ECT_ASSERT(d->object_count > 0);
@@ -76,6 +90,7 @@ ect_draft_entry_t *ect_draft_entry(ect_draft_t *d, uint8_t subindex, const ect_d
             ect_mistake(&d->mistake, entry->line, "object %04X has sub-index %u twice: give one another 'subindex'",
                         (unsigned int)object->index, (unsigned int)subindex);
     }
+    check_default(d, object, subindex, entry);
     if (++d->entry_count > ECT_DEVFILE_ENTRIES)
         ect_mistake(&d->mistake, entry->line, "more than %d entries of all objects", (int)ECT_DEVFILE_ENTRIES);
     if (d->mistake.failed)
@@ -88,6 +103,20 @@ ect_draft_entry_t *ect_draft_entry(ect_draft_t *d, uint8_t subindex, const ect_d
 }
 
 /* --- PDOs --------------------------------------------------------------------------------------------------------- */
+
+ect_esi_pdo_t *ect_draft_add_pdo(ect_draft_t *d, uint16_t index, bool tx, size_t line)
+{
+    for (size_t i = 0; i < d->device->pdo_count; i++) {
+        if (d->device->pdos[i].index == index) {
+            ect_mistake(&d->mistake, line, "PDO %04X is there twice: give one another 'pdo'", (unsigned int)index);
+            return NULL;
+        }
+    }
+    ect_esi_pdo_t *pdo = ect_esi_append_pdo(d->arena, d->device);
+    *pdo = (ect_esi_pdo_t){
+        .index = index, .name = tx ? "Inputs" : "Outputs", .tx = tx, .fixed = true, .samples = 1, .line = (int)line};
+    return pdo;
+}
 
 static ect_esi_entry_t *add_mapped(ect_draft_t *d, ect_esi_pdo_t *pdo, size_t line)
 {
@@ -185,18 +214,6 @@ void ect_draft_map(ect_draft_t *d, ect_esi_pdo_t *pdo, ect_word_t word)
 
 /* --- the model ---------------------------------------------------------------------------------------------------- */
 
-static void check_default(ect_draft_t *d, const ect_draft_object_t *object, const ect_draft_entry_t *entry)
-{
-    if (!entry->limited)
-        return;
-    int64_t value = ect_draft_initial(entry);
-    if (value < entry->minimum || value > entry->maximum)
-        ect_mistake(&d->mistake, entry->line,
-                    "the default %" PRId64 " of %04X:%u is not within its limits %" PRId64 " to %" PRId64
-                    ": write 'default'",
-                    value, (unsigned int)object->index, (unsigned int)entry->subindex, entry->minimum, entry->maximum);
-}
-
 static ect_esi_bytes_t limit_of(ect_draft_t *d, const ect_draft_entry_t *entry, int64_t limit)
 {
     size_t length = (entry->bits + 7u) / 8u;
@@ -212,7 +229,6 @@ static void end_entry(ect_draft_t *d, const ect_draft_object_t *object, const ec
     uint8_t unit[4];
     unsigned int access = entry->access != 0 ? entry->access : entry->rx ? ECT_ACCESS_RW : ECT_ACCESS_RO;
     access |= (entry->rx ? ECT_ACCESS_RXPDO : 0u) | (entry->tx ? ECT_ACCESS_TXPDO : 0u);
-    check_default(d, object, entry);
     ect_store_le32(unit, entry->unit);
     const ect_esi_found_entry_t found = {
         .subindex = entry->subindex,

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
 /* Names of bits and of values. */
 #include "devfile/internal.h"
 
@@ -8,18 +9,19 @@
 #include "esi/number.h"
 
 /* A list of names while it is read. */
-typedef struct list {
+typedef struct list list_t;
+struct list {
     ect_draft_t *d;
+    void (*take)(list_t *list, const char *key, ect_word_t name);
     const ect_draft_entry_t *entry;
     uint16_t index;
     uint64_t taken; /* bits that have a name */
     ect_value_name_t *values;
     size_t count;
-} list_t;
+};
 
-static const char *name_of(ect_draft_t *d, const char *key, const yaml_node_t *value)
+static const char *name_of(ect_draft_t *d, const char *key, ect_word_t word)
 {
-    ect_word_t word = ect_draft_word(d, value, key);
     size_t length = strlen(word.text);
     bool fine = length > 0 && length <= 60;
     for (size_t i = 0; i < length; i++)
@@ -59,19 +61,18 @@ static bool bits_of(const char *key, unsigned int bits, unsigned int *first, uns
     return low >= 0 && low <= high && high < bits;
 }
 
-static void take_bits(void *ctx, const char *key, const yaml_node_t *name, const yaml_node_t *value)
+static void take_bits(list_t *list, const char *key, ect_word_t name)
 {
-    list_t *list = ctx;
     unsigned int first, last;
-    const char *text = name_of(list->d, key, value);
+    const char *text = name_of(list->d, key, name);
     if (!bits_of(key, list->entry->bits, &first, &last)) {
-        ect_yaml_fail(&list->d->yaml, name, "'%.60s' is no bit of %u: 0 to %u, several as \"4-7\"", key,
-                      (unsigned int)list->entry->bits, list->entry->bits - 1u);
+        ect_mistake(&list->d->mistake, name.line, "'%.60s' is no bit of %u: 0 to %u, several as \"4-7\"", key,
+                    (unsigned int)list->entry->bits, list->entry->bits - 1u);
         return;
     }
     uint64_t mask = (last - first == 63 ? UINT64_MAX : (UINT64_C(1) << (last - first + 1)) - 1) << first;
     if ((list->taken & mask) != 0)
-        ect_yaml_fail(&list->d->yaml, name, "'%.60s' has a bit that has a name already", key);
+        ect_mistake(&list->d->mistake, name.line, "'%.60s' has a bit that has a name already", key);
     list->taken |= mask;
     ect_field_t *field = add_field(list);
     field->bit = (uint8_t)first;
@@ -79,41 +80,26 @@ static void take_bits(void *ctx, const char *key, const yaml_node_t *name, const
     field->name = text;
 }
 
-static bool is_number(ect_draft_t *d, const yaml_node_t *node, const char *key, const ect_draft_entry_t *entry)
+static void take_value(list_t *list, const char *key, ect_word_t name)
 {
-    if (!ect_draft_is_integer(entry))
-        ect_yaml_fail(&d->yaml, node, "'%s' is for integers: leave it out", key);
-    return !d->mistake.failed;
-}
-
-void ect_draft_bits(ect_draft_t *d, const yaml_node_t *bits, const ect_draft_entry_t *entry)
-{
-    list_t list = {.d = d, .entry = entry, .index = d->objects[d->object_count - 1].index};
-    if (bits != NULL && is_number(d, bits, "bits", entry))
-        ect_yaml_each(&d->yaml, bits, "bits", false, take_bits, &list);
-}
-
-static void take_value(void *ctx, const char *key, const yaml_node_t *name, const yaml_node_t *value)
-{
-    list_t *list = ctx;
     ect_draft_t *d = list->d;
-    const ect_word_t word = {.text = key, .line = ect_yaml_line(name)};
-    const char *text = name_of(d, key, value);
+    const ect_word_t word = {.text = key, .line = name.line};
+    const char *text = name_of(d, key, name);
     int64_t number = ect_draft_number(d, "values", word, INT64_MIN, INT64_MAX);
     if (list->count > 0 && number <= list->values[list->count - 1].value)
-        ect_yaml_fail(&d->yaml, name, "'values' ascend, each is there once: move %.60s", key);
+        ect_mistake(&d->mistake, name.line, "'values' ascend, each is there once: move %.60s", key);
     list->values = ect_arena_grow(d->arena, list->values, list->count, sizeof *list->values);
     list->values[list->count++] = (ect_value_name_t){.value = number, .name = text};
 }
 
 /* Values that all have names limit the entry. */
-static void limit(ect_draft_t *d, const yaml_node_t *node, const list_t *list, ect_draft_entry_t *entry)
+static void limit(const list_t *list, size_t line, ect_draft_entry_t *entry)
 {
     const int64_t lowest = list->values[0].value, highest = list->values[list->count - 1].value;
     const int64_t most = entry->bits < 63 ? (INT64_C(1) << entry->bits) - 1 : INT64_MAX;
     const int64_t least = entry->bits < 63 ? -(INT64_C(1) << (entry->bits - 1)) : INT64_MIN;
     if (lowest < least || highest > most)
-        ect_yaml_fail(&d->yaml, node, "'values' has one that the entry has no room for: choose a longer 'type'");
+        ect_mistake(&list->d->mistake, line, "'values' has one that the entry has no room for: choose a longer 'type'");
     if (!entry->limited) {
         entry->minimum = lowest;
         entry->maximum = highest;
@@ -121,17 +107,84 @@ static void limit(ect_draft_t *d, const yaml_node_t *node, const list_t *list, e
     entry->limited = true;
 }
 
-void ect_draft_values(ect_draft_t *d, const yaml_node_t *values, ect_draft_entry_t *entry)
+static void end_values(list_t *list, size_t line, ect_draft_entry_t *entry)
 {
-    list_t list = {.d = d, .entry = entry, .index = d->objects[d->object_count - 1].index};
-    if (values == NULL || !is_number(d, values, "values", entry))
-        return;
-    ect_yaml_each(&d->yaml, values, "values", false, take_value, &list);
-    if (list.count < 2)
-        ect_yaml_fail(&d->yaml, values, "'values' takes at least two: {0: OFF, 1: ON}");
+    ect_draft_t *d = list->d;
+    if (list->count < 2)
+        ect_mistake(&d->mistake, line, "'values' takes at least two: {0: OFF, 1: ON}");
     if (d->mistake.failed)
         return;
-    list.values = ect_arena_grow(d->arena, list.values, list.count, sizeof *list.values);
-    add_field(&list)->values = list.values; /* ends with the zeroed one */
-    limit(d, values, &list, entry);
+    list->values = ect_arena_grow(d->arena, list->values, list->count, sizeof *list->values);
+    add_field(list)->values = list->values; /* ends with the zeroed one */
+    limit(list, line, entry);
+}
+
+/* --- from YAML ---------------------------------------------------------------------------------------------------- */
+
+static bool begin(list_t *list, const char *key, size_t line)
+{
+    if (!ect_draft_is_integer(list->entry))
+        ect_mistake(&list->d->mistake, line, "'%s' is for integers: leave it out", key);
+    return !list->d->mistake.failed;
+}
+
+static void take_pair(void *ctx, const char *key, const yaml_node_t *name, const yaml_node_t *value)
+{
+    list_t *list = ctx;
+    ect_word_t word = ect_draft_word(list->d, value, key);
+    word.line = ect_yaml_line(name);
+    if (!list->d->mistake.failed)
+        list->take(list, key, word);
+}
+
+void ect_draft_bits(ect_draft_t *d, const yaml_node_t *bits, const ect_draft_entry_t *entry)
+{
+    list_t list = {.d = d, .take = take_bits, .entry = entry, .index = d->objects[d->object_count - 1].index};
+    if (bits != NULL && begin(&list, "bits", ect_yaml_line(bits)))
+        ect_yaml_each(&d->yaml, bits, "bits", false, take_pair, &list);
+}
+
+void ect_draft_values(ect_draft_t *d, const yaml_node_t *values, ect_draft_entry_t *entry)
+{
+    list_t list = {.d = d, .take = take_value, .entry = entry, .index = d->objects[d->object_count - 1].index};
+    if (values == NULL || !begin(&list, "values", ect_yaml_line(values)))
+        return;
+    ect_yaml_each(&d->yaml, values, "values", false, take_pair, &list);
+    end_values(&list, ect_yaml_line(values), entry);
+}
+
+/* --- from a cell of a table --------------------------------------------------------------------------------------- */
+
+/* "0=READY; 4-7=GEAR" */
+static void take_cell(list_t *list, const char *key, ect_word_t cell)
+{
+    ect_draft_t *d = list->d;
+    char *copy = ect_arena_copy(d->arena, cell.text, strlen(cell.text));
+    char *rest = NULL;
+    for (char *one = strtok_r(copy, ";,", &rest); one != NULL && !d->mistake.failed;
+         one = strtok_r(NULL, ";,", &rest)) {
+        char *equals = strchr(one, '=');
+        one += strspn(one, " ");
+        if (equals == NULL) {
+            ect_mistake(&d->mistake, cell.line, "'%s' takes NUMBER=NAME, more of them behind ';', not '%.60s'", key,
+                        one);
+            return;
+        }
+        *equals = '\0';
+        list->take(list, one, (ect_word_t){.text = equals + 1, .line = cell.line});
+    }
+}
+
+void ect_draft_cells(ect_draft_t *d, ect_word_t bits, ect_word_t values, ect_draft_entry_t *entry)
+{
+    list_t list = {.d = d, .entry = entry, .index = d->objects[d->object_count - 1].index};
+    if (*values.text != '\0' && begin(&list, "values", values.line)) {
+        list.take = take_value;
+        take_cell(&list, "values", values);
+        end_values(&list, values.line, entry);
+    }
+    if (*bits.text != '\0' && begin(&list, "bits", bits.line)) {
+        list.take = take_bits;
+        take_cell(&list, "bits", bits);
+    }
 }

@@ -5,7 +5,7 @@
  *
  * A draft holds the objects of a file while their PDOs are not known yet: what a PDO maps decides on the rights of an
  * entry. From the lowest to the highest: value.c (types and values of an entry), draft.c (objects, and the
- * model made of them), fields.c (names of bits and values), objects.c, pdos.c, layout.c (parts of a YAML file),
+ * model made of them), fields.c (names of bits and values), table.c, objects.c, pdos.c, layout.c (parts of a file),
  * devfile.c (the file).
  */
 #ifndef ECT_DEVFILE_INTERNAL_H
@@ -130,8 +130,17 @@ void ect_draft_end(ect_draft_t *d);
 void ect_draft_bits(ect_draft_t *d, const yaml_node_t *bits, const ect_draft_entry_t *entry);
 void ect_draft_values(ect_draft_t *d, const yaml_node_t *values, ect_draft_entry_t *entry);
 
-/** objects.c: `objects`. */
+/** fields.c: the same of the cells of a table; "" for none. */
+void ect_draft_cells(ect_draft_t *d, ect_word_t bits, ect_word_t values, ect_draft_entry_t *entry);
+
+/** table.c: the objects of a table, FILE.csv, relative to the folder of the device file. */
+void ect_draft_table(ect_draft_t *d, ect_word_t file);
+
+/** objects.c: `objects`, or the name of a table. */
 void ect_draft_objects(ect_draft_t *d, const yaml_node_t *objects);
+
+/** draft.c: adds a PDO. @return NULL: its index is taken, a mistake */
+ect_esi_pdo_t *ect_draft_add_pdo(ect_draft_t *d, uint16_t index, bool tx, size_t line);
 
 /** pdos.c: `inputs` or `outputs`. */
 void ect_draft_pdos(ect_draft_t *d, const yaml_node_t *list, bool tx);

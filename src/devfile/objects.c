@@ -176,5 +176,8 @@ static void take_object(void *ctx, const char *key, const yaml_node_t *name, con
 
 void ect_draft_objects(ect_draft_t *d, const yaml_node_t *objects)
 {
-    ect_yaml_each(&d->yaml, objects, "objects", false, take_object, d);
+    if (objects->type == YAML_SCALAR_NODE)
+        ect_draft_table(d, ect_draft_word(d, objects, "objects"));
+    else
+        ect_yaml_each(&d->yaml, objects, "objects", false, take_object, d);
 }

@@ -4,7 +4,6 @@
 
 #include <string.h>
 
-#include "esi/single.h"
 #include "od/pdo.h"
 
 enum { FIRST_RXPDO = 0x1600, FIRST_TXPDO = 0x1A00, PDOS = 0x200, EXCLUDED_MOST = 64 };
@@ -75,22 +74,6 @@ static void take_excluded(ect_draft_t *d, ect_esi_pdo_t *pdo, const yaml_node_t 
     pdo->exclude = exclude;
 }
 
-static ect_esi_pdo_t *add_pdo(ect_draft_t *d, uint16_t index, bool tx, const yaml_node_t *node)
-{
-    for (size_t i = 0; i < d->device->pdo_count; i++) {
-        if (d->device->pdos[i].index == index)
-            ect_yaml_fail(&d->yaml, node, "PDO %04X is there twice: give one another 'pdo'", (unsigned int)index);
-    }
-    ect_esi_pdo_t *pdo = ect_esi_append_pdo(d->arena, d->device);
-    *pdo = (ect_esi_pdo_t){.index = index,
-                           .name = tx ? "Inputs" : "Outputs",
-                           .tx = tx,
-                           .fixed = true,
-                           .samples = 1,
-                           .line = (int)ect_yaml_line(node)};
-    return pdo;
-}
-
 static void take_pdo(ect_draft_t *d, const yaml_node_t *node, uint16_t next, bool tx)
 {
     keys_t k = {.d = d};
@@ -100,7 +83,9 @@ static void take_pdo(ect_draft_t *d, const yaml_node_t *node, uint16_t next, boo
     if (d->mistake.failed)
         return;
     uint16_t index = k.pdo != NULL ? number_of(d, "pdo", k.pdo, tx) : next;
-    ect_esi_pdo_t *pdo = add_pdo(d, index, tx, node);
+    ect_esi_pdo_t *pdo = ect_draft_add_pdo(d, index, tx, ect_yaml_line(node));
+    if (pdo == NULL)
+        return;
     ect_word_t name = k.name != NULL ? ect_draft_word(d, k.name, "name")
                                      : (ect_word_t){.text = ect_arena_print(d->arena, "%s %04X", pdo->name, index)};
     pdo->name = ect_arena_copy(d->arena, name.text, strlen(name.text));
@@ -124,7 +109,9 @@ void ect_draft_pdos(ect_draft_t *d, const yaml_node_t *list, bool tx)
         return;
     }
     if (item(d, list, 0)->type == YAML_SCALAR_NODE) {
-        map_all(d, add_pdo(d, first, tx, list), list);
+        ect_esi_pdo_t *pdo = ect_draft_add_pdo(d, first, tx, ect_yaml_line(list));
+        if (pdo != NULL)
+            map_all(d, pdo, list);
         return;
     }
     if (length_of(list) > PDOS)

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-#include "csv.h"
+#include "csv/csv.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* A line without its end. @return false at the end of the file, or with csv->why set */
-static bool read_line(csv_t *csv, char text[CSV_LINE])
+static bool read_line(ect_csv_t *csv, char text[ECT_CSV_LINE])
 {
     size_t length = 0;
     int c = getc(csv->file);
@@ -16,7 +16,7 @@ static bool read_line(csv_t *csv, char text[CSV_LINE])
         return false;
     }
     for (; c != EOF && c != '\n'; c = getc(csv->file)) {
-        if (c == 0 || length == CSV_LINE - 1) {
+        if (c == 0 || length == ECT_CSV_LINE - 1) {
             csv->why = c == 0 ? "it has a zero byte in it: this is no text file" : "it is longer than 16383 characters";
             return false;
         }
@@ -39,7 +39,7 @@ static char *trim(char *from, char *end)
 }
 
 /* A cell in quotes, written over itself without them. Moves `at` to the next cell, NULL: there is none. */
-static bool split_quoted(csv_t *csv, char **at, char **cell)
+static bool split_quoted(ect_csv_t *csv, char **at, char **cell)
 {
     char *from = *at + 1;
     char *to = from;
@@ -62,11 +62,11 @@ static bool split_quoted(csv_t *csv, char **at, char **cell)
     return true;
 }
 
-static bool split(csv_t *csv, char *line, char *cells[CSV_CELLS], size_t *count)
+static bool split(ect_csv_t *csv, char *line, char *cells[ECT_CSV_CELLS], size_t *count)
 {
     *count = 0;
     for (char *at = line; at;) {
-        if (*count == CSV_CELLS) {
+        if (*count == ECT_CSV_CELLS) {
             csv->why = "it has more than 128 cells";
             return false;
         }
@@ -85,11 +85,11 @@ static bool split(csv_t *csv, char *line, char *cells[CSV_CELLS], size_t *count)
     return true;
 }
 
-bool csv_open(csv_t *csv, const char *path)
+bool ect_csv_begin(ect_csv_t *csv, FILE *file)
 {
     static const char mark[] = "\xEF\xBB\xBF";
     memset(csv, 0, sizeof *csv);
-    csv->file = strcmp(path, "-") == 0 ? stdin : fopen(path, "r");
+    csv->file = file;
     if (!csv->file) {
         csv->why = strerror(errno);
         return false;
@@ -104,7 +104,12 @@ bool csv_open(csv_t *csv, const char *path)
     return split(csv, line, csv->names, &csv->columns);
 }
 
-bool csv_next(csv_t *csv)
+bool ect_csv_open(ect_csv_t *csv, const char *path)
+{
+    return ect_csv_begin(csv, strcmp(path, "-") == 0 ? stdin : fopen(path, "r"));
+}
+
+bool ect_csv_next(ect_csv_t *csv)
 {
     do {
         if (!read_line(csv, csv->text))
@@ -117,7 +122,7 @@ bool csv_next(csv_t *csv)
     return csv->count == csv->columns;
 }
 
-size_t csv_column(const csv_t *csv, const char *name)
+size_t ect_csv_column(const ect_csv_t *csv, const char *name)
 {
     size_t column = 0;
     while (column < csv->columns && strcmp(csv->names[column], name) != 0)
@@ -125,7 +130,7 @@ size_t csv_column(const csv_t *csv, const char *name)
     return column;
 }
 
-bool csv_time(csv_t *csv, size_t column, uint64_t before_ns, uint64_t *ns)
+bool ect_csv_time(ect_csv_t *csv, size_t column, uint64_t before_ns, uint64_t *ns)
 {
     const char *text = csv->cells[column];
     char *end;
@@ -140,7 +145,7 @@ bool csv_time(csv_t *csv, size_t column, uint64_t before_ns, uint64_t *ns)
     return *ns >= before_ns;
 }
 
-void csv_write(FILE *file, const char *text)
+void ect_csv_write(FILE *file, const char *text)
 {
     if (text[strcspn(text, ",;\t \"")] == 0) {
         fputs(text, file);
@@ -155,7 +160,7 @@ void csv_write(FILE *file, const char *text)
     putc('"', file);
 }
 
-void csv_close(csv_t *csv)
+void ect_csv_close(ect_csv_t *csv)
 {
     if (csv->file && csv->file != stdin)
         fclose(csv->file);
