@@ -20,6 +20,7 @@ import contextlib
 import json
 import os
 import pathlib
+import platform
 import random
 import re
 import shlex
@@ -267,26 +268,38 @@ class Conform(Program):
 
 
 class InProcess(Program):
-    """The libraries between a master and its sockets, judged by the masters of the integration tests on both clocks."""
+    """The libraries between a master and its sockets, judged by the masters of the integration tests on both clocks: those that
+    call the C library, and, where a processor has them, those that make system calls of their own."""
 
     LEAKS = ""  # that library replaces functions of threads, too
-    MASTERS = ["inprocess_calls", "inprocess_sockets", "inprocess_waits"]
+    PARTS = ["calls", "sockets", "waits"]  # lists needs a folder of `ectwin with`
+    MASTERS = [f"inprocess_{part}" for part in PARTS]
+    if platform.machine() == "x86_64":
+        MASTERS += [f"inprocess_raw_{part}" for part in PARTS] + ["inprocess_dispatch"]
     RUNS = {f"{master}_{clock}": (master, clock) for master in MASTERS for clock in ("real", "virtual")}
+    UNIT = "test_raw_objects"
 
     def __init__(self):
         modules = {name: f"ectwin_inprocess_{clock}" for name, (_, clock) in self.RUNS.items()}
-        targets = self.build(*self.MASTERS, "ectwin_chain", *sorted(set(modules.values())))
+        targets = self.build(*self.MASTERS, self.UNIT, "ectwin_chain", *sorted(set(modules.values())))
         self.own = {name: targets[module] for name, module in modules.items()}
         self.core = {source: compiled for sources in self.own.values() for source, compiled in sources.items()}
         self.tests = {name: BUILD / f"libectwin-{clock}.so" for name, (_, clock) in self.RUNS.items()}
+        self.own[self.UNIT] = targets[self.UNIT]
+        self.tests[self.UNIT] = BUILD / "tests" / self.UNIT
 
     def link(self, library, instead):
         """Each library is linked with the mutant when it is its turn."""
 
     def tests_beside(self, source):
-        return [name for name in self.RUNS if name in self.seconds and source in self.own[name]]
+        return [name for name in self.own if name in self.seconds and source in self.own[name]]
 
     def with_mutant(self, name, source, changed, work):
+        if name == self.UNIT:
+            own = self.own[name][source]
+            if not own.compile(changed, work / "own.o"):
+                raise RuntimeError(f"{source} as {name} has it")
+            return link_as_built(f"tests/{name}", work / name, work / "own.o", own)
         library = self.tests[name].name
         for twins in BUILD.glob("libectwin.so*"):  # is looked for beside the library
             if not (work / twins.name).exists():
@@ -294,9 +307,13 @@ class InProcess(Program):
         return link_as_built(library, work / library, work / "mutant.o", self.own[name][source])
 
     def command(self, name, program, folder):
+        if name == self.UNIT:
+            return super().command(name, program, folder)
         master, clock = self.RUNS[name]
-        words = [BUILD / "tests/integration" / master, "ectwin0", clock]
-        return words, environment(folder, LD_PRELOAD=str(program), ECTWIN_IFACE="ectwin0", ECTWIN_INPROCESS="fzm1,fzm1",
+        alone = master == "inprocess_dispatch"
+        words = [BUILD / "tests/integration" / master, *([] if alone else ["ectwin0"]), clock]
+        bus = "fzm1" if alone else "fzm1,fzm1"
+        return words, environment(folder, LD_PRELOAD=str(program), ECTWIN_IFACE="ectwin0", ECTWIN_INPROCESS=bus,
                                   ECTWIN_INPROCESS_MARK="/dev/null", ECTWIN_INPROCESS_CWD="/")
 
 

@@ -150,6 +150,36 @@ static void CF_N01_a_written_file_is_read_as_the_same_bus(void **state)
     }
 }
 
+/* Texts that a master needs, and that reading back does not show. */
+static void CF_N01_a_written_file_has_frames_checks_and_mailbox_of_the_device(void **state)
+{
+    static const char *const texts[] = {"<Destination>FFFFFFFFFFFF</Destination>",
+                                        "<Source>020000000001</Source>",
+                                        "<EtherType>A488</EtherType>",
+                                        "<Comment>vendor id</Comment>",
+                                        "<Comment>product code</Comment>",
+                                        "<Comment>revision</Comment>",
+                                        "<RevisionNo>65536</RevisionNo>",
+                                        "<Mailbox DataLinkLayer=\"true\">"};
+    written_t w;
+    (void)state;
+    write_devices("a camera", "fzm1", &w);
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        if (strstr(w.file, texts[i]) == NULL)
+            fail_msg("expected %s", texts[i]);
+    }
+    drop(&w);
+    ect_device_t device = *ect_catalogue_find("fzm1")->device;
+    device.general_flags = ECT_GENERAL_GIVEN | ECT_GENERAL_ID_AL_STATUS;
+    w = (written_t){.count = 0};
+    add_part(&w, "fzm1");
+    w.parts[0].device = &device;
+    write_parts("a camera that repeats no mails", &w);
+    assert_null(strstr(w.file, "DataLinkLayer=\"true\""));
+    assert_non_null(strstr(w.file, "<Mailbox"));
+    drop(&w);
+}
+
 static void ENI_010_ENI_021_place_and_alias_of_a_slave_come_back(void **state)
 {
     written_t w = {.count = 0};
@@ -243,6 +273,7 @@ int main(void)
         cmocka_unit_test(CF_N02_a_written_file_brings_its_devices_to_OP_with_every_counter_as_expected),
         cmocka_unit_test(CF_N02_a_written_file_brings_the_twins_that_it_makes_to_OP),
         cmocka_unit_test(CF_N01_a_written_file_is_read_as_the_same_bus),
+        cmocka_unit_test(CF_N01_a_written_file_has_frames_checks_and_mailbox_of_the_device),
         cmocka_unit_test(ENI_010_ENI_021_place_and_alias_of_a_slave_come_back),
         cmocka_unit_test(ENI_017_the_image_holds_every_command_and_its_variables_do_not_overlap),
         cmocka_unit_test(process_data_beyond_a_datagram_are_several_commands),

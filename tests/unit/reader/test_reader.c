@@ -128,6 +128,62 @@ static void the_pdi_gets_the_eeprom_back(void **state)
     liar_close(&l);
 }
 
+/* Sets an error of the command before, in the number; counts the writes of zeros that clear it in the upper half. */
+static bool has_failed(liar_t *l, uint8_t *d, uint16_t ado, uint8_t *data, uint16_t length, uint8_t *wkc)
+{
+    (void)wkc;
+    if (ado != ECT_REG_SII_CONTROL)
+        return true;
+    if (d[0] == APRD && l->number < 0x10000)
+        data[1] |= (uint8_t)(l->number >> 8);
+    if (d[0] == APWR && length == 2 && ect_load_le16(data) == 0)
+        l->number += 0x10000;
+    return true;
+}
+
+/* ETG.1000.4 clause 6.4: a command is refused while an error of the one before is shown. */
+static void an_error_of_the_eeprom_is_cleared_before_a_command(void **state)
+{
+    static const uint16_t errors[] = {0x0000, 0x2000, 0x4000, 0x6000, 0x1800};
+    static const liar_kind_t kind = {.datagram = has_failed};
+    (void)state;
+    for (size_t i = 0; i < sizeof errors / sizeof errors[0]; i++) {
+        size_t size;
+        liar_t l;
+        open_reader(&l, &testdev, &kind);
+        l.number = errors[i];
+        assert_int_equal(ect_reader_sii(&reader, image, 4, &size), ECT_READER_OK);
+        if (l.number >> 16 != ((errors[i] & 0x6000) != 0))
+            fail_msg("0x%04X: cleared %u times", errors[i], (unsigned int)(l.number >> 16));
+        l.kind = NULL;
+        close_reader(&l);
+    }
+}
+
+/* A size beyond 128 KiB is none: the header is all that is read. */
+static void the_largest_eeprom_is_read_whole(void **state)
+{
+    static const struct {
+        uint16_t size_word;
+        size_t size;
+    } rows[] = {{ECT_READER_SII / 128 - 1, ECT_READER_SII}, {ECT_READER_SII / 128, ECT_READER_HEADER}};
+    static uint8_t sii[1024];
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        size_t size;
+        liar_t l;
+        open_reader(&l, &testdev, NULL);
+        ect_esc_t *esc = ect_chain_esc(l.w.chain, 0);
+        memcpy(sii, esc->config.sii, 0x80);
+        ect_store_le16(sii + 0x7C, rows[i].size_word);
+        esc->config.sii = sii;
+        esc->config.sii_size = sizeof sii;
+        assert_int_equal(ect_reader_sii(&reader, image, 0, &size), ECT_READER_OK);
+        assert_int_equal(size, rows[i].size);
+        close_reader(&l);
+    }
+}
+
 /* A slave whose PDI owns the interface, or uses it: the bytes at 0500h and 0501h, the low half of the number. The high
  * half has what the reader writes, a digit a byte and its value plus one. */
 static bool says_who_owns(liar_t *l, uint8_t *d, uint16_t ado, uint8_t *data, uint16_t length, uint8_t *wkc)
@@ -178,6 +234,7 @@ static void a_slave_in_init_returns_to_init_with_the_sync_managers_it_had(void *
     assert_int_equal(wire_read8(&l.w, 0, ECT_REG_AL_STATUS), INIT); /* to read the EEPROM needs no state */
     assert_int_equal(ect_reader_upload(&reader, 0x1018, 1, false, value, &size), ECT_READER_OK);
     assert_int_equal(wire_read8(&l.w, 0, ECT_REG_AL_STATUS), PREOP);
+    wire_advance(&l.w, 3600 * 1000ull * MS); /* the limit of the end counts from then */
     ect_reader_close(&reader);
     assert_int_equal(wire_read8(&l.w, 0, ECT_REG_AL_STATUS), INIT);
     assert_int_equal(wire_read(&l.w, 0, ECT_REG_SM, after, sizeof after), 1);
@@ -1075,6 +1132,8 @@ int main(void)
         cmocka_unit_test(a_part_of_the_eeprom_is_read),
         cmocka_unit_test(the_content_of_an_eeprom_ends_at_the_end_mark),
         cmocka_unit_test(the_pdi_gets_the_eeprom_back),
+        cmocka_unit_test(an_error_of_the_eeprom_is_cleared_before_a_command),
+        cmocka_unit_test(the_largest_eeprom_is_read_whole),
         cmocka_unit_test(the_eeprom_is_taken_from_a_pdi_that_uses_it),
         cmocka_unit_test(a_slave_in_init_returns_to_init_with_the_sync_managers_it_had),
         cmocka_unit_test(a_slave_at_work_stays_in_its_state),
