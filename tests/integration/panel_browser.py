@@ -181,6 +181,19 @@ def faults_and_plots(browser):
         browser.command("Emulation.clearDeviceMetricsOverride")
 
 
+def drives(browser):
+    browser.click('[data-select="2"]')
+    browser.wait("return document.querySelectorAll('.states .box').length === 8")
+    expected = value("axis.state").removeprefix("axis.state=")
+    lit = "return [...document.querySelectorAll('.states .lit text')].map((t) => t.textContent).join()"
+    check("the present state of CiA 402 is lit", expected, browser.run(lit))
+    subprocess.run([ECTWIN, "set", "axis.provoke=5"], check=True)
+    check("a fault of the drive is lit", "fault", browser.wait(f"const now = (() => {{ {lit} }})(); return now === 'fault' && now"))
+    browser.picture("drive.png", "light")
+    browser.click('[data-select="1"]')
+    check("another device has no drive", True, browser.wait("return document.querySelector('.states') === null"))
+
+
 def widths(browser):
     for width in (390, 800, 1400):
         browser.command("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
@@ -231,6 +244,7 @@ def main():
                 with bus("gripper=fzm1,axis=pmctendo-dd5,fzm1", [MASTER, "{}"]):
                     with_a_master(browser, url)
                     faults_and_plots(browser)
+                    drives(browser)
                     widths(browser)
                 hostile_names(browser, url, folder)
             view_only(browser)

@@ -131,9 +131,26 @@ export class Signals {
   }
 }
 
+let collected = null;
+
+/** Runs `build`. @return a function that ends the watches which `build` has begun */
+export function collect(build) {
+  const begun = [];
+  collected = begun;
+  try {
+    build();
+  } finally {
+    collected = null;
+  }
+  return () => {
+    for (const [signal, watcher] of begun) signal.watchers = signal.watchers.filter((other) => other !== watcher);
+  };
+}
+
 /** Calls `watcher` for each value of a signal from now on, and for its present one. */
 export function watch(signal, watcher) {
   if (!signal) return;
   signal.watchers.push(watcher);
+  collected?.push([signal, watcher]);
   if (signal.value !== null) watcher(signal, performance.now());
 }

@@ -15,6 +15,14 @@ export function make(tag, properties = {}, ...children) {
   return element;
 }
 
+/** An element of a picture (SVG). */
+export function draw(tag, attributes = {}, ...children) {
+  const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
+  element.append(...children);
+  return element;
+}
+
 /** Sets the text if it has changed, which keeps the layout. */
 export function setText(element, text) {
   if (element.textContent !== text) element.textContent = text;

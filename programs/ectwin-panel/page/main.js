@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The page: the list of buses, and the bus that is shown.
 import { make, setText, short } from "./dom.js";
-import { Connection, Signals } from "./bus.js";
+import { collect, Connection, Signals } from "./bus.js";
 import { makeRail } from "./rail.js";
 import { makeSignals } from "./signals.js";
 import { makeFaults } from "./faults.js";
 import { Plot } from "./plot.js";
+import { axesOf, makeDrive } from "./drive.js";
 
 const stateNames = { 0: "off", 1: "INIT", 2: "PREOP", 3: "BOOT", 4: "SAFEOP", 8: "OP" };
 const view = { buses: [], shown: 0, slave: 0, readOnly: false, signals: new Signals(), parts: null, last: null };
@@ -119,7 +120,14 @@ function select(number) {
   parts.rail.mark(number);
   const twin = view.signals.slaves().find((slave) => slave.number === number);
   setText(parts.twinTitle, `Signals of ${number}${twin?.name ? ` ${twin.name}` : ""}`);
-  parts.signals.replaceChildren(makeSignals(context, number, parts.plot));
+  const axes = axesOf(view.signals, number);
+  parts.end?.();
+  parts.plot.forgetListeners();
+  parts.drive.hidden = axes.length === 0;
+  parts.end = collect(() => {
+    parts.drives.replaceChildren(...axes.map((axis) => makeDrive(view.signals, number, axis)));
+    parts.signals.replaceChildren(makeSignals(context, number, parts.plot));
+  });
   parts.presets.replaceChildren(...presetsOf(number).map(([title, found]) => make("button", { type: "button", on: { click: () => parts.plot.choose(found) } }, title)));
 }
 
@@ -133,6 +141,8 @@ function showBus() {
     rail: makeRail(context, devices, select), plot: new Plot(), faults: makeFaults(context), histogram: makeHistogram(), figures,
     signals: make("div"), presets: make("span", { class: "presets" }), twinTitle: make("h2", {}, "Signals"), about: make("p", { class: "about" }),
   };
+  parts.drives = make("div");
+  parts.drive = section("Drive", "", parts.drives);
   view.parts = parts;
   view.last = null;
   main.replaceChildren(
@@ -140,7 +150,7 @@ function showBus() {
     section("Bus", "wide", make("div", { class: "rail-frame", tabindex: "0", role: "group", "aria-label": "Twins in the order of the chain" }, parts.rail)),
     make("div", { class: "columns" },
       make("section", { class: "panel-signals" }, make("header", {}, parts.twinTitle), parts.signals),
-      make("div", { class: "side" },
+      make("div", { class: "side" }, parts.drive,
         make("section", {}, make("header", {}, make("h2", {}, "Plot"), parts.presets), parts.plot.element),
         section("Faults", "", parts.faults),
         section("Response time", "", parts.histogram.element))));

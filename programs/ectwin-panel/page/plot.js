@@ -58,6 +58,10 @@ export class Plot {
     this.listeners.push(listener);
   }
 
+  forgetListeners() {
+    this.listeners = [];
+  }
+
   /** @return whether the signal is plotted now */
   toggle(signal) {
     if (this.traces.has(signal)) {

@@ -105,6 +105,7 @@ function makeRow(context, signal, plot) {
   if (signal.range) {
     trace = make("button", { type: "button", class: "trace", "aria-pressed": "false", "aria-label": `Plot ${signal.name}`, title: "Plot" });
     trace.addEventListener("click", () => trace.setAttribute("aria-pressed", String(plot.toggle(signal))));
+    trace.setAttribute("aria-pressed", String(plot.traces.has(signal)));
     plot.onChange((chosen) => trace.setAttribute("aria-pressed", String(chosen.has(signal))));
   }
   return make("div", { class: "signal", "data-signal": signal.name, "data-slave": signal.slave },
