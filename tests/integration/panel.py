@@ -9,6 +9,7 @@ import contextlib
 import http.client
 import json
 import os
+import pathlib
 import shutil
 import signal
 import socket
@@ -193,6 +194,29 @@ def pages():
     check("another address than this machine's: a warning", True, "everybody on the way" in panel.errors)
 
 
+def browsers():
+    """--open: the URL is in a file that others cannot read, not in the arguments of the browser."""
+    folder = pathlib.Path(os.environ["XDG_RUNTIME_DIR"])
+    folder.joinpath("xdg-open").write_text(f"#!/bin/sh\nstat -c %a \"$1\" >{folder}/mode\ncat \"$1\" >{folder}/content\n"
+                                           f"echo \"$@\" >{folder}/arguments\n")
+    folder.joinpath("xdg-open").chmod(0o755)
+    os.environ["PATH"] = f"{folder}:{os.environ['PATH']}"
+    with twins("fzm1"), running("--open") as panel:
+        arguments = folder / "arguments"
+        deadline = time.monotonic() + 10
+        while not (arguments.exists() and arguments.read_text()) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        page = arguments.read_text().strip()
+        check("--open: the browser gets a file with the URL", True, panel.url in (folder / "content").read_text())
+        check("SEC: other users cannot read it", "600", (folder / "mode").read_text().strip())
+        check("SEC: the token is not among the arguments", False, panel.token in page)
+    check("the file is removed at the end", False, os.path.exists(page))
+    shutil.rmtree(folder / "ectwin")
+    with running("--open") as panel:
+        pass
+    check("--open without a folder of twins: a line with the cure", True, "open the URL yourself" in panel.errors)
+
+
 def tokens():
     with running() as panel, twins("fzm1"):
         check("the token opens", "hello", Page(panel, panel.token).next()["event"])
@@ -309,7 +333,7 @@ def patience():
         check("the others stay", {"ok": True}, good.request(bus, {"op": "set", "name": "data1", "value": 4}, 6))
 
 
-CASES = (pages, tokens, signals, buses, hostile, patience)
+CASES = (pages, browsers, tokens, signals, buses, hostile, patience)
 
 
 def main():
