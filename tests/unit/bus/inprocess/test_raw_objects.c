@@ -80,11 +80,29 @@ static void searches_the_objects_of_a_process(void **state)
     assert_int_equal(objects.adds, adds);
 }
 
+/* The address behind a call is that of its return: the end of a text is one. */
+static void calls_of_each_text_pass(void **state)
+{
+    static const ect_objects_t objects = {.passed = {{100, 200}, {300, 400}, {500, 600}}, .passed_count = 2};
+    static const struct {
+        uintptr_t address;
+        bool passes;
+    } rows[] = {{99, false}, {100, true}, {200, true},  {201, false}, {299, false},
+                {300, true}, {400, true}, {401, false}, {550, false}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        if (ect_objects_pass(&objects, (const void *)rows[i].address) != rows[i].passes)
+            fail_msg("address %u", (unsigned int)rows[i].address);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         {"A system call is an instruction behind one that loads its number", finds_calls, NULL, NULL, NULL},
         {"The number is loaded at most 64 bytes before the call", the_number_is_near, NULL, NULL, NULL},
+        {"A call passes whose address is in a text of the system, or just behind it", calls_of_each_text_pass, NULL,
+         NULL, NULL},
         {"A process has a C library and a dynamic linker; the same objects are searched once",
          searches_the_objects_of_a_process, NULL, NULL, NULL},
     };
