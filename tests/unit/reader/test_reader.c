@@ -778,6 +778,31 @@ static void a_gap_has_neither_type_nor_length(void **state)
     }
 }
 
+/* The name of 1000h begins with letters of every kind that JSON, or a terminal, does not take as they are. */
+static void change_name(liar_t *l, uint8_t *mail)
+{
+    static const uint8_t letters[] = {0x01, 0x1F, ' ', '~', 0x7F, 0xE9, '"', '\\'};
+    (void)l;
+    if (mail[7] >> 4 == 8 && (mail[8] & 0x7F) == 4 && ect_load_le16(mail + 12) == 0x1000)
+        memcpy(mail + 18, letters, sizeof letters);
+}
+
+static void letters_of_a_name_are_escaped(void **state)
+{
+    static const liar_kind_t kind = {.request = one_object, .reply = change_name};
+    char *json = NULL;
+    size_t length;
+    liar_t l;
+    (void)state;
+    open_reader(&l, &testdev, &kind);
+    FILE *file = open_memstream(&json, &length);
+    assert_int_equal(ect_reader_json(&reader, ECT_READER_IDENTITY_AND_PDOS, file), ECT_READER_OK);
+    assert_int_equal(fclose(file), 0);
+    assert_non_null(strstr(json, "\"name\": \"\\u0001\\u001f ~\\u007f\\u00e9\\u0022\\u005c"));
+    free(json);
+    close_reader(&l);
+}
+
 /* Ten bytes with the reply to the start; the one segment after it ends the transfer with none. */
 static liar_mail_t last_segment_without_bytes(liar_t *l, const uint8_t *r)
 {
@@ -1154,6 +1179,7 @@ int main(void)
         cmocka_unit_test(a_list_of_one_object_is_a_description),
         cmocka_unit_test(mails_of_another_service_are_no_list),
         cmocka_unit_test(a_gap_has_neither_type_nor_length),
+        cmocka_unit_test(letters_of_a_name_are_escaped),
         cmocka_unit_test(the_last_segment_may_be_empty),
         cmocka_unit_test(mails_are_numbered_from_1_to_7),
         cmocka_unit_test(the_first_mail_continues_the_counter_of_the_mail_before),

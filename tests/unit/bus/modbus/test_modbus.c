@@ -673,6 +673,24 @@ static void listens(void **state)
     }
 }
 
+static void listens_at_descriptor_0(void **state)
+{
+    char message[ECT_MODBUS_MESSAGE] = "";
+    const int input = dup(STDIN_FILENO);
+    (void)state;
+    (void)close(STDIN_FILENO);
+    ect_modbus_server_t *server = ect_modbus_server_open("127.0.0.1:0", message);
+    const bool used = fcntl(STDIN_FILENO, F_GETFD) >= 0;
+    ect_modbus_server_close(server);
+    if (input >= 0) {
+        (void)dup2(input, STDIN_FILENO);
+        close(input);
+    }
+    if (!server)
+        fail_msg("%s", message);
+    assert_true(used);
+}
+
 /* Each cause has its cure in the message, and its number in errno. */
 static void cannot_listen(void **state)
 {
@@ -878,6 +896,7 @@ int main(int argc, char **argv)
         TEST("a record gets each request and its reply; repeated to another unit they give the same replies",
              observed_and_repeated),
         TEST("bytes of a record that are no request have no reply", no_request_to_repeat),
+        TEST("A server listens with descriptor 0 as with any other", listens_at_descriptor_0),
         TEST("Without memory there is no server, and its socket is closed", without_memory),
         TEST("A client whose descriptor is 0 is served, and closed with the server", descriptor_0),
         TEST("A unit that hangs answers nothing", a_unit_that_hangs),
