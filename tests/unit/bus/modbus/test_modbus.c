@@ -682,6 +682,7 @@ static void listens_at_descriptor_0(void **state)
     ect_modbus_server_t *server = ect_modbus_server_open("127.0.0.1:0", message);
     const bool used = fcntl(STDIN_FILENO, F_GETFD) >= 0;
     ect_modbus_server_close(server);
+    const bool left = fcntl(STDIN_FILENO, F_GETFD) >= 0;
     if (input >= 0) {
         (void)dup2(input, STDIN_FILENO);
         close(input);
@@ -689,6 +690,23 @@ static void listens_at_descriptor_0(void **state)
     if (!server)
         fail_msg("%s", message);
     assert_true(used);
+    assert_false(left);
+}
+
+/* All descriptors of a server are closed with it. */
+static void closes_its_descriptors(void **state)
+{
+    char message[ECT_MODBUS_MESSAGE] = "";
+    (void)state;
+    for (unsigned int i = 0; i < 2; i++) {
+        const int before = open("/dev/null", O_RDONLY);
+        close(before);
+        ect_modbus_server_close(i == 0 ? ect_modbus_server_open("127.0.0.1:0", message)
+                                       : ect_modbus_server_new(message));
+        const int next = open("/dev/null", O_RDONLY);
+        close(next);
+        assert_int_equal(next, before);
+    }
 }
 
 /* Each cause has its cure in the message, and its number in errno. */
@@ -897,6 +915,7 @@ int main(int argc, char **argv)
              observed_and_repeated),
         TEST("bytes of a record that are no request have no reply", no_request_to_repeat),
         TEST("A server listens with descriptor 0 as with any other", listens_at_descriptor_0),
+        TEST("The descriptors of a server are closed with it", closes_its_descriptors),
         TEST("Without memory there is no server, and its socket is closed", without_memory),
         TEST("A client whose descriptor is 0 is served, and closed with the server", descriptor_0),
         TEST("A unit that hangs answers nothing", a_unit_that_hangs),
