@@ -51,6 +51,9 @@ static void init(void *instance, const ect_host_t *host, uint64_t now_ns)
 
 static uint16_t state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns)
 {
+    const uint16_t refused = ect_esi_idents_state(instance, from, to);
+    if (refused != ECT_AL_NO_ERROR)
+        return refused;
     EACH_DRIVE(d, instance)
     {
         ect_402_drive_advance(d, now_ns);
@@ -141,7 +144,9 @@ static ect_reason_t sdo_write(void *instance, uint16_t index, uint8_t subindex, 
 {
     ect_402_value_t value;
     const ect_402_drive_t *d = find(instance, index, subindex, &value);
-    if (d == NULL || size == 0 || size > 8 || d->links[value].is_real)
+    if (d == NULL)
+        return ect_esi_idents_write(instance, index, subindex, data, size);
+    if (size == 0 || size > 8 || d->links[value].is_real)
         return ECT_OK;
     return ect_402_drive_check(d, value, wire_number(&d->links[value], data, size));
 }

@@ -71,6 +71,19 @@ static bool slot_takes(const ect_esi_slot_t *slot, const ect_esi_module_t *modul
     return false;
 }
 
+bool ect_build_slot_takes(const ect_build_t *build, unsigned int number, uint32_t ident)
+{
+    const ect_esi_device_t *model = build->model;
+    const ect_esi_module_t *module = find_module(model, ident);
+    unsigned int first = 0;
+    for (size_t i = 0; module != NULL && i < model->slot_count; i++) {
+        if (number < first + model->slots[i].instances_max)
+            return slot_takes(&model->slots[i], module);
+        first += model->slots[i].instances_max;
+    }
+    return false;
+}
+
 /* One place for a module. */
 typedef struct place {
     const ect_esi_slot_t *slot;
@@ -118,6 +131,8 @@ void ect_build_modules(ect_build_t *build, const ect_module_choice_t *choices, s
             uint32_t ident = ident_in(&place, choices, count);
             if (ident != 0)
                 insert(build, &place, ident);
+            build->idents = ect_arena_grow(build->arena, build->idents, build->ident_count, sizeof *build->idents);
+            build->idents[build->ident_count++] = ident;
         }
     }
     for (size_t i = 0; i < count; i++) {

@@ -18,6 +18,7 @@
  *   build.c            the list of objects while it grows; notes
  *   build_objects.c    objects of the dictionary
  *   build_modules.c    modules in their slots
+ *   idents.c           lists of the idents of modules
  *   build_pdos.c       PDOs, what they map, which are assigned
  *   build_signals.c    signals from PDO entries and objects
  *   twin.c             the description and its behaviour
@@ -132,6 +133,8 @@ typedef struct ect_build {
     size_t object_count;
     ect_build_pdo_t *pdos;
     size_t pdo_count;
+    uint32_t *idents; /**< of the modules in the slots, 0: an empty slot */
+    size_t ident_count;
     const char **notes; /**< what is not represented, a line each */
     ect_build_note_kind_t *note_kinds;
     size_t note_count;
@@ -210,6 +213,21 @@ void ect_build_inits(ect_build_t *build, const ect_esi_init_t *inits, size_t cou
 
 /** build_modules.c. Adds the PDOs of the device and of the modules in its slots, and the modules' objects. */
 void ect_build_modules(ect_build_t *build, const ect_module_choice_t *choices, size_t count);
+
+/** build_modules.c. @param number  of a slot, from 0. @return whether it takes the module with that ident */
+bool ect_build_slot_takes(const ect_build_t *build, unsigned int number, uint32_t ident);
+
+/** idents.c: F030h and F050h, after all other objects; F000h too where the file wants idents downloaded. */
+void ect_build_idents(ect_build_t *build);
+
+/** idents.c: makes a device with F030h check it. Before a behaviour that has functions of its own. */
+void ect_esi_idents_set(const ect_build_t *build, ect_device_t *device);
+
+/** idents.c: as ect_device_t::state_change. @return ECT_AL_MODULE_IDENTS: the idents of F030h are not those of F050h */
+uint16_t ect_esi_idents_state(void *instance, uint8_t from, uint8_t to);
+
+/** idents.c: as ect_device_t::sdo_write. @return ECT_REASON_RANGE: the slot does not take that module */
+ect_reason_t ect_esi_idents_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size);
 
 /** build_pdos.c: the mapping objects, the objects that are mapped, the assignments. */
 void ect_build_pdos(ect_build_t *build);

@@ -266,6 +266,7 @@ typedef struct ect_esi_device {
     const ect_esi_slot_t *slots;
     size_t slot_count;
     uint32_t slot_pdo_increment, slot_index_increment, slots_max;
+    bool download_idents;            /**< `DownloadModuleIdentList`: a master writes F030h */
     const ect_esi_module_t *modules; /**< all of the file */
     size_t module_count;
 

@@ -324,6 +324,7 @@ static void read_slots(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t
     device->slot_pdo_increment = (uint32_t)ect_esi_attribute_number(xml, node, "SlotPdoIncrement", 0, UINT16_MAX, 0);
     device->slot_index_increment =
         (uint32_t)ect_esi_attribute_number(xml, node, "SlotIndexIncrement", 0, UINT16_MAX, 0);
+    device->download_idents = ect_esi_flag(xml, node, "DownloadModuleIdentList");
     ECT_ESI_EACH(child, node, "Slot")
     {
         ECT_APPEND(xml, slots, device->slot_count, slot);

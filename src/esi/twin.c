@@ -790,6 +790,7 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     ect_build_modules(b, modules, module_count);
     ect_build_pdos(b);
     ect_build_inits(b, b->model->mailbox.inits, b->model->mailbox.init_count, 0);
+    ect_build_idents(b);
     if (b->model->mailbox.coe)
         add_mandatory(b);
     add_identity(b);
@@ -814,6 +815,7 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     device->safe_outputs = safe_outputs;
     device->tick = tick;
     device->context = twin;
+    ect_esi_idents_set(b, device);
     if (device->sii == NULL && b->failure == NULL)
         fit_eeprom(b, device);
     if (b->failure == NULL)

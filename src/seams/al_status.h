@@ -35,6 +35,7 @@ enum {
     ECT_AL_DC_SYNC = 0x0030,
     ECT_AL_CYCLE_TIME = 0x0035,
     ECT_AL_SYNC0_CYCLE = 0x0036,
+    ECT_AL_MODULE_IDENTS = 0x0070,
 };
 
 #endif

@@ -1,0 +1,242 @@
+/* SPDX-License-Identifier: MIT */
+/* Lists of module idents (src/esi/idents.c): F030h that a master configures, F050h that the twin detects. */
+#include "from_text.h"
+
+#include "bus/chain/chain.h"
+#include "support/wire.h"
+#include "wire/bytes.h"
+
+enum { PREOP = ECT_STATE_PREOP, SAFEOP = ECT_STATE_SAFEOP, IN = 0x110, OUT = 0x120, OTHER = 0x130 };
+
+#define MODULE(ident, class, pdo)                                                                                      \
+    "<Module><Type ModuleIdent='" ident "' ModuleClass='" class "'>M</Type><Name>M</Name>" pdo "</Module>"
+#define TX_PDO                                                                                                         \
+    "<TxPdo Fixed='1' Sm='3'><Index DependOnSlot='1'>#x1a00</Index><Name>P</Name><Entry><Index DependOnSlot='1'>"      \
+    "#x6000</Index><SubIndex>1</SubIndex><BitLen>16</BitLen><Name>A</Name><DataType>INT</DataType></Entry></TxPdo>"
+#define RX_PDO                                                                                                         \
+    "<RxPdo Fixed='1' Sm='2'><Index DependOnSlot='1'>#x1600</Index><Name>P</Name><Entry><Index DependOnSlot='1'>"      \
+    "#x7000</Index><SubIndex>1</SubIndex><BitLen>16</BitLen><Name>A</Name><DataType>INT</DataType></Entry></RxPdo>"
+
+/* A rack with a slot that presets IN and takes OUT, and two optional ones for modules of the class IO. */
+#define RACK(attributes, dictionary)                                                                                   \
+    ESI_HEAD "\n<Device Physics='YY'><Type ProductCode='#x1' RevisionNo='#x2'>RACK</Type><Name>A rack</Name>"          \
+             "<Profile><ProfileNo>5001</ProfileNo>" dictionary "</Profile>"                                            \
+             "<Fmmu>Outputs</Fmmu><Fmmu>Inputs</Fmmu>" ESI_MAILBOX_SMS ESI_PROCESS_SMS                                 \
+             "<Mailbox><CoE SdoInfo='1' CompleteAccess='1'/></Mailbox>"                                                \
+             "<Slots MaxSlotCount='3' SlotPdoIncrement='1' SlotIndexIncrement='#x10' " attributes ">"                  \
+             "<Slot MinInstances='1' MaxInstances='1'><Name>First</Name><ModuleIdent Default='1'>#x110</ModuleIdent>"  \
+             "<ModuleIdent>#x120</ModuleIdent></Slot>"                                                                 \
+             "<Slot MinInstances='0' MaxInstances='2'><Name>Others</Name><ModuleClass><Class>IO</Class>"               \
+             "</ModuleClass></Slot></Slots>" ESI_EEPROM "</Device></Devices><Modules>" MODULE("#x110", "IO", TX_PDO)   \
+                 MODULE("#x120", "IO", RX_PDO)                                                                         \
+                     MODULE("#x130", "AX", TX_PDO) "</Modules></Descriptions></EtherCATInfo>"
+
+#define DOWNLOAD "DownloadModuleIdentList='1'"
+
+/* F050h of 16 bits with two elements, and F030h likewise, as a file may have them itself. */
+#define LIST(index, access)                                                                                            \
+    "<Object><Index>" index "</Index><Name>Idents</Name><Type>DTI</Type><BitSize>48</BitSize><Info><SubItem>"          \
+    "<Name>SubIndex 000</Name><Info><DefaultData>02</DefaultData></Info></SubItem></Info><Flags><Access>" access       \
+    "</Access></Flags></Object>"
+#define OWN_LISTS                                                                                                      \
+    "<Dictionary><DataTypes><DataType><Name>USINT</Name><BitSize>8</BitSize></DataType><DataType><Name>UINT</Name>"    \
+    "<BitSize>16</BitSize></DataType><DataType><Name>DTI</Name><BitSize>48</BitSize>"                                  \
+    "<SubItem><SubIdx>0</SubIdx><Name>SubIndex 000</Name><Type>USINT</Type><BitSize>8</BitSize><BitOffs>0</BitOffs>"   \
+    "<Flags><Access>rw</Access></Flags></SubItem>"                                                                     \
+    "<SubItem><SubIdx>1</SubIdx><Name>One</Name><Type>UINT</Type><BitSize>16</BitSize><BitOffs>16</BitOffs>"           \
+    "<Flags><Access>rw</Access></Flags></SubItem>"                                                                     \
+    "<SubItem><SubIdx>2</SubIdx><Name>Two</Name><Type>UINT</Type><BitSize>16</BitSize><BitOffs>32</BitOffs>"           \
+    "<Flags><Access>rw</Access></Flags></SubItem></DataType></DataTypes><Objects>" LIST("#xF030", "rw")                \
+        LIST("#xF050", "ro") "</Objects></Dictionary>"
+
+typedef struct rig {
+    made_t made;
+    wire_t wire;
+} rig_t;
+
+static void open_rig(rig_t *r, const char *text, uint8_t state)
+{
+    r->made = make_text("a rack", text);
+    const ect_product_t *product = ect_esi_twin_product(r->made.twin);
+    const ect_twin_config_t config = ect_twin_default(product->device, product->plant);
+    memset(&r->wire, 0, sizeof r->wire);
+    wire_open_twins(&r->wire, &config, 1);
+    wire_go(&r->wire, 0, state);
+}
+
+static void close_rig(rig_t *r)
+{
+    wire_close(&r->wire);
+    free_made(&r->made);
+}
+
+static uint32_t read_number(rig_t *r, uint16_t index, uint8_t subindex)
+{
+    uint8_t bytes[8] = {0};
+    size_t size = sizeof bytes;
+    assert_int_equal(wire_sdo_upload(&r->wire, 0, index, subindex, false, bytes, &size), 0);
+    return ect_load_le32(bytes);
+}
+
+static uint32_t write_number(rig_t *r, uint8_t subindex, uint32_t value, uint32_t size)
+{
+    uint8_t bytes[4];
+    ect_store_le32(bytes, value);
+    return wire_sdo_download(&r->wire, 0, 0xF030, subindex, false, bytes, size);
+}
+
+static void lists(void **state)
+{
+    static const struct {
+        uint16_t index;
+        uint8_t subindex;
+        uint32_t value;
+    } rows[] = {{0xF000, 0, 2}, {0xF000, 1, 0x10}, {0xF000, 2, 3},  {0xF030, 0, 3}, {0xF030, 1, 0},
+                {0xF030, 3, 0}, {0xF050, 0, 3},    {0xF050, 1, IN}, {0xF050, 2, 0}, {0xF050, 3, 0}};
+    rig_t r;
+    (void)state;
+    open_rig(&r, RACK(DOWNLOAD, ""), PREOP);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint32_t got = read_number(&r, rows[i].index, rows[i].subindex);
+        if (got != rows[i].value)
+            fail_msg("%04X:%u: expected %X, got %X", rows[i].index, rows[i].subindex, rows[i].value, (unsigned int)got);
+    }
+    assert_int_equal(read_number(&r, 0x1000, 0) & 0xFFFF, 5001);
+    close_rig(&r);
+}
+
+static void no_lists(void **state)
+{
+    static const uint16_t indices[] = {0xF000, 0xF030, 0xF050};
+    rig_t r;
+    (void)state;
+    open_rig(&r, RACK("", ""), PREOP);
+    const ect_od_t od = ect_device_od(ect_esi_twin_product(r.made.twin)->device, NULL);
+    for (size_t i = 0; i < sizeof indices / sizeof indices[0]; i++)
+        assert_null(ect_od_find(&od, indices[i]));
+    wire_go(&r.wire, 0, SAFEOP);
+    close_rig(&r);
+}
+
+/* A master's way of writing the list. */
+typedef enum way { ARRAY, SINGLE, COMPLETE } way_t;
+
+static void write_list(rig_t *r, way_t way, const uint32_t idents[3], uint8_t count)
+{
+    uint8_t whole[2 + 12] = {count};
+    if (way == COMPLETE) {
+        for (unsigned int i = 0; i < 3; i++)
+            ect_store_le32(whole + 2 + 4 * (size_t)i, idents[i]);
+        assert_int_equal(wire_sdo_download(&r->wire, 0, 0xF030, 0, true, whole, 2 + 4 * (uint32_t)count), 0);
+        return;
+    }
+    if (way == ARRAY)
+        assert_int_equal(write_number(r, 0, 0, 1), 0);
+    for (uint8_t i = 0; i < count; i++)
+        assert_int_equal(write_number(r, (uint8_t)(i + 1), idents[i], 4), 0);
+    if (way == ARRAY)
+        assert_int_equal(write_number(r, 0, count, 1), 0);
+}
+
+static void configured(void **state)
+{
+    static const struct {
+        const char *what;
+        uint32_t idents[3];
+        uint8_t count;
+        bool refused;
+    } rows[] = {
+        {"the modules in the slots", {IN, 0, 0}, 3, false},
+        {"the first slot alone", {IN, 0, 0}, 1, false},
+        {"nothing", {0, 0, 0}, 3, false},
+        {"another module in the first slot", {OUT, 0, 0}, 3, true},
+        {"a module in an empty slot", {IN, 0, OUT}, 3, true},
+        {"an empty slot for a module", {0, OUT, 0}, 3, true},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        for (way_t way = ARRAY; way <= COMPLETE; way++) {
+            rig_t r;
+            uint16_t code = 0xFFFF;
+            open_rig(&r, RACK(DOWNLOAD, ""), PREOP);
+            write_list(&r, way, rows[i].idents, rows[i].count);
+            wire_configure_process_data(&r.wire, 0);
+            uint8_t al = wire_al(&r.wire, 0, SAFEOP, &code);
+            uint8_t want = rows[i].refused ? PREOP | 0x10 : SAFEOP;
+            if (al != want || code != (rows[i].refused ? 0x0070 : 0))
+                fail_msg("%s, way %u: AL status %02X, code %04X", rows[i].what, (unsigned int)way, al, code);
+            close_rig(&r);
+        }
+    }
+}
+
+static void corrected(void **state)
+{
+    rig_t r;
+    uint16_t code;
+    (void)state;
+    open_rig(&r, RACK(DOWNLOAD, ""), PREOP);
+    assert_int_equal(write_number(&r, 1, OUT, 4), 0);
+    wire_configure_process_data(&r.wire, 0);
+    assert_int_equal(wire_al(&r.wire, 0, SAFEOP, &code), PREOP | 0x10);
+    assert_int_equal(wire_al(&r.wire, 0, PREOP | 0x10, &code), PREOP);
+    assert_int_equal(write_number(&r, 1, IN, 4), 0);
+    assert_int_equal(wire_al(&r.wire, 0, SAFEOP, &code), SAFEOP);
+    assert_int_equal(write_number(&r, 1, OUT, 4), 0x08000022);
+    assert_int_equal(read_number(&r, 0xF030, 1), IN);
+    close_rig(&r);
+}
+
+static void unfit(void **state)
+{
+    static const struct {
+        uint8_t subindex;
+        uint32_t ident, abort;
+    } rows[] = {{1, OUT, 0}, {1, OTHER, 0x06090030}, {1, 0x999, 0x06090030}, {2, OTHER, 0x06090030}, {3, IN, 0},
+                {3, 0, 0}};
+    rig_t r;
+    (void)state;
+    open_rig(&r, RACK(DOWNLOAD, ""), PREOP);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint32_t before = read_number(&r, 0xF030, rows[i].subindex);
+        uint32_t code = write_number(&r, rows[i].subindex, rows[i].ident, 4);
+        uint32_t after = read_number(&r, 0xF030, rows[i].subindex);
+        if (code != rows[i].abort || after != (code == 0 ? rows[i].ident : before))
+            fail_msg("slot %u, ident %X: abort code %08X, then %X", rows[i].subindex, rows[i].ident, (unsigned int)code,
+                     (unsigned int)after);
+    }
+    close_rig(&r);
+}
+
+static void of_the_file(void **state)
+{
+    rig_t r;
+    uint16_t code;
+    (void)state;
+    open_rig(&r, RACK("", OWN_LISTS), PREOP);
+    assert_int_equal(read_number(&r, 0xF050, 0), 2);
+    assert_int_equal(read_number(&r, 0xF050, 1), IN);
+    assert_int_equal(read_number(&r, 0xF030, 1), 0);
+    assert_int_equal(write_number(&r, 2, OUT, 2), 0);
+    wire_configure_process_data(&r.wire, 0);
+    assert_int_equal(wire_al(&r.wire, 0, SAFEOP, &code), PREOP | 0x10);
+    assert_int_equal(code, 0x0070);
+    close_rig(&r);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"MDP-001 MDP-002 MDP-003 MDP-017: F000h, F030h and F050h of a file whose idents are downloaded", lists, NULL,
+         NULL, NULL},
+        {"MDP-017: without DownloadModuleIdentList a twin has the lists of its file only", no_lists, NULL, NULL, NULL},
+        {"MDP-004 MDP-006 MDP-007 MDP-008: F030h, in each way of writing it, is compared with F050h at SAFEOP",
+         configured, NULL, NULL, NULL},
+        {"MDP-003 MDP-007: after 0x0070 another list is accepted, in PREOP only", corrected, NULL, NULL, NULL},
+        {"MDP-005: an ident that the slot does not take is refused, and the old one stays", unfit, NULL, NULL, NULL},
+        {"MDP-002: the lists of the file have the idents, in its types", of_the_file, NULL, NULL, NULL},
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("ESI: lists of module idents", tests, NULL, NULL);
+}
