@@ -34,8 +34,7 @@ uint64_t master_now(void)
 bool master_open(const char *program, const char *iface)
 {
     if (if_nametoindex(iface) == 0)
-        fprintf(stderr, "%s: there is no network interface '%s': 'ip -br link' lists those there are\n", program,
-                iface);
+        fprintf(stderr, "%s: there is no network interface '%s': 'ip -br link' lists all interfaces\n", program, iface);
     else if (ec_init(iface))
         return true;
     else

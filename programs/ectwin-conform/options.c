@@ -140,7 +140,7 @@ static void request(struct argp_state *state, uint32_t what, const char *seconds
 static void check(struct argp_state *state, const cf_options_t *options)
 {
     if (!options->iface && !options->in_process && !options->list)
-        argp_error(state, "name the interface with -i IFACE; 'ip -br link' lists those there are");
+        argp_error(state, "name the interface with -i IFACE; 'ip -br link' lists all interfaces");
     if (options->iface && options->in_process)
         argp_error(state, "-i is a slave on a network and --in-process a twin without one: leave one of them out");
     if (cf_options_count(options) == 0)

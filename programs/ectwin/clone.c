@@ -41,10 +41,10 @@ static const struct argp_option options[] = {
     {"preop", KEY_PREOP, NULL, 0,
      "Take slaves in INIT to PREOP for their dictionaries, and back to INIT (default: read their EEPROMs only)", 0},
     {"beside-master", KEY_BESIDE, NULL, 0,
-     "Read also while another master uses the bus: each may take replies away from the other (default: refuse)", 0},
+     "Read also while another master uses the bus: each may fetch replies of the other (default: refuse)", 0},
     {"blank", KEY_BLANK, "LIST", 0,
-     "Leave out of the files: serial, alias, names (of the products), texts (that a master can write), with commas "
-     "between, or none (default serial)",
+     "Leave out of the files: serial, alias, names (of the products), texts (that a master can write), separated by "
+     "commas, or none (default serial)",
      0},
     {"esi-dir", KEY_ESI_DIR, "DIR", 0,
      "Take names and objects of a slave without SDO information from the ESI file in DIR that has its vendor, product "
@@ -96,7 +96,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_BLANK:
         if (!clone_blank_parse(text, &args->blank))
-            argp_error(state, "--blank takes serial, alias, names, texts, with commas between, or none, not '%s'",
+            argp_error(state, "--blank takes serial, alias, names, texts, separated by commas, or none, not '%s'",
                        text);
         return 0;
     case KEY_ESI_DIR:
@@ -551,8 +551,8 @@ static bool is_free(ect_packet_t *port, const args_t *args)
     if (args->beside || !ect_reader_hears_master(&link, LISTEN_MS))
         return true;
     fprintf(stderr,
-            "%s: a master is at work on '%s', and both would take replies of the other: end it first, or read "
-            "nevertheless with --beside-master\n",
+            "%s: a master is active on '%s', and each would fetch replies of the other: stop it first, or read with "
+            "--beside-master\n",
             who, args->iface);
     return false;
 }

@@ -129,7 +129,7 @@ bool connection_each(const char *who, bool (*found)(void *ctx, connection_t *con
     if (ect_endpoint_trust(folder) == 0) {
         ect_endpoint_each(folder, visit, &all);
     } else if (errno == EPERM) {
-        fprintf(stderr, "%s: '%s' belongs to somebody else, or others may write to it: no twin in it is trusted\n", who,
+        fprintf(stderr, "%s: '%s' belongs to another user, or others may write to it: no twin in it is trusted\n", who,
                 folder);
         return false;
     }
@@ -175,8 +175,8 @@ static void report_others(const char *pattern)
             continue;
         ect_endpoint_each(found.gl_pathv[i], report_one, &reported);
         if (!reported && access(found.gl_pathv[i], R_OK) < 0)
-            fprintf(stderr, "  %s may have some, in %s: ask as that user, or with sudo\n", name_of(info.st_uid, room),
-                    found.gl_pathv[i]);
+            fprintf(stderr, "  %s may have some, in %s: run the command as that user, or with sudo\n",
+                    name_of(info.st_uid, room), found.gl_pathv[i]);
     }
     globfree(&found);
 }

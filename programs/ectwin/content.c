@@ -174,7 +174,7 @@ static const char *take_file(const content_t *content, const char *name, uint64_
 {
     struct stat info;
     if (content->folder[0] == 0 || !ect_files_fits(name, strlen(name)))
-        return "it holds a file that no twin has";
+        return "it contains a file that no twin has";
     int folder = open(content->folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     int fd = folder < 0 ? -1 : openat(folder, name, O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600);
     const char *why = NULL;
@@ -209,7 +209,7 @@ const char *content_take(content_t *content, const ect_logged_t *logged, size_t 
     const char *end = memchr(logged->text, '\n', logged->length);
     size_t length = end ? (size_t)(end - logged->text) : 0;
     if (!end || length >= sizeof name || logged->value > BLOCK || logged->value > room - length - 1)
-        return "a part of a memory or a file makes no sense";
+        return "an invalid part of a memory or a file";
     memcpy(name, logged->text, length);
     name[length] = 0;
     const uint8_t *data = (const uint8_t *)end + 1;

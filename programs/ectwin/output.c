@@ -42,7 +42,7 @@ bool output_path(const char *who, char path[OUTPUT_PATH], const char *folder, co
 
 static void report_failure(const char *who)
 {
-    fprintf(stderr, "%s: what is to be written cannot be made: %s\n", who, strerror(errno));
+    fprintf(stderr, "%s: the output cannot be generated: %s\n", who, strerror(errno));
 }
 
 FILE *output_open(const char *who, output_text_t *out)
@@ -94,7 +94,7 @@ static void check_choice(const output_args_t *args, const struct argp_state *sta
     if (args->all && args->devices)
         argp_error(state, "--all is for all devices: name none beside it");
     if (!args->all && (!args->devices || (!args->several && strchr(args->devices, ','))))
-        argp_error(state, "name %s; 'ectwin list' lists those there are", args->several ? "a device" : "one device");
+        argp_error(state, "name %s; 'ectwin list' lists all devices", args->several ? "a device" : "one device");
 }
 
 static void take_devices(output_args_t *args, const struct argp_state *state)

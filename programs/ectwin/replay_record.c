@@ -173,7 +173,7 @@ static void carry_out(section_t *s, const ect_logged_t *logged)
     if (ect_change_is(ect_change_op(request)))
         (void)ect_change_apply(s->exchange.chain, s->exchange.scenario, request, s->exchange.touched_ns, message);
     else
-        replay_wrong(s->replay, "a request makes no sense: %.60s", logged->length > 0 ? logged->text : "");
+        replay_wrong(s->replay, "an invalid request: %.60s", logged->length > 0 ? logged->text : "");
     cJSON_Delete(request);
 }
 
@@ -213,7 +213,7 @@ static void pass_modbus(section_t *s, const ect_logged_t *logged)
     text += separated;
     size_t want = read_hexadecimal(&text, end, expected, sizeof expected);
     if (!s->modbus || !separated || text != end || length > sizeof request || want > sizeof expected) {
-        replay_wrong(s->replay, "a Modbus request makes no sense");
+        replay_wrong(s->replay, "an invalid Modbus request");
         return;
     }
     size_t replied =
@@ -398,7 +398,7 @@ void replay_record(replay_t *r)
     s->replay = r;
     r->begun = false;
     if (!take_logged(&r->item, &logged) || !read_start(s, &logged))
-        replay_wrong(r, "its start makes no sense");
+        replay_wrong(r, "an invalid start");
     else if (power_on(s, logged.time_ns)) {
         while (r->status == EXIT_CLEAN && (r->ahead.kind == ECT_ITEM_PACKET || r->ahead.kind == ECT_ITEM_LOCAL)) {
             replay_next(r);

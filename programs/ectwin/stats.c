@@ -58,7 +58,7 @@ static void print_counters(const cJSON *line)
         {"dropped", "lost by a fault"},
         {"delayed", "delayed by a fault, not in the times below"},
         {"captured", "frames in the capture of --pcap"},
-        {"uncaptured", "frames that it lacks: the disk was too slow, or is full"},
+        {"uncaptured", "frames missing in the capture: the disk was too slow, or is full"},
     };
     printf("in %.1f s:\n", number(line, "time"));
     for (size_t i = 0; i < sizeof counters / sizeof counters[0]; i++)

@@ -462,7 +462,7 @@ static void choose_defect(twin_args_t *args, const struct argp_state *state, con
         exit(EXIT_CLEAN);
     }
     if (!defect_choose(&args->defect, id))
-        argp_error(state, "there is no defect for '%s'; '--break help' lists those there are", id);
+        argp_error(state, "there is no defect for '%s'; '--break help' lists all defects", id);
     args->filter = (ect_filter_t){.before = defect_before, .after = defect_after, .ctx = &args->defect};
 }
 

@@ -129,7 +129,7 @@ static void set_esc(const struct argp_state *state, ect_twin_config_t *twin, siz
     ect_device_t other = *twin->device;
     other.esc = name;
     if (!ect_esc_personality(name))
-        argp_error(state, "there is no chip '%s'; '--esc help' lists those there are", name);
+        argp_error(state, "there is no chip '%s'; '--esc help' lists all chips", name);
     if (!ect_device_check(&other, why, sizeof why))
         argp_failure(state, EXIT_USAGE, 0, "twin %zu, %s, cannot have the chip %s: %s", position, twin->device->name,
                      name, why);
@@ -196,7 +196,7 @@ static void set_board(wiring_args_t *args, const struct argp_state *state, ect_t
 {
     const ect_board_t *board = ect_board(name);
     if (!board)
-        argp_error(state, "there is no board '%s'; '--like help' lists those there are", name);
+        argp_error(state, "there is no board '%s'; '--like help' lists all boards", name);
     ect_device_t *device = new_device(args, state);
     if (!ect_fit(twin->device, board->controller, device))
         argp_failure(

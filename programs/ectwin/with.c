@@ -81,7 +81,8 @@ static void check_arguments(with_args_t *args, const struct argp_state *state)
         argp_error(state, "--external has one wire: give --iface one name");
     check_in_process(args, state);
     if (args->external && twin_args_given(&args->twins))
-        argp_error(state, "--external is a slave of your own: the options of twins do nothing to it, leave them out");
+        argp_error(state,
+                   "--external is a slave of your own: the options of twins have no effect on it: leave them out");
     if (!args->command)
         argp_error(state, "no command: ectwin with %s -- CMD ARG...",
                    args->devices ? args->devices : "--external PROGRAM");

@@ -105,7 +105,7 @@ def each() -> Iterator[Tuple[str, socket.socket, int]]:
     """Running twins of this user: path, connection, process. The caller closes the connections."""
     folder = folder_of_sockets()
     if os.path.lexists(folder) and not _trusted(folder):
-        raise Error(f"'{folder}' belongs to somebody else, or others may write to it: no twin in it is trusted")
+        raise Error(f"'{folder}' belongs to another user, or others may write to it: no twin in it is trusted")
     for name in sorted(os.listdir(folder)) if os.path.lexists(folder) else []:
         path = os.path.join(folder, name)
         if name.startswith(".") or not name.endswith(".sock"):

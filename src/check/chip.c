@@ -46,7 +46,7 @@ static bool control_good(const report_t *r, unsigned int n)
     bool reads = (sm->control & ECT_SM_CONTROL_DIRECTION) == 0;
     uint8_t mode = sm->control & ECT_SM_CONTROL_MODE;
     if (sm->type == ECT_SM_MAILBOX_OUT || sm->type == ECT_SM_OUTPUTS ? !writes : !reads)
-        return wrong(r, "SM%u: control %02Xh has the direction of the other way", n, sm->control);
+        return wrong(r, "SM%u: control %02Xh has the opposite direction", n, sm->control);
     if (is_mailbox(sm) ? mode != ECT_SM_CONTROL_MAILBOX : mode != 0 && mode != ECT_SM_CONTROL_MAILBOX)
         return wrong(r, "SM%u: control %02Xh has the wrong mode", n, sm->control);
     return true;

@@ -33,7 +33,7 @@ bool check_names(const report_t *r)
             return false;
     }
     if (strspn(d->name, "abcdefghijklmnopqrstuvwxyz0123456789-") != strlen(d->name))
-        return wrong(r, "name: '%.40s' has something else than lower case, digits and hyphens", d->name);
+        return wrong(r, "name: '%.40s' contains a character other than lower case, digits and hyphens", d->name);
     return true;
 }
 

@@ -39,7 +39,7 @@ static void add_pdo(ect_build_t *build, const ect_esi_pdo_t *model, uint32_t pdo
     uint16_t index = index_of(build, model, pdo_shift);
     for (size_t i = 0; i < build->pdo_count; i++) {
         if (build->pdos[i].index == index && build->pdos[i].model->tx == model->tx) {
-            ect_build_note(build, "line %d: PDO %04X is there twice: the first one counts", model->line,
+            ect_build_note(build, "line %d: PDO %04X occurs twice: the first one is used", model->line,
                            (unsigned int)index);
             return;
         }

@@ -173,7 +173,7 @@ static void count_entries(ect_build_t *build, ect_build_object_t *object)
         return;
     const uint64_t count = zero->initial.length > 0 ? ect_build_number(zero) : highest;
     if (zero->data_type != ECT_TYPE_UNSIGNED8 || zero->bits != 8) {
-        ect_build_note(build, "object %04X: its sub-index 0 is no USINT in the file; it is one",
+        ect_build_note(build, "object %04X: sub-index 0 is no USINT in the file: the twin uses USINT",
                        (unsigned int)object->index);
         zero->data_type = ECT_TYPE_UNSIGNED8;
         zero->bits = 8;
@@ -204,12 +204,12 @@ static void add_object(ect_build_t *build, const ect_esi_dictionary_t *dictionar
 {
     uint16_t index = (uint16_t)(model->index + (model->depends_on_slot ? shift : 0));
     if ((ect_od_is_rxpdo(index) || ect_od_is_txpdo(index)) && !is_pdo_of(build->model, model->index)) {
-        ect_build_note(build, "line %d: object %04X is none of the file's PDOs: it is left out", model->line,
+        ect_build_note(build, "line %d: object %04X is not one of the file's PDOs: it is left out", model->line,
                        (unsigned int)index);
         return;
     }
     if (ect_build_find(build, index) != NULL) {
-        ect_build_note(build, "line %d: object %04X is there twice: the first one counts", model->line,
+        ect_build_note(build, "line %d: object %04X occurs twice: the first one is used", model->line,
                        (unsigned int)index);
         return;
     }
@@ -260,14 +260,14 @@ static ect_build_entry_t *make_entry(ect_build_t *build, const ect_esi_init_t *i
         object = ect_build_object(build, index, init->subindex == 0 ? ECT_OBJECT_VAR : ECT_OBJECT_RECORD, name);
     if (object->code == ECT_OBJECT_VAR && init->subindex != 0) {
         ect_build_note(build,
-                       "line %d: a start-up command writes %04X:%u, and %04X is a single value: no such entry is made",
+                       "line %d: a start-up command writes %04X:%u, and %04X is a single value: the entry is not added",
                        init->line, (unsigned int)index, (unsigned int)init->subindex, (unsigned int)index);
         return NULL;
     }
     bool known = ect_esi_resolve(NULL, "", (uint32_t)(8 * init->data.length), &basic);
     ECT_ASSERT(known); /* a number of bytes */
     (void)known;
-    ect_build_note(build, "line %d: a start-up command writes %04X:%u, which the dictionary has not: it is made",
+    ect_build_note(build, "line %d: a start-up command writes %04X:%u, which the dictionary lacks: it is added",
                    init->line, (unsigned int)index, (unsigned int)init->subindex);
     ect_build_entry_t *zero = ect_build_entry(object, 0);
     if (zero != NULL && init->subindex > ect_build_number(zero))
@@ -295,7 +295,9 @@ void ect_build_inits(ect_build_t *build, const ect_esi_init_t *inits, size_t cou
         if (entry == NULL)
             entry = make_entry(build, init, index);
         else if ((entry->access & wanted) != wanted)
-            ect_build_note(build, "line %d: a start-up command writes %04X:%u, which is read-only: it is writable",
+            ect_build_note(build,
+                           "line %d: a start-up command writes %04X:%u, which is read-only in the file: the twin makes "
+                           "it writable",
                            init->line, (unsigned int)index, (unsigned int)init->subindex);
         if (entry != NULL)
             entry->access |= wanted;

@@ -117,7 +117,7 @@ static const char *why_not(const ect_build_pdo_t *pdo, bool on_virtual)
     if (model->virtual_pdo && !on_virtual)
         return "it maps registers of the controller, and no virtual SyncManager has it";
     if (pdo->index < first || pdo->index >= first + 0x200)
-        return model->tx ? "its index is none of a PDO of inputs" : "its index is none of a PDO of outputs";
+        return model->tx ? "its index is not that of a PDO of inputs" : "its index is not that of a PDO of outputs";
     if (model->entry_count > LONGEST_MAPPING)
         return "a mapping object has at most 254 entries";
     for (size_t i = 0; i < model->entry_count; i++) {

@@ -84,7 +84,7 @@ static void check_order(const lint_t *l, const xmlNode *parent, const struct ord
         if (rank(order, tag(node)) < 0)
             finding(l, true, node, "%s in %s, where there is no such element", tag(node), order->parent);
         else if (before != NULL && rank(order, tag(node)) < rank(order, tag(before)))
-            finding(l, true, node, "%s behind %s in %s: tools that keep to the order of the schema pass over the file",
+            finding(l, true, node, "%s behind %s in %s: tools that require the order of the schema skip the file",
                     tag(node), tag(before), order->parent);
         before = rank(order, tag(node)) < 0 ? before : node;
     }
@@ -121,7 +121,7 @@ static void check_attribute(const lint_t *l, const xmlNode *node, const char *na
             finding(l, true, node, "%s of %s is obsolete", name, tag(node));
     }
     if (strcmp(tag(node), "Sm") == 0 && strcmp(name, op_only) == 0)
-        finding(l, false, node, "OpOnly of Sm: many masters do not know it");
+        finding(l, false, node, "OpOnly of Sm: many masters do not support it");
 }
 
 /* --- numbers ----------------------------------------------------------------------------------------------------- */
@@ -334,7 +334,7 @@ ect_esi_schema_t *ect_esi_schema_open(const char *path, char *text, size_t room)
     xmlFreeDoc(document); /* the schema has a copy of what it needs */
     if (schema != NULL && schema->valid != NULL)
         return schema;
-    (void)snprintf(text, room, "%s: no schema that can be read, with all that it includes", path);
+    (void)snprintf(text, room, "%s: the schema, or a file that it includes, cannot be read", path);
     ect_esi_schema_close(schema);
     return NULL;
 }

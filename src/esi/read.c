@@ -185,7 +185,7 @@ const ect_esi_device_t *ect_esi_select(ect_esi_t *esi, const char *selector, cha
     size_t other;
     size_t chosen = choose(esi, &selection, &other);
     if (chosen == esi->count) {
-        (void)snprintf(text, room, "%s: no device \"%s\" in it; `ectwin list esi:%s` shows what there is", esi->file,
+        (void)snprintf(text, room, "%s: no device \"%s\" in it; `ectwin list esi:%s` lists the devices", esi->file,
                        selector, esi->file);
         return NULL;
     }

@@ -390,7 +390,7 @@ static bool fit_image(ect_build_t *build, ect_device_t *device, bool size_given)
         [ECT_OMIT_ENTRY_NAMES] = "the names of PDO entries",
         [ECT_OMIT_PDO_NAMES] = "the names of PDOs and their entries",
         [ECT_OMIT_MODE_TEXTS] = "the names of PDOs, their entries and the modes of the clocks",
-        [ECT_OMIT_FREE_PDOS] = "the PDOs that are not assigned, and all names of PDOs, entries and clock modes",
+        [ECT_OMIT_FREE_PDOS] = "the unassigned PDOs, and all names of PDOs, entries and clock modes",
         [ECT_OMIT_PDOS] = "all PDOs, which the dictionary has, and the names of the clock modes",
     };
     uint8_t *image = malloc(device->sii_size);
@@ -441,8 +441,7 @@ static const char *physics_of(ect_build_t *build)
         if (strchr("YKH ", *letter) != NULL && count < 4)
             ports[count++] = *letter;
         else
-            ect_build_note(build, "its Physics \"%s\" has something else than Y, K, H for at most 4 ports",
-                           build->model->physics);
+            ect_build_note(build, "its Physics \"%s\" is not Y, K and H for at most 4 ports", build->model->physics);
     }
     return count > 0 ? ect_arena_copy(build->arena, ports, count) : "YY";
 }
@@ -615,7 +614,7 @@ static bool limits_of(ect_build_t *build, const ect_build_object_t *object, cons
                        (long long)*minimum, (long long)*maximum);
         return false;
     }
-    ect_build_note(build, "object %04X:%u: its limits %lld to %lld are none for its type: left out",
+    ect_build_note(build, "object %04X:%u: its limits %lld to %lld do not fit its type: left out",
                    (unsigned int)object->index, (unsigned int)entry->subindex, (long long)*minimum,
                    (long long)*maximum);
     return false;

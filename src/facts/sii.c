@@ -23,7 +23,7 @@ static void add_string(const image_t *image, ect_fact_kind_t kind, unsigned int 
     if (text != NULL)
         ect_facts_add_text(image->facts, kind, index, element, text, length);
     else if (number != 0)
-        (void)ect_facts_add(image->facts, kind, index, element, "string %u, which is not there", number);
+        (void)ect_facts_add(image->facts, kind, index, element, "string %u, which does not exist", number);
 }
 
 static const char *text_or_none(uint8_t string)

@@ -101,7 +101,7 @@ blanked alias 0 4711 FZM1
 blanked serial,names 17 0 xxxx
 blanked serial,alias,names,texts 0 0 xxxx
 "$ectwin" clone -i x -o y --blank serial,name 2>"$work/err"
-check "--blank with another word (CLN-013)" "1 ectwin clone: --blank takes serial, alias, names, texts, with commas between, or none, not 'serial,name'" \
+check "--blank with another word (CLN-013)" "1 ectwin clone: --blank takes serial, alias, names, texts, separated by commas, or none, not 'serial,name'" \
   "$? $(head -1 "$work/err")"
 
 # An EEPROM that has 2200:09 in its first PDO, and a dictionary that has 2200:01.
@@ -154,7 +154,7 @@ printf '%s\n' "python3 '$work/master.py' \"\$1\" & master=\$!" "sleep 1" \
 "$ectwin" with fzm1 -- sh "$work/beside.sh" {} >"$work/out" 2>&1
 check "a master at work: exit code, and no folder (CLN-003)" "2 0" "$(cat "$work/refused")"
 check "a master at work: the cure (CLN-003)" \
-  "ectwin clone: a master is at work on 'ecat0', and both would take replies of the other: end it first, or read nevertheless with --beside-master" \
+  "ectwin clone: a master is active on 'ecat0', and each would fetch replies of the other: stop it first, or read with --beside-master" \
   "$(cat "$work/err")"
 check "--beside-master (CLN-003)" 0 "$(cat "$work/beside")"
 

@@ -160,16 +160,16 @@ squatters() {
   fi
   mkdir -p "$work/squatted/ectwin" && chown 65534 "$work/squatted/ectwin" && chmod 755 "$work" "$work/squatted"
   XDG_RUNTIME_DIR=$work/squatted "$ectwin" get 2>"$work/err"
-  check "get: a folder of somebody else" 2 $?
-  has "get: it is not trusted" "belongs to somebody else" "$work/err"
+  check "get: a folder of another user" 2 $?
+  has "get: it is not trusted" "belongs to another user" "$work/err"
   XDG_RUNTIME_DIR=$work/squatted "$ectwin" with fzm1 -- true 2>"$work/err"
-  has "with: no socket in a folder of somebody else" "not a folder of your own" "$work/err"
+  has "with: no socket in a folder of another user" "not a folder of your own" "$work/err"
   XDG_RUNTIME_DIR=$work/squatted python3 -c "
 import sys; sys.path.insert(0, '$here/../../python')
 import ectwin
 try: ectwin.connect()
 except ectwin.Error as e: print(e)" >"$work/out" 2>&1
-  has "python: nor by the module" "belongs to somebody else" "$work/out"
+  has "python: nor by the module" "belongs to another user" "$work/out"
   mkdir -m 777 "$work/open"
   setpriv --reuid 65534 --clear-groups /usr/bin/python3 -c "
 import os, socket, time
@@ -189,7 +189,7 @@ print('ready', flush=True); time.sleep(20)" >"$work/ready2" &
   check "get: no twin of one's own" 2 $?
   rmdir /tmp/ectwin-64999
   export XDG_RUNTIME_DIR=$work/runtime
-  has "get: it says whose there may be" "user 64999 may have some, in /tmp/ectwin-64999: ask as that user, or with sudo" \
+  has "get: the line names the user with twins" "user 64999 may have some, in /tmp/ectwin-64999: run the command as that user, or with sudo" \
     "$work/err"
 }
 
@@ -236,7 +236,7 @@ twins_of_another_user() {
   setpriv --reuid 64997 --clear-groups "$work/bin/ectwin" ps >>"$work/out" 2>"$work/err2"
   kill $twin
   wait $twin 2>/dev/null
-  has "ps: nor in a folder of another user" "belongs to somebody else" "$work/err2"
+  has "ps: nor in a folder of another user" "belongs to another user" "$work/err2"
   check "ps: not another user's" "" "$(cat "$work/out")"
   has "get -s: nor by its name" "no twin of yours has the name or the process id 'shared'" "$work/err"
 }

@@ -71,7 +71,7 @@ wrong_usage() {
   check "two wires and --external" 1 $?
   for option in --set=a=1 '--fault=drop 5%' --drop=5 --store=x --files=x --break=CF-034 --vendor-id=1 --realtime --busy-poll --esc=et1100; do
     "$ectwin" with "$option" --external "$twin" -- true >"$work/out" 2>&1
-    check "$option, which is for twins, and --external" "1 1" "$? $(grep -c 'the options of twins do nothing to it' "$work/out")"
+    check "$option, which is for twins, and --external" "1 1" "$? $(grep -c 'the options of twins have no effect on it' "$work/out")"
   done
 }
 

@@ -94,7 +94,7 @@ what_is_refused() {
   check "run: the port is taken, the address is somebody else's" "\
 ectwin run: --modbus: cannot listen at '1502': the port is taken: choose another one, or 0 for any that is free
 2
-ectwin run: --modbus: cannot listen at '192.0.2.1:1502': this machine does not have the address; 'ip -br address' lists those it has
+ectwin run: --modbus: cannot listen at '192.0.2.1:1502': this machine does not have the address; 'ip -br address' lists its addresses
 2
 0" "$(cat "$work/out")"
 }

@@ -155,26 +155,26 @@ def wrong_files(file):
                           (whole[:-3], "the file ends within a block, at byte "),
                           (heads, "there are no frames in it"),
                           (heads + whole[-200:], "a block of "),
-                          (heads + local(START, 0, 0, b"{"), "its start makes no sense"),
-                          (start(words=[]), "its start makes no sense"),
-                          (start(words=[1]), "its start makes no sense"),
+                          (heads + local(START, 0, 0, b"{"), "an invalid start"),
+                          (start(words=[]), "an invalid start"),
+                          (start(words=[1]), "an invalid start"),
                           (start(words=["no-such-device"]), "'no-such-device'"),
                           (start(words=["--no-such-option", "fzm1"]), "unrecognized option"),
                           (start(words=["--serial", "x", "fzm1"]), "--serial takes a number"),
                           (start(words=["--store", "/no/folder", "fzm1"]), "there are no frames in it"),
-                          (start() + local(CONTENT), "a part of a memory or a file makes no sense"),
-                          (start() + local(CONTENT, 2, 0, b"memory 1.0\n1"), "a part of a memory or a file makes no sense"),
+                          (start() + local(CONTENT), "an invalid part of a memory or a file"),
+                          (start() + local(CONTENT, 2, 0, b"memory 1.0\n1"), "an invalid part of a memory or a file"),
                           (start() + local(CONTENT, 1, 1, b"memory 1.0\n1"), "the parts of a memory do not fit"),
-                          (start() + local(CONTENT, 1, 0, b"file name\n1"), "it holds a file that no twin has"),
-                          (with_files + local(CONTENT, 1, 0, b"file ../name\n1"), "it holds a file that no twin has"),
-                          (with_files + local(CONTENT, 1, 0, b"file .name\n1"), "it holds a file that no twin has"),
+                          (start() + local(CONTENT, 1, 0, b"file name\n1"), "it contains a file that no twin has"),
+                          (with_files + local(CONTENT, 1, 0, b"file ../name\n1"), "it contains a file that no twin has"),
+                          (with_files + local(CONTENT, 1, 0, b"file .name\n1"), "it contains a file that no twin has"),
                           (with_files + local(CONTENT, 1, 7, b"file name\n1"), "the parts of a file do not fit"),
-                          (start() + local(MODBUS, 0, 0, b"00 00"), "a Modbus request makes no sense"),
+                          (start() + local(MODBUS, 0, 0, b"00 00"), "an invalid Modbus request"),
                           (start(words=["--set", "none=1", "fzm1"]), "its twins cannot be powered on: --set: "),
                           (start() + local(CLOCK) + local(CLOCK), "a clock reading or a start in the wrong place"),
                           (start() + local(99), "a clock reading or a start in the wrong place"),
                           (start() + block(LOCAL, b"1234"), "a local block of 4 bytes"),
-                          (start() + local(REQUEST, 0, 0, b'{"op":"get"}'), "a request makes no sense"),
+                          (start() + local(REQUEST, 0, 0, b'{"op":"get"}'), "an invalid request"),
                           (start() + block(PACKET, struct.pack("<IIIIII", 0, 0, 0, 4, 2000, 0)), "frame 1 is cut"),
                           (start() + block(PACKET, struct.pack("<IIIII", 0, 0, 0, 0, 0)), "frame 1 is none of ours")):
         file.write_bytes(content)
@@ -318,7 +318,7 @@ def modbus(file):
     for old, new in ((b"0001", b"00G1"), (b" 0001", b"_0001")):
         file.write_bytes(whole)
         change_local(file, MODBUS, old, new)
-        replay(file, 2, r".*: a Modbus request makes no sense")
+        replay(file, 2, r".*: an invalid Modbus request")
 
 
 def mistakes(file):

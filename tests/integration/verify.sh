@@ -92,11 +92,11 @@ check "probe: no such slave: exit code" 3 $?
 check "probe: no such slave" "ectwin-probe: slave 2 on 'ecat0': the segment has only 1 slave" "$(grep probe "$work/err")"
 with fzm1 -- "$probe" -i {} --sii /dev/full >/dev/null 2>"$work/err"
 check "probe: a full disk" "3 ectwin-probe: cannot write '/dev/full': No space left on device" "$? $(grep probe "$work/err")"
-check "probe: no such interface" "ectwin-probe: there is no network interface 'nosuch': 'ip -br link' lists those there are 2" \
+check "probe: no such interface" "ectwin-probe: there is no network interface 'nosuch': 'ip -br link' lists all interfaces 2" \
   "$("$probe" -i nosuch 2>&1 | tr '\n' ' '; echo "${PIPESTATUS[0]}")"
 "$ectwin" verify slave:nowhere0 fzm1 >/dev/null 2>"$work/err"
 check "no such interface: exit code" 2 $?
-check "no such interface" "ectwin verify: slave:nowhere0: there is no network interface 'nowhere0': 'ip -br link' lists those there are" "$(grep verify "$work/err")"
+check "no such interface" "ectwin verify: slave:nowhere0: there is no network interface 'nowhere0': 'ip -br link' lists all interfaces" "$(grep verify "$work/err")"
 "$ectwin" verify "$work/nothing.bin" fzm1 2>"$work/err"
 check "no such file: exit code" 2 $?
 check "no such file" "ectwin verify: $work/nothing.bin: No such file or directory" "$(cat "$work/err")"

@@ -65,7 +65,7 @@ static void use_own_address(int socket, const char *iface)
 const char *cf_port_open(cf_port_t **port, const char *iface)
 {
     if (strlen(iface) >= IF_NAMESIZE || if_nametoindex(iface) == 0)
-        return "there is no network interface of that name: 'ip -br link' lists those there are";
+        return "there is no network interface of that name: 'ip -br link' lists all interfaces";
     int probe = socket(PF_PACKET, SOCK_RAW, 0); /* SOEM gives no reason */
     if (probe < 0)
         return errno == EPERM || errno == EACCES

@@ -28,7 +28,7 @@ typedef struct ect_stats {
     uint64_t dropped;    /**< lost by a fault (--drop) */
     uint64_t delayed;    /**< delayed by a fault (--delay); not in the histogram */
     uint64_t captured;   /**< frames in the capture (--pcap) */
-    uint64_t uncaptured; /**< frames that it lacks: the disk was too slow, or is full */
+    uint64_t uncaptured; /**< frames missing in the capture: the disk was too slow, or is full */
     /** Replies by response time: from arrival at the interface (ect_packet_time_t) to the end of the sending call. */
     uint64_t answers[ECT_STATS_STEPS];
     uint64_t longest_answer_ns;

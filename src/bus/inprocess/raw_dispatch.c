@@ -158,7 +158,7 @@ static long control_process(const ect_raw_call_t *call)
 static long let_go(ucontext_t *at, bool of_system)
 {
     static const char line[] =
-        "ectwin: CMD makes threads without the C library; its own system calls are no longer seen by the twins: run it "
+        "ectwin: CMD makes threads without the C library; its direct system calls no longer reach the twins: run it "
         "without --in-process\n";
     if (!of_system)
         (void)!REAL(write)(STDERR_FILENO, line, sizeof line - 1);

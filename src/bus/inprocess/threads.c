@@ -224,8 +224,8 @@ static void report(const char *call)
 {
     if (!reported)
         (void)!dprintf(STDERR_FILENO,
-                       "ectwin: --virtual-time: %s has waited for a second of real time for something that the virtual "
-                       "clock does not know, such as another process or a network; from here on the run is not "
+                       "ectwin: --virtual-time: %s has waited for a second of real time for an event outside the "
+                       "virtual clock, such as another process or a network; from here on the run is not "
                        "reproducible: give the wait a timeout, or leave out --virtual-time\n",
                        call);
     reported = true;

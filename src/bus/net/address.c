@@ -40,7 +40,7 @@ const char *ect_address_why(int error)
     case EACCES:
         return "a port below 1024 needs CAP_NET_BIND_SERVICE: take a higher one, or run it with sudo";
     case EADDRNOTAVAIL:
-        return "this machine does not have the address; 'ip -br address' lists those it has";
+        return "this machine does not have the address; 'ip -br address' lists its addresses";
     default:
         return strerror(error);
     }

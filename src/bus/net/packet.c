@@ -45,7 +45,7 @@ enum {
 
 static void explain_absence(const char *iface, char *message)
 {
-    snprintf(message, ECT_PACKET_MESSAGE, "there is no network interface '%s': 'ip -br link' lists those there are",
+    snprintf(message, ECT_PACKET_MESSAGE, "there is no network interface '%s': 'ip -br link' lists all interfaces",
              iface);
 }
 

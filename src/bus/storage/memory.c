@@ -173,7 +173,7 @@ static bool is_unmade(const bank_t *b, const uint8_t found[HEAD])
 /* Nothing but a file of our own is taken, and nothing else is changed. @return why not, NULL */
 static const char *take_file(const bank_t *b, const char *name)
 {
-    static const char foreign[] = "it is not what a twin has saved; it stays as it is";
+    static const char foreign[] = "it is no record of a twin; it is left unchanged";
     struct stat info;
     uint8_t found[HEAD];
     if (fstat(b->fd, &info) < 0 || !S_ISREG(info.st_mode))

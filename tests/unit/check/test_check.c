@@ -30,8 +30,8 @@ typedef struct row {
 #define NAMES(X)                                                                                                       \
     X(no_name, confdev, D.name = NULL, "name is missing")                                                              \
     X(name_empty, confdev, D.name = "", "name is missing")                                                             \
-    X(name_upper, confdev, D.name = "Confdev", "name: 'Confdev' has something else than lower case")                   \
-    X(name_underscore, confdev, D.name = "conf_dev", "'conf_dev' has something else")                                  \
+    X(name_upper, confdev, D.name = "Confdev", "name: 'Confdev' contains a character other than lower case")           \
+    X(name_underscore, confdev, D.name = "conf_dev", "'conf_dev' contains a character other")                          \
     X(no_summary, confdev, D.summary = NULL, "summary is missing")                                                     \
     X(no_vendor, confdev, D.vendor_name = NULL, "vendor_name is missing")                                              \
     X(no_type, confdev, D.type_name = NULL, "type_name is missing")                                                    \
@@ -144,8 +144,8 @@ typedef struct row {
     X(sm0_type, gauge, D.sm[0].type = ECT_SM_UNUSED, "SM0: with a mailbox its type is 1, not 0")                       \
     X(mailbox_elsewhere, gauge, D.sm[2].type = ECT_SM_MAILBOX_IN, "SM2: a mailbox is in SM0 and SM1")                  \
     X(mailbox_without, terminal, D.sm[0].type = ECT_SM_MAILBOX_OUT, "1C10h: SM0 has no process data")                  \
-    X(direction, terminal, D.sm[1].control = 0x24, "SM1: control 24h has the direction of the other way")              \
-    X(direction_out, terminal, D.sm[0].control = 0x60, "SM0: control 60h has the direction of the other way")          \
+    X(direction, terminal, D.sm[1].control = 0x24, "SM1: control 24h has the opposite direction")                      \
+    X(direction_out, terminal, D.sm[0].control = 0x60, "SM0: control 60h has the opposite direction")                  \
     X(mailbox_mode, gauge, D.sm[0].control = 0x24, "SM0: control 24h has the wrong mode")                              \
     X(process_mode, terminal, D.sm[1].control = 0x21, "SM1: control 21h has the wrong mode")                           \
     X(mailbox_short, gauge, D.sm[0].length = 33, "SM0: a mailbox has 34 to 1486 bytes, not 33 to 33")                  \

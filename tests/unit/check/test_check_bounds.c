@@ -106,7 +106,7 @@ static void names_have_lower_case_digits_and_hyphens(void **state)
         if (good)
             expect_good("name", letter, with_text(&members[0], text));
         else
-            expect_wrong("name", letter, "has something else than lower case", with_text(&members[0], text));
+            expect_wrong("name", letter, "contains a character other than lower case", with_text(&members[0], text));
     }
 }
 
@@ -306,7 +306,7 @@ static void every_role_has_its_direction_and_mode(void **state)
             copy_t *c = copy_device(&testdev);
             c->device.sm[sm].control = (uint8_t)control;
             if (out ? !writes : !reads)
-                expect_wrong("control", 100 * sm + control, "direction of the other way", c);
+                expect_wrong("control", 100 * sm + control, "opposite direction", c);
             else if (sm < 2 ? mode != 2 : mode == 1 || mode == 3)
                 expect_wrong("control", 100 * sm + control, "has the wrong mode", c);
             else

@@ -147,12 +147,12 @@ static void refusals(void **state)
     } table[] = {
         {"1600h", WITH(RX("Sm='2'", "#x1600", O8)), NULL},
         {"17FFh", WITH(RX("Sm='2'", "#x17FF", O8)), NULL},
-        {"15FFh", WITH(RX("Sm='2'", "#x15FF", O8)), "its index is none of a PDO of outputs"},
-        {"1800h", WITH(RX("Sm='2'", "#x1800", O8)), "its index is none of a PDO of outputs"},
+        {"15FFh", WITH(RX("Sm='2'", "#x15FF", O8)), "its index is not that of a PDO of outputs"},
+        {"1800h", WITH(RX("Sm='2'", "#x1800", O8)), "its index is not that of a PDO of outputs"},
         {"1A00h", WITH(TX("Sm='3'", "#x1A00", A8)), NULL},
         {"1BFFh", WITH(TX("Sm='3'", "#x1BFF", A8)), NULL},
-        {"19FFh", WITH(TX("Sm='3'", "#x19FF", A8)), "its index is none of a PDO of inputs"},
-        {"1C00h", WITH(TX("Sm='3'", "#x1C00", A8)), "its index is none of a PDO of inputs"},
+        {"19FFh", WITH(TX("Sm='3'", "#x19FF", A8)), "its index is not that of a PDO of inputs"},
+        {"1C00h", WITH(TX("Sm='3'", "#x1C00", A8)), "its index is not that of a PDO of inputs"},
         {"an entry of 248 bits", WITH(TX("Sm='3'", "#x1A00", ENTRY("#x6000", "1", "248", "A", "STRING(31)"))), NULL},
         {"an entry of 256 bits", WITH(TX("Sm='3'", "#x1A00", ENTRY("#x6000", "1", "256", "A", "STRING(32)"))),
          "an entry can map at most 255 bits"},
@@ -701,21 +701,21 @@ static void commands_against_the_dictionary(void **state)
         const char *note;
     } table[] = {
         {"an element of a value", COMMANDED(DICT(OBJECT("#x2000", "USINT", "8", "")), COMMAND("#x2000", "1", "05")), 0,
-         1, "line 2: a start-up command writes 2000:1, and 2000 is a single value: no such entry is made"},
+         1, "line 2: a start-up command writes 2000:1, and 2000 is a single value: the entry is not added"},
         {"a value", COMMANDED("", COMMAND("#x2000", "0", "05")), 0, 1,
-         "line 2: a start-up command writes 2000:0, which the dictionary has not: it is made"},
+         "line 2: a start-up command writes 2000:0, which the dictionary lacks: it is added"},
         {"an element of nothing", COMMANDED("", COMMAND("#x2000", "3", "05")), 3, 2,
-         "line 2: a start-up command writes 2000:3, which the dictionary has not: it is made"},
+         "line 2: a start-up command writes 2000:3, which the dictionary lacks: it is added"},
         {"one element more", COMMANDED(PAIR, COMMAND("#x2000", "4", "05")), 4, 3,
-         "line 2: a start-up command writes 2000:4, which the dictionary has not: it is made"},
+         "line 2: a start-up command writes 2000:4, which the dictionary lacks: it is added"},
         {"the number of entries that the dictionary leaves out", COMMANDED(PAIR, COMMAND("#x2000", "0", "05")), 2, 2,
-         "line 2: a start-up command writes 2000:0, which the dictionary has not: it is made"},
+         "line 2: a start-up command writes 2000:0, which the dictionary lacks: it is added"},
         {"two bytes of it", COMMANDED(PAIR, COMMAND("#x2000", "0", "0500")), 2, 2,
-         "line 2: a start-up command writes 2000:0, which the dictionary has not: it is made"},
+         "line 2: a start-up command writes 2000:0, which the dictionary lacks: it is added"},
         {"no data", COMMANDED("", COMMAND("#x2000", "0", "")), 0, 0, NULL},
         {"an assignment", COMMANDED("", COMMAND("#x1C2F", "1", "0016")), 0, 0, NULL},
         {"behind the assignments", COMMANDED("", COMMAND("#x1C30", "1", "0016")), 1, 2,
-         "line 2: a start-up command writes 1C30:1, which the dictionary has not: it is made"},
+         "line 2: a start-up command writes 1C30:1, which the dictionary lacks: it is added"},
         {"a mapping", COMMANDED("", COMMAND("#x1600", "1", "0016")), 0, 0, NULL},
     };
     (void)state;
@@ -773,11 +773,11 @@ static void lengths_and_omissions(void **state)
         {"65528 bits", TEXT("65528"), 0x2000, 65528, NULL},
         {"65536 bits", TEXT("65536"), 0x2000, 65528, "object 2000:0 has 8192 bytes; the twin has its first 8191"},
         {"a mapping of no PDO", WITH(DICT(OBJECT("#x1A05", "USINT", "8", ""))), 0x1A05, 0,
-         "line 2: object 1A05 is none of the file's PDOs: it is left out"},
+         "line 2: object 1A05 is not one of the file's PDOs: it is left out"},
         {"a mapping of a PDO", WITH(DICT(OBJECT("#x1A05", "USINT", "8", "")) TX("", "#x1A05", A8)), 0x1A05, 32, NULL},
         {"a gap of 65535 bits", WITH(TX("", "#x1A05", "<Entry><Index>0</Index><BitLen>65535</BitLen></Entry>")), 0x1A05,
          32,
-         "an EEPROM of 2048 bytes has no room for the PDOs that are not assigned, and all names of PDOs, entries and "
+         "an EEPROM of 2048 bytes has no room for the unassigned PDOs, and all names of PDOs, entries and "
          "clock modes: left out"},
     };
     (void)state;

@@ -597,7 +597,7 @@ static void eeprom_of_the_file(void **state)
         {"no names of modes", EEPROM_OF("500"), true, 512,
          "an EEPROM of 512 bytes has no room for the names of PDOs and their entries"},
         {"no PDOs that are free", EEPROM_OF("384"), true, 384,
-         "an EEPROM of 384 bytes has no room for the PDOs that are not assigned, and all names of PDOs"},
+         "an EEPROM of 384 bytes has no room for the unassigned PDOs, and all names of PDOs"},
         {"no PDOs", EEPROM_OF("256"), true, 256, "an EEPROM of 256 bytes has no room for all PDOs, which"},
         {"not even that", EEPROM_OF("128"), true, 256, "an EEPROM of 256 bytes has no room for all PDOs, which"},
         {"without CoE the PDOs stay", EEPROM_OF("256"), false, 512,
@@ -682,8 +682,8 @@ static void start_up_notes(void **state)
 {
     static const char *const expected[] = {
         "line 63: category 30 of the EEPROM is left out: its number or length is taken",
-        "line 56: a start-up command writes 8000:0, which is read-only: it is writable",
-        "line 58: a start-up command writes F800:2, which the dictionary has not: it is made",
+        "line 56: a start-up command writes 8000:0, which is read-only in the file: the twin makes it writable",
+        "line 58: a start-up command writes F800:2, which the dictionary lacks: it is added",
     };
     (void)state;
     ect_esi_twin_t *twin = make("extras.xml", "");

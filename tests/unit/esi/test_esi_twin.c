@@ -375,9 +375,8 @@ static void no_hole(void **state)
     assert_non_null(model);
     assert_null(ect_esi_twin_of(esi, model, NULL, 0, message, sizeof message));
     ect_esi_close(esi);
-    assert_string_equal(message,
-                        "hole.xml:1: D: line 4: PDO 1A00 (O) is assigned to SyncManager 2, and its index is none "
-                        "of a PDO of outputs");
+    assert_string_equal(message, "hole.xml:1: D: line 4: PDO 1A00 (O) is assigned to SyncManager 2, and its index is "
+                                 "not that of a PDO of outputs");
 }
 
 int main(void)

@@ -258,8 +258,8 @@ static void refused(void **state)
         const char *iface, *why;
     } rows[] = {
         {"sixteen-letters-", "'sixteen-letters-' is no interface name: they have at most 15 characters"},
-        {"fifteen-letters", "there is no network interface 'fifteen-letters': 'ip -br link' lists those there are"},
-        {"", "there is no network interface '': 'ip -br link' lists those there are"},
+        {"fifteen-letters", "there is no network interface 'fifteen-letters': 'ip -br link' lists all interfaces"},
+        {"", "there is no network interface '': 'ip -br link' lists all interfaces"},
         {"lo", "'lo' is no Ethernet interface: name a NIC or one end of a veth pair"},
         {"ecat0", "another program has 'ecat0' open for EtherCAT already, a twin or a master: end that one first"},
     };

@@ -316,7 +316,7 @@ static void opened(void **state)
 #define RIGHT                                                                                                          \
     "opening 'ectwin0' needs the capability CAP_NET_RAW: run it with sudo, or give it once and for all with 'sudo "    \
     "setcap cap_net_raw,cap_net_admin+ep $(realpath PATH/TO/ectwin)', or use 'ectwin with', which needs no rights"
-#define ABSENT "there is no network interface 'ectwin0': 'ip -br link' lists those there are"
+#define ABSENT "there is no network interface 'ectwin0': 'ip -br link' lists all interfaces"
 #define FULL   "binding to 'ectwin0' failed: Too many open files"
 
 /* One line, nothing left open, and the interface as it was. */

@@ -166,7 +166,7 @@ static void foreign_files(void **state)
     static const size_t sizes[] = {1, 100, ECT_MEMORY_BANK, ECT_MEMORY_BANK + 32, ECT_MEMORY_BANK + 33};
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         write_file("foreign.0", "M", 1, sizes[i]);
-        expect_refused("foreign", "not what a twin has saved");
+        expect_refused("foreign", "no record of a twin");
         assert_int_equal(size_of("foreign.0"), sizes[i]);
         assert_int_equal(size_of("foreign.1"), -1);
     }
