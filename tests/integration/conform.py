@@ -524,7 +524,7 @@ def files_named(ectwin, conform):
     for arguments, code, text in ((["--esi", "/no/such.xml"], 2, "/no/such.xml: No such file"),
                                   (["--esi", f"{lot}#DI5"], 2, 'no device "DI5" in it'),
                                   (["--esi", lot], 2, "both fit: name one"),
-                                  (["--esi", fzm1, "--schema", "/no/such.xsd"], 2, "/no/such.xsd: no schema"),
+                                  (["--esi", fzm1, "--schema", "/no/such.xsd"], 2, "/no/such.xsd: the schema"),
                                   (["--schema", "a.xsd"], 64, "name it with --esi")):
         done = call(ectwin, conform, ["fzm1"], [*arguments, "--only", "CF-057"])
         expect(" ".join(arguments), code, done.returncode)
