@@ -7,18 +7,24 @@ calls=$3
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export ASAN_OPTIONS=detect_leaks=0
-failed=0
+count=0
 
-check() { # TITLE COMMAND...: COMMAND succeeds
+# check TITLE COMMAND...: COMMAND succeeds. It runs with a folder $work of its own, at most four side by side, because most of them wait.
+check() {
   local title=$1
   shift
-  if "$@" >"$work/log" 2>&1; then
-    echo "ok      $title"
-  else
-    echo "FAILED  $title"
-    sed 's/^/        /' "$work/log" | head -20
-    failed=1
-  fi
+  count=$((count + 1))
+  while [ "$(jobs -rp | wc -l)" -ge 4 ]; do wait -n; done
+  {
+    work=$work/$count
+    mkdir "$work"
+    if "$@" >"$work/log" 2>&1; then
+      echo "ok      $title"
+    else
+      echo "FAILED  $title"
+      sed 's/^/        /' "$work/log" | head -20
+    fi
+  } >"$work/$count.result" 2>&1 &
 }
 
 # exits STATUS COMMAND...
@@ -105,7 +111,8 @@ preload_kept() {
 check "A preloaded library of the caller stays" preload_kept
 
 # LeakSanitizer waits in pthread_create() for the new thread, which reads the clock.
-if ! ldd "$ectwin" | grep -q libasan && cc -fsanitize=leak -x c -o "$work/leak" - 2>/dev/null <<'END'; then
+leak=$work/leak
+if ! ldd "$ectwin" | grep -q libasan && cc -fsanitize=leak -x c -o "$leak" - 2>/dev/null <<'END'; then
 #include <arpa/inet.h>
 #include <net/if.h>
 #include <netpacket/packet.h>
@@ -119,7 +126,7 @@ int main(void)
     return bind(fd, (struct sockaddr *)&to, sizeof to) == 0 ? 0 : 7;
 }
 END
-  with_leak_sanitizer() { LSAN_OPTIONS=detect_leaks=0 exits 0 with --virtual-time fzm1 -- timeout -s KILL 20 "$work/leak"; }
+  with_leak_sanitizer() { LSAN_OPTIONS=detect_leaks=0 exits 0 with --virtual-time fzm1 -- timeout -s KILL 20 "$leak"; }
   check "A CMD with LeakSanitizer opens the bus on the virtual clock" with_leak_sanitizer
 else
   echo "skipped a CMD with LeakSanitizer: ectwin has AddressSanitizer, or the compiler has none"
@@ -267,4 +274,10 @@ if [ ! "${ECTWIN_NO_PYTHON:-}" ]; then
   check "A wait of more than a second for a pipe is reported in one line" long_pipe
   check "A wait of more than a second for a socket of another process is reported in one line" long_poll
 fi
+wait
+failed=0
+for ((number = 1; number <= count; number++)); do
+  cat "$work/$number.result"
+  grep -q '^ok' "$work/$number.result" || failed=1
+done
 exit $failed
