@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What a run writes down: each frame in both directions, and as comments of the next frame each fault, plug, state
- * change, request of a client that changes something, and save.
+ * The log of a run: each frame in both directions, and, as comments of the next frame, each fault, plug, state change,
+ * changing request of a client, and save.
  *
  * Context: the thread of the exchange. No call waits for the disk when the capture has a thread of its own. Cost of a
  * frame: a copy; of a run of the devices: a comparison a twin.
@@ -33,14 +33,14 @@ typedef struct ect_trace ect_trace_t;
  */
 ect_trace_t *ect_trace_new(ect_capture_t *capture, ect_capture_t *record, size_t count);
 
-/** Adds what is not in frames to the record. @param text  `length` bytes */
+/** Adds an item other than a frame to the record. @param text  `length` bytes */
 void ect_trace_log(ect_trace_t *trace, ect_logged_kind_t kind, uint32_t value, uint64_t time_ns, const char *text,
                    size_t length);
 
-/** A frame enters the chain at an end. @return false: the capture lacks it, for lack of room */
+/** A frame enters the chain at an end. @return false: the capture has no room for it */
 bool ect_trace_request(ect_trace_t *trace, ect_end_t end, uint64_t now_ns, const uint8_t *frame, size_t length);
 
-/** A frame has left the chain at an end. @return false: the capture lacks it, for lack of room */
+/** A frame has left the chain at an end. @return false: the capture has no room for it */
 bool ect_trace_reply(ect_trace_t *trace, ect_end_t end, uint64_t now_ns, const uint8_t *frame, size_t length);
 
 /** Adds a line to the comment of the next frame. */
@@ -52,7 +52,7 @@ void ect_trace_effects(ect_trace_t *trace, const ect_frame_effects_t *effects, b
 /** Notes the twins whose AL state or AL status code differs from the one before. */
 void ect_trace_states(ect_trace_t *trace, const ect_chain_t *chain);
 
-/** Passes what was added on to the file. */
+/** Passes the added items on to the file. */
 void ect_trace_flush(ect_trace_t *trace);
 
 /** Lets a thread of its own write each file; where there is none, ::ect_trace_flush writes. */

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A microcontroller that takes time, between the slave stack and the software ESC of a twin. Internal to bus/chain.
+ * The delays of a microcontroller, between the slave stack and the software ESC of a twin. Internal to bus/chain.
  *
  * The stack runs in one call, at one time. The delays are in its PDI: events are hidden until the slave would process
- * them; on a board, each access takes the time of its bytes, writes reach the ESC at the time when the board would have
- * finished them, and the next poll begins when the last access has ended. Reads take place at the beginning of a poll:
- * a mailbox is empty earlier than on the board, by the time of its bytes.
+ * them. On a board each access takes the time of its bytes, writes reach the ESC when the board would have finished
+ * them, and the next poll begins when the last access has ended. Reads take place at the beginning of a poll: a mailbox
+ * is empty earlier than on the board, by the time of its bytes.
  *
- * No clock and no heap in here. Context: the thread of the chain.
+ * This file uses no clock and no heap. Context: the thread of the chain.
  */
 #ifndef ECT_BUS_CHAIN_SLOW_H
 #define ECT_BUS_CHAIN_SLOW_H
@@ -49,15 +49,14 @@ typedef struct ect_slow {
 /** Power-on at `now_ns`. The ESC must be initialised, and outlive its use. */
 void ect_slow_init(ect_slow_t *slow, const ect_slow_config_t *config, ect_esc_t *esc, uint64_t now_ns);
 
-/** The PDI of a slave with these times. @param slow  also of a later ::ect_slow_init */
+/** @return the PDI of a slave with these delays @param slow  may be initialised later */
 ect_pdi_t ect_slow_pdi(ect_slow_t *slow);
 
 /** Lets the writes that are due reach the ESC, whose time is `now_ns`, and draws the receive times of the next frame.
  */
 void ect_slow_run(ect_slow_t *slow, uint64_t now_ns);
 
-/** Whether the poll of the slave that is due now, or was due before, begins now. If so, ::ect_slow_end must follow it.
- */
+/** @return whether a poll of the slave that is due begins now; if so, ::ect_slow_end must follow the poll */
 bool ect_slow_begins(ect_slow_t *slow, uint64_t now_ns);
 
 /** Ends a poll. @param slave_ns  its deadline  @return the deadline with the hidden events */

@@ -3,7 +3,7 @@
  * @file
  * The words of a line that a user types: a fault, a step of a script.
  *
- * No clock and no heap in here. Context: any.
+ * This file uses no clock and no heap. Context: any.
  */
 #ifndef ECT_BUS_CHAIN_WORDS_H
 #define ECT_BUS_CHAIN_WORDS_H
@@ -17,45 +17,45 @@
 
 ECT_C_BEGIN
 
-/** Most words of a line; room of a line, and of a message about one, terminators included. */
+/** Maximum words of a line; sizes of a line and of a message about a line, with terminator. */
 enum { ECT_WORDS_MOST = 40, ECT_WORDS_ROOM = 256, ECT_WORDS_MESSAGE = 256 };
 
-/** The words of a line, and the next one to read. Zeroed but for `message` and `names` before ::ect_words_cut. */
+/** The words of a line, and the next word to read. Zeroed before ::ect_words_cut, except `message` and `names`. */
 typedef struct ect_words {
     char room[ECT_WORDS_ROOM];
-    const char *word[ECT_WORDS_MOST + 1]; /**< NULL behind the last one */
-    size_t at;                            /**< index of the next one */
+    const char *word[ECT_WORDS_MOST + 1]; /**< NULL after the last word */
+    size_t at;                            /**< index of the next word */
     char *message;                        /**< ECT_WORDS_MESSAGE bytes of the caller: the reason of a failure */
     const ect_names_t *names;             /**< of twins; NULL: none */
 } ect_words_t;
 
-/** A kind of line. */
+/** Limits of a kind of line. */
 typedef struct ect_words_limits {
     const char *name;       /**< in messages: "a fault" */
     const char *separators; /**< characters between words */
-    size_t characters;      /**< most, 1..ECT_WORDS_ROOM - 1 */
-    size_t words;           /**< most, 1..ECT_WORDS_MOST */
+    size_t characters;      /**< maximum, 1..ECT_WORDS_ROOM - 1 */
+    size_t words;           /**< maximum, 1..ECT_WORDS_MOST */
 } ect_words_limits_t;
 
-/** Cuts a text, which is copied, into words. @return false: it is too long or has too many words, with the message */
+/** Splits a text, which is copied, into words. @return false: too long or too many words; `message` has the reason */
 bool ect_words_cut(ect_words_t *words, const ect_words_limits_t *limits, const char *text);
 
-/** @return the next word, which stays the next one; NULL: there is none */
+/** @return the next word, without reading it; NULL: none */
 static inline const char *ect_words_next(const ect_words_t *words)
 {
     return words->word[words->at];
 }
 
-/** Takes the next word if it is this one. @return whether it is */
+/** Reads the next word if it equals `word`. @return whether it does */
 bool ect_words_take(ect_words_t *words, const char *word);
 
-/** Takes the next word if it is the name of a twin. @return the number of the twin, from 1; 0: it is none */
+/** Reads the next word if it is the name of a twin. @return the number of the twin, from 1; 0: another word */
 uint16_t ect_words_take_twin(ect_words_t *words);
 
 /**
  * Writes the message "EXPECTED, not 'FOUND'".
- * @param expected  cut behind 215 characters
- * @param found  cut behind 60 characters, or less where `expected` is long; NULL: nothing
+ * @param expected  at most 215 characters are used
+ * @param found  at most 60 characters are used, or fewer if `expected` is long; NULL: nothing
  * @return false
  */
 bool ect_words_wrong(ect_words_t *words, const char *expected, const char *found);

@@ -3,8 +3,8 @@
  * @file
  * A table of signals that is played in time: rows of values, each due at its time.
  *
- * No clock in here; memory comes from the heap. Context: the thread of the runner. Cost: a comparison while no row is
- * due.
+ * This file uses no clock; memory comes from the heap. Context: the thread of the runner. Cost: a comparison while no
+ * row is due.
  */
 #ifndef ECT_BUS_FAULTS_TABLE_H
 #define ECT_BUS_FAULTS_TABLE_H
@@ -18,7 +18,7 @@
 
 ECT_C_BEGIN
 
-/** Most columns of a table. */
+/** Maximum columns of a table. */
 enum { ECT_TABLE_COLUMNS = 128 };
 
 /** A row. Private. */
@@ -53,10 +53,10 @@ ect_table_t *ect_table_new(uint16_t slave, const char *const *names, size_t colu
 bool ect_table_add(ect_table_t *table, uint64_t due_ns, const char *const *values);
 
 /**
- * Adds rows between those that there are: every `every_ns`, with values on the line from the number above to the one
- * below in the same column, whole between whole numbers; in empty cells, too.
+ * Interpolates rows, one every `every_ns`: each cell lies on the line from the number above to the number below in the
+ * same column, and is an integer between integers. Empty cells are interpolated, too.
  * @param every_ns  not 0
- * @return NULL, or why not, constant; the table is then only to be freed
+ * @return NULL, or the constant reason of a failure, after which the table can only be freed
  */
 const char *ect_table_refine(ect_table_t *table, uint64_t every_ns);
 
