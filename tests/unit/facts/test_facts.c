@@ -419,6 +419,19 @@ static void without_an_assignment_the_sync_managers_of_pdos_are_unknown(void **s
     }
 }
 
+static void a_value_that_the_slave_did_not_give_is_no_fact(void **state)
+{
+    static const char json[] = "{\"objects\": [{\"index\": 4120, \"entries\": [{\"subindex\": 1}, {\"subindex\": 2, "
+                               "\"value\": \"01000000\"}]}]}";
+    ect_facts_t f = {.source = "slave"};
+    (void)state;
+    assert_true(ect_facts_of_dictionary(&f, json));
+    assert_string_equal(text_of(&f, ECT_FACT_VENDOR, 0, 0), "none");
+    assert_string_equal(text_of(&f, ECT_FACT_PRODUCT, 0, 0), "0x00000001");
+    assert_string_equal(text_of(&f, ECT_FACT_REVISION, 0, 0), "none");
+    ect_facts_free(&f);
+}
+
 /* Texts that users and slaves may have written. */
 static void any_dictionary_is_read_or_refused(void **state)
 {
@@ -591,6 +604,34 @@ static void an_image_shorter_than_its_header_is_one_fact(void **state)
     ect_facts_free(&f);
 }
 
+static void a_pdo_of_an_image_may_be_fixed_and_mandatory(void **state)
+{
+    static const struct {
+        uint16_t flags;
+        const char *fixed, *mandatory;
+    } rows[] = {{0, "no", "no"},
+                {ECT_PDO_FIXED, "yes", "no"},
+                {ECT_PDO_MANDATORY, "no", "yes"},
+                {ECT_PDO_FIXED | ECT_PDO_MANDATORY, "yes", "yes"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t image[ECT_SII_CATEGORIES + 16] = {0}, *pdo = image + ECT_SII_CATEGORIES + 4;
+        ect_facts_t f = {.source = "image"};
+        ect_store_le16(image + ECT_SII_CATEGORIES, ECT_SII_RXPDO);
+        ect_store_le16(image + ECT_SII_CATEGORIES + 2, 4);
+        ect_store_le16(image + ECT_SII_CATEGORIES + 12, ECT_SII_END);
+        ect_store_le16(pdo, 0x1600);
+        pdo[3] = 2;
+        ect_store_le16(pdo + 6, rows[i].flags);
+        ect_facts_of_sii(&f, image, sizeof image);
+        assert_string_equal(text_of(&f, ECT_FACT_PDO, 0x1600, 0), "outputs");
+        assert_string_equal(text_of(&f, ECT_FACT_PDO_SM, 0x1600, 0), "2");
+        assert_string_equal(text_of(&f, ECT_FACT_PDO_FIXED, 0x1600, 0), rows[i].fixed);
+        assert_string_equal(text_of(&f, ECT_FACT_PDO_MANDATORY, 0x1600, 0), rows[i].mandatory);
+        ect_facts_free(&f);
+    }
+}
+
 /* The last category announces more words than the image has: there is none. */
 static void a_category_beyond_the_image_is_none(void **state)
 {
@@ -632,11 +673,13 @@ int main(void)
         cmocka_unit_test(a_dictionary_has_facts_of_objects_and_of_pdos),
         cmocka_unit_test(each_assignment_names_its_sync_manager),
         cmocka_unit_test(without_an_assignment_the_sync_managers_of_pdos_are_unknown),
+        cmocka_unit_test(a_value_that_the_slave_did_not_give_is_no_fact),
         cmocka_unit_test(any_dictionary_is_read_or_refused),
         cmocka_unit_test(an_image_has_a_fact_of_each_field),
         cmocka_unit_test(a_constant_has_no_default),
         cmocka_unit_test(an_image_with_coe_has_all_pdos_or_none),
         cmocka_unit_test(an_image_shorter_than_its_header_is_one_fact),
+        cmocka_unit_test(a_pdo_of_an_image_may_be_fixed_and_mandatory),
         cmocka_unit_test(a_category_beyond_the_image_is_none),
         cmocka_unit_test(objects_with_facts_elsewhere_are_known),
     };
