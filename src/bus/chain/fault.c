@@ -95,7 +95,8 @@ static bool number(ect_words_t *r, const char *unit, long long minimum, long lon
     const char *word = ect_words_next(r);
     char what[80], *end = NULL;
     long long got = word ? strtoll(word, &end, 10) : 0;
-    snprintf(what, sizeof what, "expected a number from %lld to %lld%s%s", minimum, maximum, *unit ? " " : "", unit);
+    snprintf(what, sizeof what, "expected a whole number from %lld to %lld%s%s", minimum, maximum, *unit ? " " : "",
+             unit);
     if (!word || end == word || strcmp(end, unit) != 0 || got < minimum || got > maximum)
         return ect_words_wrong(r, what, word);
     *value = got;
