@@ -113,8 +113,10 @@ int command_new(int argc, char **argv)
         .options = options,
         .parser = parse,
         .args_doc = "DEVICE.yaml",
-        .doc = "Writes all files of a device of your own from its device file: ESI file, EEPROM image, manual, and "
-               "C source for SOES. 'ectwin with yaml:DEVICE.yaml' runs it as a twin.",
+        .doc =
+            "Writes all files of a device of your own from its device file, or from a project of the EEPROM generator "
+            "(esi.json): ESI file, EEPROM image, manual, and C source for SOES. 'ectwin with yaml:DEVICE.yaml' runs it "
+            "as a twin.",
     };
     arguments_t args = {.file = NULL};
     char message[PRODUCT_MESSAGE] = "out of memory";

@@ -157,6 +157,10 @@ static void take_document(ect_draft_t *d)
     const yaml_node_t *root = ect_yaml_root(&d->yaml);
     const yaml_node_t *first =
         root != NULL && root->type == YAML_MAPPING_NODE ? ect_yaml_find(&d->yaml, root, "ectwin-device") : NULL;
+    if (first == NULL && root != NULL && root->type == YAML_MAPPING_NODE && ect_draft_is_project(d, root)) {
+        ect_draft_project(d, root);
+        return;
+    }
     if (first != NULL)
         version = ect_draft_number(d, "ectwin-device", ect_draft_word(d, first, "ectwin-device"), 0, UINT32_MAX);
     if (version != VERSION) {

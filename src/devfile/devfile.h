@@ -17,6 +17,8 @@
  * outputs: [0x7000]
  * ```
  *
+ * Projects of the public EEPROM generator for SOES, `esi.json`, are read as well.
+ *
  * A file is refused with one line `FILE:LINE: ERROR`, which has the cure. All content is checked: a file that is
  * accepted is a twin without a note, but for protocols that twins do not serve.
  *

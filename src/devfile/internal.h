@@ -6,7 +6,7 @@
  * A draft holds the objects of a file while their PDOs are not known yet: what a PDO maps decides on the rights of an
  * entry. From the lowest to the highest: value.c (types and values of an entry), draft.c (objects, and the
  * model made of them), fields.c (names of bits and values), table.c, objects.c, pdos.c, layout.c (parts of a file),
- * devfile.c (the file).
+ * generator.c (another format), devfile.c (the file).
  */
 #ifndef ECT_DEVFILE_INTERNAL_H
 #define ECT_DEVFILE_INTERNAL_H
@@ -144,6 +144,21 @@ ect_esi_pdo_t *ect_draft_add_pdo(ect_draft_t *d, uint16_t index, bool tx, size_t
 
 /** pdos.c: `inputs` or `outputs`. */
 void ect_draft_pdos(ect_draft_t *d, const yaml_node_t *list, bool tx);
+
+/** layout.c: adds a SyncManager, of a mailbox with its bytes. */
+ect_esi_sm_t *ect_draft_sm(ect_draft_t *d, const char *type, uint8_t control, uint16_t bytes);
+
+/** layout.c: adds a clock mode. */
+ect_esi_dc_t *ect_draft_mode(ect_draft_t *d);
+
+/** layout.c: adds the FMMUs, and assigns the PDOs to the SyncManagers. */
+void ect_draft_assign(ect_draft_t *d);
+
+/** generator.c: @return true: a project of the EEPROM generator */
+bool ect_draft_is_project(ect_draft_t *d, const yaml_node_t *root);
+
+/** generator.c: reads such a project. */
+void ect_draft_project(ect_draft_t *d, const yaml_node_t *root);
 
 /** layout.c: `mailbox`, `syncmanagers`, `dc`, `eeprom`; NULL: the standard. SyncManagers come last, behind the PDOs. */
 void ect_draft_mailbox(ect_draft_t *d, const yaml_node_t *mailbox);

@@ -96,13 +96,17 @@ void ect_draft_mailbox(ect_draft_t *d, const yaml_node_t *mailbox)
 
 /* --- SyncManagers ------------------------------------------------------------------------------------------------- */
 
-static ect_esi_sm_t *add_sm(ect_draft_t *d, const char *type, uint8_t control)
+ect_esi_sm_t *ect_draft_sm(ect_draft_t *d, const char *type, uint8_t control, uint16_t bytes)
 {
     ect_esi_sm_t *sms = (ect_esi_sm_t *)(uintptr_t)d->device->sms; /* ours, growing */
     sms = ect_arena_grow(d->arena, sms, d->device->sm_count, sizeof *sms);
     d->device->sms = sms;
     ect_esi_sm_t *sm = &sms[d->device->sm_count++];
-    *sm = (ect_esi_sm_t){.type = type, .control = control};
+    *sm = (ect_esi_sm_t){.type = type,
+                         .control = control,
+                         .size = {.given = bytes > 0, .value = bytes},
+                         .minimum = bytes,
+                         .maximum = bytes};
     return sm;
 }
 
@@ -134,15 +138,13 @@ static void make_standard(ect_draft_t *d)
     const uint16_t bytes = d->mailbox_bytes;
     const bool mailbox = bytes > 0;
     for (unsigned int n = 0; n < 2 && mailbox; n++) {
-        ect_esi_sm_t *sm = add_sm(d, n == 0 ? "MBoxOut" : "MBoxIn", n == 0 ? 0x26 : 0x22);
-        sm->size = (ect_esi_number_t){.given = true, .value = bytes};
-        sm->minimum = sm->maximum = bytes;
+        ect_esi_sm_t *sm = ect_draft_sm(d, n == 0 ? "MBoxOut" : "MBoxIn", n == 0 ? 0x26 : 0x22, bytes);
         at = place(d, sm, at, bytes);
     }
     for (unsigned int n = 0; n < 2; n++) {
         uint32_t length = bytes_of(d, n == 1);
         if (mailbox || length > 0)
-            at = place(d, add_sm(d, n == 0 ? "Outputs" : "Inputs", n == 0 ? 0x64 : 0x20), at, 3 * length);
+            at = place(d, ect_draft_sm(d, n == 0 ? "Outputs" : "Inputs", n == 0 ? 0x64 : 0x20, 0), at, 3 * length);
     }
 }
 
@@ -203,11 +205,10 @@ static void take_sm(ect_draft_t *d, const yaml_node_t *node)
                                : "'size' is for mailboxes; process data have that of their PDOs");
     if (d->mistake.failed)
         return;
+    const uint8_t control = (uint8_t)number_or(d, "control", k.control, kinds[kind].control, 255);
     ect_esi_sm_t *sm =
-        add_sm(d, kinds[kind].type, (uint8_t)number_or(d, "control", k.control, kinds[kind].control, 255));
+        ect_draft_sm(d, kinds[kind].type, control, (uint16_t)number_or(d, "size", k.size, 0, MAILBOX_MOST));
     sm->start = (uint16_t)number_or(d, "start", k.start, 0, RAM_END - 1);
-    sm->size = (ect_esi_number_t){.given = kind < 2, .value = number_or(d, "size", k.size, 0, MAILBOX_MOST)};
-    sm->minimum = sm->maximum = (uint16_t)sm->size.value;
     sm->line = (int)ect_yaml_line(node);
 }
 
@@ -234,9 +235,10 @@ static int sm_for(const ect_draft_t *d, bool tx)
     return -1;
 }
 
-static void assign(ect_draft_t *d)
+void ect_draft_assign(ect_draft_t *d)
 {
     ect_esi_pdo_t *pdos = (ect_esi_pdo_t *)(uintptr_t)d->device->pdos; /* ours */
+    add_fmmus(d);
     for (size_t i = 0; i < d->device->pdo_count; i++) {
         int sm = sm_for(d, pdos[i].tx);
         if (sm < 0)
@@ -262,15 +264,13 @@ void ect_draft_syncmanagers(ect_draft_t *d, const yaml_node_t *list)
     for (const yaml_node_item_t *i = standard ? NULL : list->data.sequence.items.start;
          !standard && !d->mistake.failed && i < list->data.sequence.items.top; i++)
         take_sm(d, ect_yaml_node(&d->yaml, *i));
-    if (d->mistake.failed)
-        return;
-    add_fmmus(d);
-    assign(d);
+    if (!d->mistake.failed)
+        ect_draft_assign(d);
 }
 
 /* --- clocks ------------------------------------------------------------------------------------------------------- */
 
-static ect_esi_dc_t *add_mode(ect_draft_t *d)
+ect_esi_dc_t *ect_draft_mode(ect_draft_t *d)
 {
     ect_esi_dc_t *modes = (ect_esi_dc_t *)(uintptr_t)d->device->dcs; /* ours, growing */
     modes = ect_arena_grow(d->arena, modes, d->device->dc_count, sizeof *modes);
@@ -349,7 +349,7 @@ static void take_usual(ect_draft_t *d, const yaml_node_t *node)
     for (size_t i = 0; i < sizeof usual / sizeof usual[0]; i++) {
         if (strcmp(usual[i].word, word) != 0)
             continue;
-        *add_mode(d) = (ect_esi_dc_t){
+        *ect_draft_mode(d) = (ect_esi_dc_t){
             .name = usual[i].name, .description = usual[i].description, .assign_activate = usual[i].activate};
         return;
     }
@@ -363,7 +363,7 @@ static void take_mode(ect_draft_t *d, const yaml_node_t *node)
         take_usual(d, node);
         return;
     }
-    add_mode(d);
+    ect_draft_mode(d);
     ect_yaml_each(&d->yaml, node, "a clock mode", true, take_mode_key, d);
     if (*last_mode(d)->name == '\0')
         ect_yaml_fail(&d->yaml, node, "a clock mode without 'name'");

@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: MIT */
+/* Projects of the public EEPROM generator, esi.json: the device that one stands for, and the line that refuses one. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "devfile/devfile.h"
+#include "esi/twin.h"
+
+enum { TEXT = 500 };
+
+#define FORM(more)                                                                                                     \
+    "{\n \"form\": {\"VendorName\": \"Works\", \"VendorID\": \"0xE57\", \"ProductCode\": \"0x00ab123\", "              \
+    "\"ProfileNo\": \"5001\", \"RevisionNumber\": \"0x002\", \"TextDeviceType\": \"T-1\", \"TextDeviceName\": "        \
+    "\"A thing\", \"TextGroupType\": \"G\", \"TextGroupName5\": \"Group\", \"Port0Physical\": \"Y\", "                 \
+    "\"Port1Physical\": \"K\", \"Port2Physical\": \" \", \"HWversion\": \"0.1\", \"SWversion\": \"2.3\", "             \
+    "\"MailboxSize\": \"256\", \"RxMailboxOffset\": \"0x1000\", \"TxMailboxOffset\": \"0x1200\", \"SM2Offset\": "      \
+    "\"0x1400\", \"SM3Offset\": \"0x1A00\", \"EEPROMsize\": \"2048\", \"SPImode\": \"3\"" more "},\n"
+#define PROJECT(od) FORM("") " \"od\": {" od "}\n}\n" /* the objects are on line 3 */
+
+typedef struct made {
+    ect_esi_t *esi;
+    ect_esi_twin_t *twin;
+    char why[TEXT];
+} made_t;
+
+static made_t try_text(const char *json)
+{
+    made_t m = {.why = ""};
+    m.esi = ect_devfile_parse("esi.json", json, strlen(json), m.why, sizeof m.why);
+    const ect_esi_device_t *model = m.esi != NULL ? ect_esi_select(m.esi, "", m.why, sizeof m.why) : NULL;
+    m.twin = model != NULL ? ect_esi_twin_of(m.esi, model, NULL, 0, m.why, sizeof m.why) : NULL;
+    return m;
+}
+
+static made_t make(const char *json)
+{
+    made_t m = try_text(json);
+    size_t count = 0;
+    if (m.twin == NULL)
+        fail_msg("%s", m.why);
+    const char *const *notes = ect_esi_twin_notes(m.twin, &count);
+    if (count > 0)
+        fail_msg("%s", notes[0]);
+    return m;
+}
+
+static void drop(made_t *m)
+{
+    ect_esi_twin_free(m->twin);
+    ect_esi_close(m->esi);
+}
+
+static const ect_device_t *device_of(const made_t *m)
+{
+    return ect_esi_twin_product(m->twin)->device;
+}
+
+static const ect_object_t *object_of(const made_t *m, uint16_t index)
+{
+    ect_od_t od = ect_device_od(device_of(m), NULL);
+    const ect_object_t *object = ect_od_find(&od, index);
+    if (object == NULL)
+        fail_msg("no object %04X", (unsigned int)index);
+    return object;
+}
+
+static void the_form_is_identity_and_layout(void **state)
+{
+    static const uint8_t config[14] = {0x80, 0x06, 0x03, 0x44, 0x64};
+    (void)state;
+    made_t m =
+        make(FORM(", \"ESC\": \"LAN9252\", \"CoeDetailsEnableSDOInfo\": true, "
+                  "\"CoeDetailsEnableSDOCompleteAccess\": \"on\", \"CoeDetailsEnablePDOAssign\": false") //
+             "\"od\": {}, \"dc\": [{\"Name\": \"DC\", \"Description\": \"SYNC0\", \"AssignActivate\": \"#x300\", "
+             "\"Sync0cycleTime\": \"0\", \"Sync0shiftTime\": \"50\"}]}");
+    const ect_device_t *d = device_of(&m);
+    assert_int_equal(d->identity.vendor_id, 0xE57);
+    assert_int_equal(d->identity.product_code, 0xAB123);
+    assert_int_equal(d->identity.revision, 2);
+    assert_int_equal(d->device_type, 5001);
+    assert_string_equal(d->type_name, "T-1");
+    assert_string_equal(d->full_name, "A thing");
+    assert_string_equal(d->group_name, "Group");
+    assert_string_equal(d->physics, "YK");
+    assert_int_equal(d->sii_size, 2048);
+    assert_int_equal(d->sm_count, 4);
+    assert_true(d->sm[0].start == 0x1000 && d->sm[0].length == 256 && d->sm[1].start == 0x1200);
+    assert_true(d->sm[2].start == 0x1400 && d->sm[3].start == 0x1A00 && d->sm[3].control == 0x20);
+    assert_int_equal(d->coe_details, ECT_COE_SDO | ECT_COE_SDO_INFO | ECT_COE_COMPLETE_ACCESS);
+    assert_memory_equal(d->esc_config, config, sizeof config);
+    assert_int_equal(d->dc_mode_count, 1);
+    assert_int_equal(d->dc_modes[0].assign_activate, 0x300);
+    assert_int_equal(d->dc_modes[0].shift_sync0_ns, 50);
+    assert_int_equal(object_of(&m, 0x1008)->entries[0].bit_length, 56);
+    assert_int_equal(object_of(&m, 0x1009)->entries[0].bit_length, 24);
+    assert_int_equal(object_of(&m, 0x100A)->entries[0].value, 0x332E32);
+    drop(&m);
+}
+
+static void each_object_of_process_data_is_a_pdo(void **state)
+{
+    (void)state;
+    made_t m = make(PROJECT(
+        "\"sdo\": {\"2000\": {\"otype\": \"ARRAY\", \"name\": \"Row\", \"dtype\": \"UNSIGNED16\", \"access\": "
+        "\"RWpre\", "
+        "\"items\": [{\"name\": \"Max SubIndex\"}, {\"name\": \"a\", \"value\": \"0x10\"}, {\"name\": \"b\"}]}, "
+        "\"A\": {\"otype\": \"VAR\"}, \"60664\": 1, \"zzzz\": 2, \"2001\": {\"otype\": \"VAR\", \"dtype\": "
+        "\"VISIBLE_STRING\", \"name\": \"S\", \"access\": \"RW\", \"size\": 5, \"value\": \"ab\", \"data\": "
+        "\"&Obj.s\"}}, "
+        "\"txpdo\": {\"60A0\": {\"otype\": \"VAR\", \"dtype\": \"REAL32\", \"name\": \"Late\", \"value\": \"0\"}, "
+        "\"6000\": {\"otype\": \"VAR\", \"dtype\": \"BOOLEAN\", \"name\": \"Flag\", \"access\": \"RO\", "
+        "\"pdo_mappings\": [\"txpdo\"]}}, "
+        "\"rxpdo\": {\"7000\": {\"otype\": \"RECORD\", \"name\": \"Out\", \"items\": [{\"name\": \"Max SubIndex\"}, "
+        "{\"name\": \"x\", \"dtype\": \"INTEGER32\"}, {\"name\": \"y\", \"dtype\": \"UNSIGNED8\", \"access\": "
+        "\"WO\"}]}}"));
+    assert_int_equal(ect_od_element(object_of(&m, 0x1A00), 0), 2);
+    assert_int_equal(ect_od_element(object_of(&m, 0x1A00), 1), 0x60000001);
+    assert_int_equal(ect_od_element(object_of(&m, 0x1A00), 2), 7);
+    assert_int_equal(ect_od_element(object_of(&m, 0x1A01), 1), 0x60A00020);
+    assert_int_equal(ect_od_element(object_of(&m, 0x1600), 2), 0x70000208);
+    assert_int_equal(ect_od_element(object_of(&m, 0x1C13), 2), 0x1A01);
+    assert_string_equal(object_of(&m, 0x1A00)->name, "Flag");
+    assert_int_equal(object_of(&m, 0x2000)->entries[1].value, 0x10);
+    assert_int_equal(object_of(&m, 0x2000)->entries[2].access, ECT_ACCESS_RW_PREOP);
+    assert_int_equal(object_of(&m, 0x2001)->entries[0].bit_length, 40);
+    assert_int_equal(object_of(&m, 0x7000)->entries[2].access, ECT_ACCESS_WO | ECT_ACCESS_RXPDO);
+    assert_int_equal(ect_device_bytes(device_of(&m), ECT_SM_INPUTS), 5);
+    assert_int_equal(ect_device_bytes(device_of(&m), ECT_SM_OUTPUTS), 5);
+    drop(&m);
+}
+
+static void a_wrong_project_is_refused_with_its_line(void **state)
+{
+    static const struct {
+        const char *json, *why;
+    } rows[] = {
+        {"{\"form\": 1, \"od\": {}}", "esi.json:1: 'form' and 'od' of a project are mappings: save the project again"},
+        {"{\"form\": {}, \"od\": {}}", "esi.json:1: the form has no 'TextDeviceType': save the project again"},
+        {"{\"form\": {\"VendorID\": \"x\"}, \"od\": {}}", "esi.json:1: 'VendorID' takes a number from 0 to 4294967295"},
+        {"{\"form\": {}}", "esi.json:1: 'ectwin-device: 1' is missing"},
+        {PROJECT("\"sdo\": 5"), "esi.json:3: sdo: 'key: value' lines are missing"},
+        {PROJECT("\"sdo\": {\"2000\": 5}"), "esi.json:3: object 2000 is no object: save the project again"},
+        {PROJECT("\"sdo\": {\"2000\": {\"name\": \"A\"}}"),
+         "esi.json:3: object 2000: 'otype' takes VAR, ARRAY or RECORD"},
+        {PROJECT("\"sdo\": {\"2000\": {\"otype\": \"VAR\"}}"), "esi.json:3: object 2000 has no 'name'"},
+        {PROJECT("\"sdo\": {\"2000\": {\"otype\": \"VAR\", \"name\": \"A\"}}"), "esi.json:3: 'type' is missing: BOOL"},
+        {PROJECT("\"sdo\": {\"2000\": {\"otype\": \"RECORD\", \"name\": \"A\", \"items\": [{}]}}"),
+         "esi.json:3: 'items' takes 2 to 255 of them"},
+        {PROJECT("\"sdo\": {\"2000\": {\"otype\": \"VAR\", \"name\": \"A\", \"dtype\": \"INTEGER8\", \"value\": 200}}"),
+         "esi.json:3: 'default' takes a number from -128 to 127, not '200'"},
+        {PROJECT("\"rxpdo\": {\"7000\": {\"otype\": \"VAR\", \"name\": \"A\", \"dtype\": \"INTEGER8\"}}, \"sdo\": "
+                 "{\"7000\": {\"otype\": \"VAR\", \"name\": \"A\", \"dtype\": \"INTEGER8\"}}"),
+         "esi.json:3: object 7000 is there twice, first in line 3"},
+        {PROJECT("\"txpdo\": {\"6000\": {\"otype\": \"VAR\", \"name\": \"A\", \"dtype\": \"INTEGER8\", \"access\": "
+                 "\"WO\"}}"),
+         "esi.json:3: 6000:0 is an input and cannot be read: change its"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        made_t m = try_text(rows[i].json);
+        if (m.twin != NULL || strncmp(m.why, rows[i].why, strlen(rows[i].why)) != 0)
+            fail_msg("row %zu: expected \"%s\", got \"%s\"", i, rows[i].why, m.why);
+        drop(&m);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_form_is_identity_and_layout),
+        cmocka_unit_test(each_object_of_process_data_is_a_pdo),
+        cmocka_unit_test(a_wrong_project_is_refused_with_its_line),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
