@@ -192,6 +192,7 @@ static void copy_inits(const maker_t *m)
                                                       .subindex = command->subindex,
                                                       .complete = command->complete,
                                                       .comment = command->comment,
+                                                      .disabled = command->disabled,
                                                       .data = {.bytes = bytes, .length = command->data.length},
                                                       .line = command->line};
         copy_text(m, &inits[mailbox->init_count++].comment);

@@ -156,8 +156,9 @@ typedef struct ect_eni_slave {
     const ect_eni_command_t *commands;
     size_t command_count;
     ect_eni_previous_t previous;
-    const char *group; /**< `GroupName` of `<HotConnect>`, "": a group without a name; NULL: no group */
-    bool clocked;      /**< the slave has `<DC>` */
+    const char *group;    /**< `GroupName` of `<HotConnect>`, "": a group without a name; NULL: no group */
+    unsigned int members; /**< `GroupMemberCnt`, at least 1; with `group` */
+    bool clocked;         /**< the slave has `<DC>` */
     int64_t cycle0_ns, cycle1_ns, shift_ns;
     int line;
 } ect_eni_slave_t;

@@ -5,8 +5,11 @@
 #include <string.h>
 
 #include "eni/player.h"
+#include "esc/route.h"
+#include "wire/bytes.h"
+#include "wire/registers.h"
 
-enum { NUMBER_BYTES = 8, REPEATS = 4, WAIT_MS = 1 };
+enum { NUMBER_BYTES = 8, REPEATS = 4, WAIT_MS = 1, TIME_BYTES = 8, START_NS = 1000000 };
 
 static uint64_t number_of(const uint8_t *bytes, const uint8_t *mask, size_t length)
 {
@@ -54,14 +57,38 @@ static bool fits(const uint8_t *reply, const ect_eni_validate_t *v)
     }
 }
 
+static bool is_start_time(const ect_eni_command_t *command)
+{
+    return (command->command == ECT_FPWR || command->command == ECT_APWR) && command->ado == ECT_REG_DC_START_TIME &&
+           command->data.length == TIME_BYTES;
+}
+
+/* A file has the shift of the first SYNC signal; the master adds the system time, for no signal starts in the past. */
+static void add_time(ect_eni_player_t *p, eni_datagram_t *datagram, uint8_t start[TIME_BYTES])
+{
+    static const uint8_t zeros[TIME_BYTES];
+    const eni_datagram_t read = {.command = datagram->command == ECT_FPWR ? ECT_FPRD : ECT_APRD,
+                                 .length = TIME_BYTES,
+                                 .address = (datagram->address & UINT16_MAX) | (uint32_t)ECT_REG_DC_SYSTEM_TIME << 16,
+                                 .data = zeros};
+    const uint8_t *time = NULL;
+    if (eni_exchange(p, &read, &time) != 1)
+        return;
+    ect_store_le64(start, ect_load_le64(datagram->data) + ect_load_le64(time) + START_NS);
+    datagram->data = start;
+}
+
 /* Sends a command until its reply is as expected, as long as the file has it. */
 static void play_command(ect_eni_player_t *p, const ect_eni_command_t *command)
 {
-    const eni_datagram_t datagram = eni_datagram_of(command);
+    eni_datagram_t datagram = eni_datagram_of(command);
+    uint8_t start[TIME_BYTES];
     const ect_eni_validate_t *v = &command->validate;
     const uint32_t most = v->given && v->timeout_ms > 0 ? eni_bounded_timeout(v->timeout_ms) / WAIT_MS + 1 : REPEATS;
     const uint8_t *reply = NULL;
     int counter = -1;
+    if (is_start_time(command))
+        add_time(p, &datagram, start);
     for (uint32_t i = 0; i < most; i++) {
         if (i > 0)
             eni_wait(p);

@@ -12,6 +12,7 @@
  * file, and the other commands of the master. CoE commands of a slave precede its other commands, except at the
  * transition to PREOP, which has no mailbox yet: there they follow the commands of all slaves. Commands of other
  * mailbox protocols are not sent. Output data are those of the file, zeros.
+ * The start time of SYNC signals (0990h) is that of the file plus the slave's system time.
  *
  * Host only. Context: mainline. Clauses: ETG.2100.
  */

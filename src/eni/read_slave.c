@@ -186,6 +186,7 @@ void ect_eni_read_slave(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_slave_t
     slave->commands = ect_eni_read_inits(xml, node, &slave->command_count);
     read_previous(xml, node, &slave->previous);
     slave->group = hot != NULL ? ect_esi_name(xml, hot, "GroupName") : NULL;
+    slave->members = (unsigned int)ect_esi_number(xml, hot, "GroupMemberCnt", 1, ECT_ENI_SLAVES, 1);
     slave->clocked = clock != NULL;
     slave->cycle0_ns = ect_esi_number(xml, clock, "CycleTime0", INT32_MIN, UINT32_MAX, 0);
     slave->cycle1_ns = ect_esi_number(xml, clock, "CycleTime1", INT32_MIN, UINT32_MAX, 0);

@@ -15,7 +15,10 @@ enum {
     STATE_BYTES = 2,
     SLAVES_MOST = UINT16_MAX - 1000,
     FMMU_AREA = 256,
-    SM_AREA = 128
+    SM_AREA = 128,
+    TIMES_AREA = 32, /* from the system time on */
+    SYSTEM_TIME_BYTES = 4,
+    STATES_MOST = 8 * ECT_ENI_DATA
 };
 
 /* A cyclic command. */
@@ -33,6 +36,8 @@ typedef struct network {
     chunk_t *chunks;
     size_t chunk_count;
     uint32_t bytes[2]; /* outputs, inputs */
+    size_t states;     /* mailboxes in the logical memory, a bit each */
+    size_t reference;  /* slave with the clock of the bus; `count`: none */
 } network_t;
 
 static void add_chunk(ect_arena_t *arena, network_t *n, const chunk_t *chunk)
@@ -60,6 +65,25 @@ static void plan(ect_arena_t *arena, network_t *n, bool inputs)
         add_chunk(arena, n, &chunk);
 }
 
+/* Mailboxes with a free FMMU have a bit each, unless they are more than a datagram holds. */
+static void plan_states(network_t *n)
+{
+    for (size_t i = 0; i < n->count; i++)
+        n->states += eni_has_state(n->parts[i].device);
+    n->states = n->states <= STATES_MOST ? n->states : 0;
+}
+
+static void plan_clock(network_t *n)
+{
+    while (n->reference < n->count && n->parts[n->reference].clock == NULL)
+        n->reference++;
+}
+
+static size_t state_bytes(const network_t *n)
+{
+    return (n->states + 7) / 8;
+}
+
 /* --- master ------------------------------------------------------------------------------------------------------- */
 
 static void write_clear(ect_pen_t *pen, const network_t *n, const char *comment, uint16_t ado, size_t length)
@@ -74,6 +98,31 @@ static void write_clear(ect_pen_t *pen, const network_t *n, const char *comment,
                              .counter = n->count,
                              .before_slave = true};
     eni_write_init(pen, &init);
+}
+
+/* Only slaves with clocks take these. */
+static void set_clocks(ect_pen_t *pen, const char *comment, uint16_t ado, const uint8_t *data, size_t length)
+{
+    const eni_init_t init = {.transition = "IP",
+                             .comment = comment,
+                             .command = ECT_BWR,
+                             .ado = ado,
+                             .data = data,
+                             .length = length,
+                             .uncounted = true,
+                             .before_slave = true};
+    eni_write_init(pen, &init);
+}
+
+static void write_clocks(ect_pen_t *pen, const network_t *n)
+{
+    static const uint8_t zeros[TIMES_AREA], speed[] = {0x00, 0x10}, filter[] = {0x00, 0x0C};
+    if (n->reference == n->count)
+        return;
+    set_clocks(pen, "clear DC system time", ECT_REG_DC_SYSTEM_TIME, zeros, sizeof zeros);
+    set_clocks(pen, "clear DC activation", ECT_REG_DC_ACTIVATION, zeros, 1);
+    set_clocks(pen, "reset DC speed", ECT_REG_DC_SPEED_START, speed, sizeof speed);
+    set_clocks(pen, "set DC filter", ECT_REG_DC_FILTER, filter, sizeof filter);
 }
 
 /* FMMUs and SyncManagers are cleared as far as each chip has them, which the working counter does not depend on. */
@@ -98,10 +147,17 @@ static void write_master(ect_pen_t *pen, const network_t *n)
     ect_pen_bytes(pen, "Source", own, sizeof own);
     ect_pen_bytes(pen, "EtherType", type, sizeof type);
     ect_pen_close(pen);
+    if (n->states > 0) {
+        ect_pen_open(pen, "MailboxStates");
+        ect_pen_number(pen, "StartAddr", ENI_LOGICAL_STATES);
+        ect_pen_number(pen, "Count", (int64_t)n->states);
+        ect_pen_close(pen);
+    }
     ect_pen_open(pen, "InitCmds");
     eni_write_init(pen, &count);
     write_clear(pen, n, "clear the FMMUs", ECT_REG_FMMU, FMMU_AREA);
     write_clear(pen, n, "clear the SyncManagers", ECT_REG_SM, SM_AREA);
+    write_clocks(pen, n);
     ect_pen_close(pen);
     ect_pen_close(pen);
 }
@@ -146,13 +202,51 @@ static void write_state_command(ect_pen_t *pen, const network_t *n)
     ect_pen_close(pen);
 }
 
+/* The reference clock is written to all clocks. @return bytes in the frame */
+static size_t write_clock_command(ect_pen_t *pen, const network_t *n)
+{
+    if (n->reference == n->count)
+        return 0;
+    ect_pen_open(pen, "Cmd");
+    write_states(pen, true);
+    ect_pen_text(pen, "Comment", "system time of the reference clock");
+    ect_pen_number(pen, "Cmd", ECT_FRMW);
+    ect_pen_number(pen, "Adp", (int64_t)(ENI_FIRST_STATION + n->reference));
+    ect_pen_number(pen, "Ado", ECT_REG_DC_SYSTEM_TIME);
+    ect_pen_number(pen, "DataLength", SYSTEM_TIME_BYTES);
+    ect_pen_number(pen, "InputOffs", (int64_t)(n->bytes[1] + STATE_BYTES + state_bytes(n)));
+    ect_pen_number(pen, "OutputOffs", 0);
+    ect_pen_close(pen);
+    return SYSTEM_TIME_BYTES + OVERHEAD;
+}
+
+/* @return bytes in the frame */
+static size_t write_mailbox_command(ect_pen_t *pen, const network_t *n)
+{
+    if (n->states == 0)
+        return 0;
+    ect_pen_open(pen, "Cmd");
+    write_states(pen, true);
+    ect_pen_text(pen, "Comment", "states of the mailboxes");
+    ect_pen_number(pen, "Cmd", ECT_LRD);
+    ect_pen_number(pen, "Addr", ENI_LOGICAL_STATES);
+    ect_pen_number(pen, "DataLength", (int64_t)state_bytes(n));
+    ect_pen_number(pen, "Cnt", (int64_t)n->states);
+    ect_pen_number(pen, "InputOffs", n->bytes[1] + STATE_BYTES);
+    ect_pen_number(pen, "OutputOffs", 0);
+    ect_pen_close(pen);
+    return state_bytes(n) + OVERHEAD;
+}
+
 static void write_cyclic(ect_pen_t *pen, const network_t *n)
 {
     size_t used = STATE_BYTES + OVERHEAD;
     ect_pen_open(pen, "Cyclic");
     ect_pen_number(pen, "CycleTime", n->cycle_us);
     ect_pen_open(pen, "Frame");
+    used += write_clock_command(pen, n);
     write_state_command(pen, n);
+    used += write_mailbox_command(pen, n);
     for (size_t i = 0; i < n->chunk_count; i++) {
         const size_t bytes = n->chunks[i].length + OVERHEAD;
         if (used + bytes > FRAME_MOST) {
@@ -167,11 +261,17 @@ static void write_cyclic(ect_pen_t *pen, const network_t *n)
     ect_pen_close(pen);
 }
 
+/* Behind the inputs of the slaves: states, mailbox states, system time. */
+static size_t own_bytes(const network_t *n)
+{
+    return STATE_BYTES + state_bytes(n) + (n->reference < n->count ? SYSTEM_TIME_BYTES : 0);
+}
+
 static void write_image(ect_pen_t *pen, const network_t *n, bool inputs)
 {
     uint32_t offset = 0;
     ect_pen_open(pen, inputs ? "Inputs" : "Outputs");
-    ect_pen_number(pen, "ByteSize", n->bytes[inputs] + (inputs ? STATE_BYTES : 0));
+    ect_pen_number(pen, "ByteSize", inputs ? (int64_t)(n->bytes[1] + own_bytes(n)) : (int64_t)n->bytes[0]);
     for (size_t i = 0; i < n->count; i++) {
         eni_write_variables(pen, n->parts[i].device, i, inputs, offset);
         offset += eni_bytes(n->parts[i].device, inputs);
@@ -182,15 +282,18 @@ static void write_image(ect_pen_t *pen, const network_t *n, bool inputs)
 static void write_network(ect_pen_t *pen, const void *what)
 {
     const network_t *n = what;
-    uint32_t offsets[2] = {0, 0};
+    eni_share_t share = {.cycle_us = n->cycle_us};
+    int bit = 0;
     ect_pen_open(pen, "EtherCATConfig");
     ect_pen_attribute(pen, "Version", "1.3");
     ect_pen_open(pen, "Config");
     write_master(pen, n);
     for (size_t i = 0; i < n->count; i++) {
-        eni_write_slave(pen, n->parts, i, offsets);
-        offsets[0] += eni_bytes(n->parts[i].device, false);
-        offsets[1] += eni_bytes(n->parts[i].device, true);
+        share.state_bit = n->states > 0 && eni_has_state(n->parts[i].device) ? bit++ : -1;
+        share.reference = i == n->reference;
+        eni_write_slave(pen, n->parts, i, &share);
+        share.offsets[0] += eni_bytes(n->parts[i].device, false);
+        share.offsets[1] += eni_bytes(n->parts[i].device, true);
     }
     write_cyclic(pen, n);
     ect_pen_open(pen, "ProcessImage");
@@ -209,6 +312,8 @@ const char *ect_eni_write(ect_arena_t *arena, const ect_eni_part_t *parts, size_
         (void)snprintf(text, room, "a network file has 1 to %d slaves, not %zu", (int)SLAVES_MOST, count);
         return NULL;
     }
+    plan_states(&n);
+    plan_clock(&n);
     plan(arena, &n, false);
     plan(arena, &n, true);
     return ect_pen_file(arena, write_network, &n, length, text, room);

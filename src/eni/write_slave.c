@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "esc/personality.h"
 #include "esc/route.h"
 #include "wire/bytes.h"
 #include "wire/registers.h"
@@ -20,8 +21,8 @@ enum {
     STATE_MASK = 0x1F, /* with the error flag */
     MAILBOX_TIMEOUT_MS = 2000,
     POLL_MS = 10,
-    CCS_DOWNLOAD = 1
-
+    CCS_DOWNLOAD = 1,
+    NS_PER_US = 1000
 };
 
 typedef struct slave {
@@ -29,6 +30,7 @@ typedef struct slave {
     const ect_eni_part_t *part;
     size_t i;
     uint16_t station;
+    const eni_share_t *share;
 } slave_t;
 
 static uint16_t station_of(size_t i)
@@ -53,10 +55,22 @@ uint32_t eni_bytes(const ect_device_t *device, bool inputs)
 
 /* --- commands ----------------------------------------------------------------------------------------------------- */
 
+static void write_transitions(ect_pen_t *pen, const char *transitions)
+{
+    while (*transitions != '\0') {
+        char one[4] = "";
+        const size_t length = strcspn(transitions, " ");
+        memcpy(one, transitions, length < sizeof one ? length : sizeof one - 1);
+        ect_pen_text(pen, "Transition", one);
+        transitions += length;
+        transitions += strspn(transitions, " ");
+    }
+}
+
 void eni_write_init(ect_pen_t *pen, const eni_init_t *init)
 {
     ect_pen_open(pen, "InitCmd");
-    ect_pen_text(pen, "Transition", init->transition);
+    write_transitions(pen, init->transition);
     if (init->before_slave)
         ect_pen_text(pen, "BeforeSlave", "true");
     ect_pen_text(pen, "Comment", init->comment);
@@ -67,7 +81,8 @@ void eni_write_init(ect_pen_t *pen, const eni_init_t *init)
         ect_pen_bytes(pen, "Data", init->data, init->length);
     else
         ect_pen_number(pen, "DataLength", (int64_t)init->length);
-    ect_pen_number(pen, "Cnt", (int64_t)init->counter);
+    if (!init->uncounted)
+        ect_pen_number(pen, "Cnt", (int64_t)init->counter);
     if (init->expected != NULL) {
         ect_pen_open(pen, "Validate");
         ect_pen_bytes(pen, "Data", init->expected, init->length);
@@ -170,7 +185,106 @@ static bool has_mailbox(const ect_device_t *device)
     return device->mailbox_protocols != 0 && device->sm_count >= 2;
 }
 
-static void write_commands(const slave_t *s, const uint32_t offsets[2])
+/* FMMUs of process data: one for each SyncManager with any. */
+static unsigned int count_fmmus(const ect_device_t *device)
+{
+    unsigned int count = 0;
+    for (unsigned int n = 0; n < device->sm_count; n++)
+        count += ect_device_sm_is_process(device, n) && ect_device_sm_bytes(device, n) > 0;
+    return count;
+}
+
+bool eni_has_state(const ect_device_t *device)
+{
+    const ect_esc_personality_t *chip = ect_esc_personality(device->esc);
+    return has_mailbox(device) && chip != NULL && count_fmmus(device) < chip->fmmu_count;
+}
+
+/* The first bit of SyncManager 1's status, set from the slave's mail until the master reads it, at a bit of the logical
+ * memory. */
+static void map_state(const slave_t *s)
+{
+    uint8_t bytes[FMMU_BYTES] = {0};
+    if (s->share->state_bit < 0)
+        return;
+    const unsigned int bit = (unsigned int)s->share->state_bit;
+    ect_store_le32(bytes, ENI_LOGICAL_STATES + bit / 8);
+    ect_store_le16(bytes + 4, 1);
+    bytes[6] = bytes[7] = bit % 8;
+    ect_store_le16(bytes + 8, ECT_REG_SM + SM_BYTES + ECT_SM_STATUS);
+    bytes[11] = FMMU_READS;
+    bytes[12] = 1;
+    write_bytes(s, "IP", "FMMU of the mailbox state", ECT_REG_FMMU + FMMU_BYTES * count_fmmus(s->part->device), bytes,
+                sizeof bytes);
+}
+
+/* --- clocks ------------------------------------------------------------------------------------------------------- */
+
+static uint32_t sync0_ns(const slave_t *s)
+{
+    const ect_dc_mode_t *mode = s->part->clock;
+    const uint32_t cycle_ns = s->share->cycle_us * (uint32_t)NS_PER_US;
+    if (mode->cycle_sync0_ns != 0)
+        return mode->cycle_sync0_ns;
+    const int32_t factor = mode->factor_sync0;
+    if (factor < 0)
+        return cycle_ns / (uint32_t)-factor;
+    return factor > 0 ? cycle_ns * (uint32_t)factor : cycle_ns;
+}
+
+/* SYNC1 follows every nth SYNC0, shifted: the register has the time between the two, less one SYNC0 cycle. */
+static uint32_t sync1_ns(const slave_t *s)
+{
+    const ect_dc_mode_t *mode = s->part->clock;
+    const uint32_t behind = mode->factor_sync1 > 1 ? ((uint32_t)mode->factor_sync1 - 1) * sync0_ns(s) : 0;
+    return behind + (uint32_t)mode->shift_sync1_ns;
+}
+
+/* Cycles, start, units: as configuration tools write them, each once the ones before are known. The master adds the
+ * system time to the start. */
+static void start_clock(const slave_t *s)
+{
+    uint8_t cycles[8], start[8], units[2], none[2] = {0};
+    if (s->part->clock == NULL)
+        return;
+    ect_store_le32(cycles, sync0_ns(s));
+    ect_store_le32(cycles + 4, sync1_ns(s));
+    ect_store_le64(start, (uint64_t)(int64_t)s->part->clock->shift_sync0_ns);
+    ect_store_le16(units, s->part->clock->assign_activate);
+    write_bytes(s, "IP", "clear DC activation", ECT_REG_DC_CYCLIC_CONTROL, none, sizeof none);
+    write_bytes(s, "PS", "set DC cycle time", ECT_REG_DC_SYNC0_CYCLE, cycles, sizeof cycles);
+    write_bytes(s, "PS", "set DC start time", ECT_REG_DC_START_TIME, start, sizeof start);
+    write_bytes(s, "PS", "set DC activation", ECT_REG_DC_CYCLIC_CONTROL, units, sizeof units);
+    write_bytes(s, "SP OP", "clear DC activation", ECT_REG_DC_CYCLIC_CONTROL, none, sizeof none);
+}
+
+static void write_dc(const slave_t *s)
+{
+    if (s->part->clock == NULL)
+        return;
+    ect_pen_open(s->pen, "DC");
+    ect_pen_number(s->pen, "PotentialReferenceClock", 1);
+    ect_pen_number(s->pen, "ReferenceClock", s->share->reference);
+    ect_pen_number(s->pen, "CycleTime0", sync0_ns(s));
+    ect_pen_number(s->pen, "CycleTime1", sync1_ns(s));
+    ect_pen_number(s->pen, "ShiftTime", s->part->clock->shift_sync0_ns);
+    ect_pen_close(s->pen);
+}
+
+static void write_hot_connect(const slave_t *s)
+{
+    if (s->part->group == NULL)
+        return;
+    ect_pen_open(s->pen, "HotConnect");
+    if (*s->part->group != '\0')
+        ect_pen_text(s->pen, "GroupName", s->part->group);
+    ect_pen_number(s->pen, "GroupMemberCnt", s->part->members);
+    ect_pen_close(s->pen);
+}
+
+/* --- start-up ----------------------------------------------------------------------------------------------------- */
+
+static void write_commands(const slave_t *s)
 {
     const ect_device_t *device = s->part->device;
     const ect_timeouts_t *t = &device->timeouts;
@@ -194,13 +308,15 @@ static void write_commands(const slave_t *s, const uint32_t offsets[2])
     check_word(s, "revision", ECT_SII_AT_REVISION, s->part->identity.revision);
     for (unsigned int n = 0; n < first; n++)
         set_sm(s, "IP", n);
+    map_state(s);
     eeprom[0] = 1;
     write_bytes(s, "IP", "EEPROM to the slave", ECT_REG_SII_CONFIG, eeprom, sizeof eeprom);
     go_to(s, "IP", ECT_STATE_PREOP, t->preop_ms != 0 ? t->preop_ms : 3000);
     for (unsigned int n = first; n < device->sm_count; n++)
         set_sm(s, "PS", n);
-    set_fmmus(s, false, offsets[0], &fmmu);
-    set_fmmus(s, true, offsets[1], &fmmu);
+    set_fmmus(s, false, s->share->offsets[0], &fmmu);
+    set_fmmus(s, true, s->share->offsets[1], &fmmu);
+    start_clock(s);
     go_to(s, "PS", ECT_STATE_SAFEOP, t->safeop_op_ms != 0 ? t->safeop_op_ms : 10000);
     go_to(s, "SO", ECT_STATE_OP, t->safeop_op_ms != 0 ? t->safeop_op_ms : 10000);
     go_to(s, "OS", ECT_STATE_SAFEOP, t->back_to_safeop_ms != 0 ? t->back_to_safeop_ms : 200);
@@ -211,26 +327,24 @@ static void write_commands(const slave_t *s, const uint32_t offsets[2])
 
 /* --- mailbox ------------------------------------------------------------------------------------------------------ */
 
-static void write_box(ect_pen_t *pen, const char *element, uint16_t start, uint16_t length, bool polled)
+static void write_box(ect_pen_t *pen, const char *element, uint16_t start, uint16_t length)
 {
     ect_pen_open(pen, element);
     ect_pen_number(pen, "Start", start);
     ect_pen_number(pen, "Length", length);
-    if (polled)
-        ect_pen_number(pen, "PollTime", POLL_MS);
     ect_pen_close(pen);
 }
 
-static void write_transitions(ect_pen_t *pen, const char *transitions)
+static void write_receive(const slave_t *s)
 {
-    while (*transitions != '\0') {
-        char one[4] = "";
-        const size_t length = strcspn(transitions, " ");
-        memcpy(one, transitions, length < sizeof one ? length : sizeof one - 1);
-        ect_pen_text(pen, "Transition", one);
-        transitions += length;
-        transitions += strspn(transitions, " ");
-    }
+    const ect_sm_t *sm = &s->part->device->sm[1];
+    ect_pen_open(s->pen, "Recv");
+    ect_pen_number(s->pen, "Start", sm->start);
+    ect_pen_number(s->pen, "Length", sm->length);
+    ect_pen_number(s->pen, "PollTime", POLL_MS);
+    if (s->share->state_bit >= 0)
+        ect_pen_number(s->pen, "StatusBitAddr", s->share->state_bit);
+    ect_pen_close(s->pen);
 }
 
 static void write_coe(ect_pen_t *pen, const ect_device_t *device)
@@ -249,14 +363,18 @@ static void write_coe(ect_pen_t *pen, const ect_device_t *device)
         ect_pen_number(pen, "Index", command->index);
         ect_pen_number(pen, "SubIndex", command->subindex);
         ect_pen_bytes(pen, "Data", command->data, command->size);
+        if (command->disabled)
+            ect_pen_number(pen, "Disabled", 1);
         ect_pen_close(pen);
     }
     ect_pen_close(pen);
     ect_pen_close(pen);
 }
 
-static void write_mailbox(ect_pen_t *pen, const ect_device_t *device)
+static void write_mailbox(const slave_t *s)
 {
+    ect_pen_t *pen = s->pen;
+    const ect_device_t *device = s->part->device;
     static const struct {
         uint8_t bit;
         const char *name;
@@ -266,12 +384,12 @@ static void write_mailbox(ect_pen_t *pen, const ect_device_t *device)
         return;
     ect_pen_open(pen, "Mailbox");
     ect_pen_flag(pen, "DataLinkLayer", (ect_device_general_flags(device) & ECT_GENERAL_MAIL_REPEAT) != 0);
-    write_box(pen, "Send", device->sm[0].start, device->sm[0].length, false);
-    write_box(pen, "Recv", device->sm[1].start, device->sm[1].length, true);
+    write_box(pen, "Send", device->sm[0].start, device->sm[0].length);
+    write_receive(s);
     if (device->boot_out.length > 0) {
         ect_pen_open(pen, "BootStrap");
-        write_box(pen, "Send", device->boot_out.start, device->boot_out.length, false);
-        write_box(pen, "Recv", device->boot_in.start, device->boot_in.length, false);
+        write_box(pen, "Send", device->boot_out.start, device->boot_out.length);
+        write_box(pen, "Recv", device->boot_in.start, device->boot_in.length);
         ect_pen_close(pen);
     }
     for (size_t i = 0; i < sizeof protocols / sizeof protocols[0]; i++) {
@@ -368,23 +486,25 @@ static void write_previous(const slave_t *s)
     ect_pen_close(s->pen);
 }
 
-void eni_write_slave(ect_pen_t *pen, const ect_eni_part_t *parts, size_t i, const uint32_t offsets[2])
+void eni_write_slave(ect_pen_t *pen, const ect_eni_part_t *parts, size_t i, const eni_share_t *share)
 {
-    const slave_t s = {.pen = pen, .part = &parts[i], .i = i, .station = station_of(i)};
+    const slave_t s = {.pen = pen, .part = &parts[i], .i = i, .station = station_of(i), .share = share};
     const ect_device_t *device = parts[i].device;
     ect_pen_open(pen, "Slave");
     write_info(&s);
     ect_pen_open(pen, "ProcessData");
-    write_bits(pen, "Send", offsets[0], eni_bytes(device, false));
-    write_bits(pen, "Recv", offsets[1], eni_bytes(device, true));
+    write_bits(pen, "Send", share->offsets[0], eni_bytes(device, false));
+    write_bits(pen, "Recv", share->offsets[1], eni_bytes(device, true));
     for (unsigned int n = 0; n < device->sm_count; n++)
         write_sm(pen, device, n);
     ect_pen_pdos(pen, device, true);
     ect_pen_pdos(pen, device, false);
     ect_pen_close(pen);
-    write_mailbox(pen, device);
-    write_commands(&s, offsets);
+    write_mailbox(&s);
+    write_commands(&s);
     write_previous(&s);
+    write_hot_connect(&s);
+    write_dc(&s);
     ect_pen_close(pen);
 }
 

@@ -11,7 +11,20 @@
 
 ECT_C_BEGIN
 
-enum { ENI_LOGICAL_OUTPUTS = 0x00010000, ENI_LOGICAL_INPUTS = 0x01000000, ENI_FIRST_STATION = 1001 };
+enum {
+    ENI_LOGICAL_OUTPUTS = 0x00010000,
+    ENI_LOGICAL_INPUTS = 0x01000000,
+    ENI_LOGICAL_STATES = 0x09000000, /* as of other tools: a bit each mailbox */
+    ENI_FIRST_STATION = 1001,
+};
+
+/** The part of the process image and of the network that a slave has. */
+typedef struct eni_share {
+    uint32_t offsets[2]; /**< bytes of the outputs and the inputs of the slaves before */
+    int state_bit;       /**< of its mailbox in the logical memory, -1: none */
+    uint32_t cycle_us;
+    bool reference; /**< its clock is that of the bus */
+} eni_share_t;
 
 /** An InitCmd with a physical address. */
 typedef struct eni_init {
@@ -21,6 +34,7 @@ typedef struct eni_init {
     const uint8_t *data; /**< NULL: `length` bytes to read */
     size_t length;
     size_t counter;
+    bool uncounted; /**< no `Cnt` */
     bool before_slave;
     const uint8_t *expected; /**< `length` bytes, NULL: no Validate */
     const uint8_t *mask;     /**< `length` bytes, NULL: all bits */
@@ -32,8 +46,11 @@ void eni_write_init(ect_pen_t *pen, const eni_init_t *init);
 /** @return bytes of process data in one direction */
 uint32_t eni_bytes(const ect_device_t *device, bool inputs);
 
-/** Writes `<Slave>`. @param offsets  bytes of outputs and inputs of the preceding slaves */
-void eni_write_slave(ect_pen_t *pen, const ect_eni_part_t *parts, size_t i, const uint32_t offsets[2]);
+/** @return whether an FMMU of the slave is free for the state of its mailbox */
+bool eni_has_state(const ect_device_t *device);
+
+/** Writes `<Slave>`. */
+void eni_write_slave(ect_pen_t *pen, const ect_eni_part_t *parts, size_t i, const eni_share_t *share);
 
 /** Writes a `<Variable>` for each entry of the assigned PDOs. @param offset  of the slave's data in the image, bytes */
 void eni_write_variables(ect_pen_t *pen, const ect_device_t *device, size_t i, bool inputs, uint32_t offset);

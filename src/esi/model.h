@@ -83,6 +83,7 @@ typedef struct ect_esi_init {
     ect_esi_bytes_t data;
     const char *comment;  /**< "" when absent */
     bool depends_on_slot; /**< `DependOnSlot`: the index moves with the module's slot */
+    bool disabled;        /**< `Disabled` of a network file */
     int line;
 } ect_esi_init_t;
 

@@ -333,6 +333,7 @@ static void set_init_commands(ect_build_t *build, ect_device_t *device)
             .size = (uint16_t)init->data.length,
             .data = init->data.bytes,
             .comment = *init->comment != '\0' ? init->comment : NULL,
+            .disabled = init->disabled,
         };
     }
 }

@@ -228,8 +228,10 @@ static void write_coe(ect_pen_t *pen, const ect_device_t *device, const xmlNode 
     ect_pen_flag(pen, "CompleteAccess", (details & ECT_COE_COMPLETE_ACCESS) != 0);
     ect_pen_flag(pen, "SegmentedSdo", true);
     ect_pen_flag(pen, "DiagHistory", ect_od_find(&od, 0x10F3) != NULL);
-    for (unsigned int i = 0; source == NULL && i < device->init_command_count; i++)
-        write_init_command(pen, &device->init_commands[i]);
+    for (unsigned int i = 0; source == NULL && i < device->init_command_count; i++) {
+        if (!device->init_commands[i].disabled) /* an ESI file has no such commands */
+            write_init_command(pen, &device->init_commands[i]);
+    }
     ect_pen_copy_children(pen, source, NULL);
     ect_pen_close(pen);
 }

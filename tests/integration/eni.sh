@@ -76,6 +76,20 @@ check "CF-N01: ports come back" "$(grep -e '<Port>' "$work/own.xml" | xargs)" "$
 check "the same bus gives the same bytes" "$(cat "$work/second")" "$(cat "$work/third")"
 check "--cycle" "<CycleTime>250</CycleTime>" "$("$ectwin" eni --cycle 250 fzm1 | grep -o '<CycleTime>.*')"
 
+"$ectwin" eni --quiet "eni:$eni/machine.xml" -o "$work/again.xml"
+check "ENI-021: the group of a network file" "<GroupName>Tool</GroupName>" "$(grep -o '<GroupName>.*' "$work/again.xml")"
+"$ectwin" eni --quiet --dc --alias 2:17 --hot-connect '2:Tool*2' fzm1*3 -o "$work/groups.xml"
+check "ENI-019, ENI-021: --dc and --hot-connect" "3 <GroupName>Tool</GroupName> <GroupMemberCnt>2</GroupMemberCnt>" \
+  "$(grep -c '<DC>' "$work/groups.xml") $(grep -o '<Group.*' "$work/groups.xml" | xargs)"
+check "ENI-020: mailbox states" "3 150994944 3" "$(grep -c StatusBitAddr "$work/groups.xml") $(grep -A2 '<MailboxStates>' "$work/groups.xml" | grep -oE '[0-9]+' | xargs)"
+no_group() { # TITLE LINE ARGUMENT...
+  "$ectwin" eni "${@:3}" >"$work/out" 2>"$work/err"
+  check "$1" "1 ectwin eni: --hot-connect $2" "$? $(head -1 "$work/err")"
+}
+no_group "--hot-connect without an alias" "Tool: twin 2 has no alias, by which a master finds it: --alias 2:7" --hot-connect 2:Tool 'fzm1*2'
+no_group "--hot-connect beyond the chain" "Tool: the chain has 2 twins" --alias 5 --hot-connect '2:Tool*2' 'fzm1*2'
+no_group "--hot-connect without a name" "takes the number of a twin and a name, as 2:Tool or 2:Tool*3, not '2'" --hot-connect 2 'fzm1*2'
+
 verified() { # TITLE CODE LINES ARGUMENT...
   "$ectwin" verify "${@:4}" >"$work/out" 2>"$work/err"
   check "$1" "$2 $3" "$? $(cat "$work/out" "$work/err")"

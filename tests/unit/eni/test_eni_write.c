@@ -10,6 +10,7 @@
 #include "eni/bus.h"
 #include "eni/write.h"
 #include "esi/twin.h"
+#include "wire/bytes.h"
 
 enum { SLAVES = 12, CYCLE_US = 2000, CYCLES = 20 };
 
@@ -232,6 +233,172 @@ static void ENI_017_the_image_holds_every_command_and_its_variables_do_not_overl
     }
 }
 
+static const ect_dc_mode_t *clock_of(const ect_device_t *device)
+{
+    for (unsigned int i = 0; i < device->dc_mode_count; i++) {
+        if (device->dc_modes[i].assign_activate != 0)
+            return &device->dc_modes[i];
+    }
+    return NULL;
+}
+
+static const ect_eni_command_t *command_at(const ect_eni_slave_t *slave, unsigned int transition, uint16_t ado)
+{
+    for (size_t i = 0; i < slave->command_count; i++) {
+        if ((slave->commands[i].transitions & transition) != 0 && slave->commands[i].ado == ado)
+            return &slave->commands[i];
+    }
+    return NULL;
+}
+
+static void CF_N02_a_file_with_clocks_brings_its_devices_to_OP(void **state)
+{
+    static const char devices[] = "fzm1,optoncdt2300";
+    written_t w;
+    (void)state;
+    write_devices("clocks", devices, &w);
+    for (size_t i = 0; i < w.count; i++)
+        w.parts[i].clock = clock_of(w.parts[i].device);
+    assert_non_null(w.parts[0].clock);
+    ect_eni_close(w.eni);
+    write_parts("clocks", &w);
+    play("clocks", &w, devices);
+    drop(&w);
+}
+
+/* Values of one mode for a cycle of 2 ms. */
+static void ENI_019_clocks_start_with_the_cycles_of_their_mode(void **state)
+{
+    static const struct {
+        const char *title;
+        ect_dc_mode_t mode;
+        uint32_t sync0_ns, sync1_ns;
+    } rows[] = {
+        {"ENI-019: SYNC0 once a cycle", {.assign_activate = 0x0300}, 2000000, 0},
+        {"ENI-019: a fixed cycle", {.assign_activate = 0x0300, .cycle_sync0_ns = 500000}, 500000, 0},
+        {"ENI-019: every third cycle", {.assign_activate = 0x0300, .factor_sync0 = 3}, 6000000, 0},
+        {"ENI-019: four in a cycle", {.assign_activate = 0x0300, .factor_sync0 = -4}, 500000, 0},
+        {"ENI-019: SYNC1 with each SYNC0",
+         {.assign_activate = 0x0700, .factor_sync1 = 1, .shift_sync1_ns = 1000},
+         2000000,
+         1000},
+        {"ENI-019: SYNC1 with every second SYNC0",
+         {.assign_activate = 0x0700, .factor_sync1 = 2, .shift_sync0_ns = -5, .shift_sync1_ns = 7},
+         2000000,
+         2000007},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        written_t w = {.count = 0};
+        add_part(&w, "fzm1");
+        add_part(&w, "fzm1");
+        w.parts[1].clock = &rows[i].mode;
+        write_parts(rows[i].title, &w);
+        const ect_eni_slave_t *slave = slave_of(w.eni, 1);
+        const ect_eni_command_t *cycles = command_at(slave, ECT_ENI_PS, 0x09A0);
+        const ect_eni_command_t *start = command_at(slave, ECT_ENI_PS, 0x0990);
+        const ect_eni_command_t *units = command_at(slave, ECT_ENI_PS, 0x0980);
+        assert_false(slave_of(w.eni, 0)->clocked);
+        assert_null(command_at(slave_of(w.eni, 0), ECT_ENI_PS, 0x0980));
+        assert_true(slave->clocked && slave->cycle0_ns == rows[i].sync0_ns && slave->cycle1_ns == rows[i].sync1_ns &&
+                    slave->shift_ns == rows[i].mode.shift_sync0_ns);
+        assert_true(cycles != NULL && start != NULL && units != NULL && cycles < start && start < units);
+        assert_int_equal(ect_load_le32(cycles->data.bytes), rows[i].sync0_ns);
+        assert_int_equal(ect_load_le32(cycles->data.bytes + 4), rows[i].sync1_ns);
+        assert_int_equal((int64_t)ect_load_le64(start->data.bytes), rows[i].mode.shift_sync0_ns);
+        assert_int_equal(ect_load_le16(units->data.bytes), rows[i].mode.assign_activate);
+        assert_non_null(command_at(slave, ECT_ENI_IP, 0x0980));
+        assert_non_null(command_at(slave, ECT_ENI_OP, 0x0980));
+        const ect_eni_command_t *first = &ect_eni_network(w.eni)->cyclics[0].frames[0].commands[0];
+        assert_int_equal(first->command, 14); /* FRMW of the system time of slave 2 */
+        assert_int_equal(first->adp, 1002);
+        assert_int_equal(first->ado, 0x0910);
+        assert_int_equal(first->counter, -1);
+        drop(&w);
+    }
+}
+
+static void ENI_020_mailboxes_have_a_bit_each(void **state)
+{
+    ect_device_t plain;
+    written_t w = {.count = 0};
+    (void)state;
+    for (unsigned int i = 0; i < 3; i++)
+        add_part(&w, "fzm1");
+    plain = *w.parts[1].device;
+    plain.esc = "none"; /* a chip without a free FMMU, as far as anybody knows */
+    w.parts[1].device = &plain;
+    write_parts("states", &w);
+    const ect_eni_network_t *network = ect_eni_network(w.eni);
+    assert_int_equal(network->status_start.value, 0x09000000);
+    assert_int_equal(network->status_count, 2);
+    assert_int_equal(slave_of(w.eni, 0)->mailbox.status_bit.value, 0);
+    assert_false(slave_of(w.eni, 1)->mailbox.status_bit.given);
+    assert_int_equal(slave_of(w.eni, 2)->mailbox.status_bit.value, 1);
+    const uint8_t fmmu[16] = {0, 0, 0, 9, 1, 0, 1, 1, 0x0D, 0x08, 0, 1, 1};
+    const ect_eni_command_t *command = command_at(slave_of(w.eni, 2), ECT_ENI_IP, 0x0620);
+    assert_non_null(command);
+    assert_memory_equal(command->data.bytes, fmmu, sizeof fmmu);
+    command = &network->cyclics[0].frames[0].commands[1];
+    assert_int_equal(command->command, 10);
+    assert_int_equal(command->address, 0x09000000);
+    assert_int_equal(command->data.length, 1);
+    assert_int_equal(command->counter, 2);
+    assert_int_equal(command->states, ECT_ENI_PREOP | ECT_ENI_SAFEOP | ECT_ENI_OPERATIONAL);
+    drop(&w);
+}
+
+static void ENI_007_a_disabled_command_stays_disabled(void **state)
+{
+    char why[400] = "";
+    ect_device_t device;
+    ect_init_command_t commands[2];
+    written_t w = {.count = 0};
+    (void)state;
+    add_part(&w, "pmctendo-dd5");
+    device = *w.parts[0].device;
+    assert_true(device.init_command_count >= 2);
+    memcpy(commands, device.init_commands, sizeof commands);
+    commands[1].disabled = true;
+    device.init_commands = commands;
+    device.init_command_count = 2;
+    w.parts[0].device = &device;
+    write_parts("disabled", &w);
+    const ect_eni_mailbox_t *mailbox = &slave_of(w.eni, 0)->mailbox;
+    assert_int_equal(mailbox->command_count, 2);
+    assert_false(mailbox->commands[0].disabled);
+    assert_true(mailbox->commands[1].disabled);
+    ect_esi_t *esi = ect_eni_device(w.eni, 0, why, sizeof why);
+    ect_esi_twin_t *twin = ect_esi_twin_take(esi, "", NULL, 0, why, sizeof why);
+    assert_non_null(twin);
+    const ect_device_t *made = ect_esi_twin_product(twin)->device;
+    assert_int_equal(made->init_command_count, 2);
+    assert_false(made->init_commands[0].disabled);
+    assert_true(made->init_commands[1].disabled);
+    ect_esi_twin_free(twin);
+    drop(&w);
+}
+
+static void ENI_021_a_hot_connect_group_comes_back(void **state)
+{
+    written_t w = {.count = 0};
+    (void)state;
+    for (unsigned int i = 0; i < 4; i++)
+        add_part(&w, "fzm1");
+    w.parts[1].group = "Tool";
+    w.parts[1].members = 2;
+    w.parts[3].group = "";
+    w.parts[3].members = 1;
+    write_parts("groups", &w);
+    assert_null(slave_of(w.eni, 0)->group);
+    assert_string_equal(slave_of(w.eni, 1)->group, "Tool");
+    assert_int_equal(slave_of(w.eni, 1)->members, 2);
+    assert_null(slave_of(w.eni, 2)->group);
+    assert_string_equal(slave_of(w.eni, 3)->group, "");
+    assert_int_equal(slave_of(w.eni, 3)->members, 1);
+    drop(&w);
+}
+
 /* Nine base units have more process data than a datagram. */
 static void process_data_beyond_a_datagram_are_several_commands(void **state)
 {
@@ -276,6 +443,11 @@ int main(void)
         cmocka_unit_test(CF_N01_a_written_file_has_frames_checks_and_mailbox_of_the_device),
         cmocka_unit_test(ENI_010_ENI_021_place_and_alias_of_a_slave_come_back),
         cmocka_unit_test(ENI_017_the_image_holds_every_command_and_its_variables_do_not_overlap),
+        cmocka_unit_test(CF_N02_a_file_with_clocks_brings_its_devices_to_OP),
+        cmocka_unit_test(ENI_019_clocks_start_with_the_cycles_of_their_mode),
+        cmocka_unit_test(ENI_020_mailboxes_have_a_bit_each),
+        cmocka_unit_test(ENI_007_a_disabled_command_stays_disabled),
+        cmocka_unit_test(ENI_021_a_hot_connect_group_comes_back),
         cmocka_unit_test(process_data_beyond_a_datagram_are_several_commands),
         cmocka_unit_test(a_file_of_no_slave_or_of_too_many_is_refused),
     };
