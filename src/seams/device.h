@@ -201,10 +201,10 @@ typedef struct ect_init_command {
     uint8_t subindex;
     bool complete;       /**< by Complete Access */
     bool adapts;         /**< the configuration tool replaces the data, e.g. a cycle time by that of its bus */
+    bool disabled;       /**< kept, and not sent: `<Disabled>` of a network file */
     uint16_t size;       /**< bytes of `data`, at least 1 */
     const uint8_t *data; /**< wire form */
     const char *comment; /**< or NULL */
-    bool disabled;       /**< kept, and not sent: `<Disabled>` of a network file */
 } ect_init_command_t;
 
 /** Longest time that the device takes for a transition or a mail, milliseconds (ESI `<Timeout>`); 0: the master's
