@@ -106,8 +106,8 @@ ect_esi_bytes_t ect_draft_hex(ect_draft_t *d, const char *key, ect_word_t word, 
 
 /* --- draft.c ------------------------------------------------------------------------------------------------------ */
 
-/** Adds an object. @return NULL: its index is taken or reserved, a mistake */
-ect_draft_object_t *ect_draft_add(ect_draft_t *d, ect_word_t index, uint8_t code, const char *name);
+/** Adds an object. @param word  its index @return NULL: the index is taken or reserved, a mistake */
+ect_draft_object_t *ect_draft_add(ect_draft_t *d, ect_word_t word, uint8_t code, const char *name);
 
 /** Adds an entry to the object that was added last. @return NULL: too many, or its sub-index is taken, a mistake */
 ect_draft_entry_t *ect_draft_entry(ect_draft_t *d, uint8_t subindex, const ect_draft_entry_t *entry);
@@ -134,7 +134,7 @@ void ect_draft_values(ect_draft_t *d, const yaml_node_t *values, ect_draft_entry
 void ect_draft_cells(ect_draft_t *d, ect_word_t bits, ect_word_t values, ect_draft_entry_t *entry);
 
 /** table.c: the objects of a table, FILE.csv, relative to the folder of the device file. */
-void ect_draft_table(ect_draft_t *d, ect_word_t file);
+void ect_draft_table(ect_draft_t *d, ect_word_t word);
 
 /** objects.c: `objects`, or the name of a table. */
 void ect_draft_objects(ect_draft_t *d, const yaml_node_t *objects);
