@@ -39,7 +39,7 @@ enum { MOST_SECONDS = 3000, DEFAULT_SECONDS = 10 };
 
 static const struct argp_option options_[] = {
     {"interface", 'i', "IFACE", 0, "Network interface that the slave is connected to", 0},
-    {"in-process", OPTION_IN_PROCESS, "DEVICE[,DEVICE...]", 0,
+    {"in-process", OPTION_IN_PROCESS, "DEVICE[,...]", 0,
      "In place of -i: judge twins in this process, on a virtual clock, without a network. 'ectwin list' lists the "
      "devices",
      0},

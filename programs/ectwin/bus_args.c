@@ -54,7 +54,7 @@ static const char socket_prefix[] = "unix:";
 
 static bool is_socket(const struct argp_option *option)
 {
-    return option->arg && strstr(option->arg, "unix:PATH");
+    return option->name && strcmp(option->name, "eoe") == 0;
 }
 
 static bool is_path(const struct argp_option *option)

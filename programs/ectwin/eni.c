@@ -34,9 +34,9 @@ static const struct argp_option options[] = {
     {"cycle", KEY_CYCLE, "US", 0, "Cycle of the process data, microseconds, 1..1000000 (default 1000)", 0},
     {"dc", KEY_DC, NULL, 0,
      "Synchronise by distributed clocks: each device in its first mode with SYNC signals (default: none)", 0},
-    {"hot-connect", KEY_GROUP, "N:NAME[*COUNT]", 0,
-     "Hot-connect group NAME: twin N, whose alias the master looks for, and the twins behind it, COUNT in all "
-     "(default 1). May be repeated",
+    {"hot-connect", KEY_GROUP, "N:NAME[*N]", 0,
+     "Hot-connect group NAME: twin N, whose alias the master looks for, and the twins behind it, in all as many as "
+     "behind the * (default 1). May be repeated",
      0},
     {0},
 };

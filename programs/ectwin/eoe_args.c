@@ -13,9 +13,11 @@
 enum { KEY_EOE = 0x300 };
 
 static const struct argp_option options[] = {
-    {"eoe", KEY_EOE, "[N:]tap[NAME]|unix:PATH|echo", 0,
-     "Network behind twin N (default: the first twin with EoE): a TAP interface, a SOCK_SEQPACKET socket with one "
-     "frame in each message, or a responder for ARP, ping and UDP echo (docs/EOE.md). May be repeated",
+    {"eoe", KEY_EOE, "[N:]NETWORK", 0,
+     "Network behind twin N (default: the first twin with EoE): tap[NAME], a TAP interface; unix:PATH, a "
+     "SOCK_SEQPACKET "
+     "socket with one frame in each message; or echo, a responder for ARP, ping and UDP echo (docs/EOE.md). May be "
+     "repeated",
      2},
     {0},
 };

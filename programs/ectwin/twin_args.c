@@ -98,13 +98,13 @@ static const struct argp_option options[] = {
      "Name of these twins for 'ectwin ps' and for the option -s of other commands (default: the process id)", 1},
     {"module", KEY_MODULE, "[N:]SLOT=IDENT", 0,
      "ModuleIdent of the module in a slot of twin N (default 1), a modular device of an ESI file. May be repeated", 1},
-    {"behaviour", KEY_BEHAVIOUR, "[N:]cia402|none", 0,
-     "Behaviour of twin N of an ESI file, or of all twins without N: CiA 402 drive for each axis, or none (default: "
-     "cia402 if the file has 6040h and 6041h). May be repeated",
+    {"behaviour", KEY_BEHAVIOUR, "[N:]KIND", 0,
+     "Behaviour of twin N of an ESI file, or of all twins without N: cia402, a drive for each axis, or none "
+     "(default: cia402 if the file has 6040h and 6041h). May be repeated",
      1},
-    {"connect", KEY_CONNECT, "N.NAME=M.NAME[,...]", 0,
-     "Set signal N.NAME of twin N from signal M.NAME of twin M, modified by ,factor=F ,offset=O ,delay=10ms ,invert "
-     "(default: the unchanged value, at once). May be repeated",
+    {"connect", KEY_CONNECT, "SIGNAL=SIGNAL", 0,
+     "Set a signal from another one, N.NAME=M.NAME of twins N and M, modified by ,factor=F ,offset=O ,delay=10ms "
+     ",invert (default: the unchanged value, at once). May be repeated",
      1},
     {"pcap", KEY_PCAP, "FILE", 0,
      "Write all frames to FILE (pcapng, for Wireshark), with faults, plugs, state changes, requests and saves as "
@@ -137,10 +137,10 @@ static const struct argp_option options[] = {
      "Play the faults, signals and expectations of FILE, one on each line (docs/FAULTS.md). Each expectation is "
      "reported on standard error; the exit status is 3 when an expectation has failed and the run has succeeded",
      1},
-    {"play", KEY_PLAY, "[N:]FILE[,loop][,every=TIME]", 0,
+    {"play", KEY_PLAY, "[N:]FILE[,...]", 0,
      "Play a table of signals of twin N (default 1) from a CSV file: the first line has names, among them 'time', in "
-     "seconds since the start; each further line is set at its time. loop: repeat the table from the time of the "
-     "last line on; every=5ms: interpolate lines every 5 ms (docs/COMMAND.md). May be repeated",
+     "seconds since the start; each further line is set at its time. ,loop: repeat the table from the time of the "
+     "last line on; ,every=5ms: interpolate lines every 5 ms (docs/COMMAND.md). May be repeated",
      1},
     {"seed", KEY_SEED, "N", 0,
      "Seed of the random generator that selects frames for --fault, drifts for --drift, delays and jitter (default 1)",

@@ -39,7 +39,7 @@ static const struct argp_option options[] = {
      "Length of the cable at the input of twin N, or of all twins without N, 0 to 1000 metres (default 1). The "
      "length adds to the propagation delays of distributed clocks",
      2},
-    {"eeprom-times", KEY_EEPROM, "[N:]chip|short", 0,
+    {"eeprom-times", KEY_EEPROM, "[N:]TIMES", 0,
      "Duration of the EEPROM commands of twin N, or of all twins without N: 'chip', as with an I2C EEPROM, 0.3 to "
      "1.2 ms and 5 ms after a written word, or 'short', 20 us (default: short). May be repeated",
      2},
@@ -47,16 +47,16 @@ static const struct argp_option options[] = {
      "Board whose times twin N has, or all twins without N: the ESC chip, the memory layout, the duration of "
      "accesses to the ESC, and --eeprom-times chip; 'help' lists the boards",
      2},
-    {"al-delay", KEY_AL, "[N:]MIN[..MAX]", 0,
-     "Time from a request in AL control until twin N, or each twin without N, processes it: MIN to MAX ms, 0 to "
+    {"al-delay", KEY_AL, "[N:]RANGE", 0,
+     "Time from a request in AL control until twin N, or each twin without N, processes it: MIN[..MAX] ms, 0 to "
      "60000, at random from --seed (default 0). May be repeated",
      2},
-    {"mailbox-delay", KEY_MAILBOX, "[N:]MIN[..MAX]", 0,
-     "Time from a mail until twin N, or each twin without N, fetches and answers it: MIN to MAX ms, 0 to 60000, at "
+    {"mailbox-delay", KEY_MAILBOX, "[N:]RANGE", 0,
+     "Time from a mail until twin N, or each twin without N, fetches and answers it: MIN[..MAX] ms, 0 to 60000, at "
      "random from --seed (default 0). May be repeated",
      2},
-    {"jitter", KEY_JITTER, "[N:]MIN[..MAX]", 0,
-     "Time from every event, process data included, until twin N, or each twin without N, processes it: MIN to MAX "
+    {"jitter", KEY_JITTER, "[N:]RANGE", 0,
+     "Time from every event, process data included, until twin N, or each twin without N, processes it: MIN[..MAX] "
      "us, 0 to 1000000, at random from --seed (default 0). May be repeated",
      2},
     {"dc-jitter", KEY_DC_JITTER, "[N:]NS", 0,

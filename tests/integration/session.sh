@@ -45,6 +45,17 @@ closed_streams() {
   check "list: without standard output" 0 $?
 }
 
+# glibc prints the margin of a text before an option that is too long for its column, when its buffer is almost full.
+help_has_short_options() {
+  local commands
+  commands=$("$ectwin" --help | grep -o 'ectwin  *[a-z-]*' | awk '$2 ~ /^[a-z]/ {print $2}' | sort -u)
+  check "--help lists the commands" yes "$([ "$(echo "$commands" | wc -l)" -gt 20 ] && echo yes)"
+  for command in $commands; do
+    check "$command --help: each option leaves room for its text (24 characters)" "" \
+      "$("$ectwin" "$command" --help | grep -E '^ +(-[^ ]+,? ?)+$')"
+  done
+}
+
 output_that_cannot_be_written() {
   for arguments in "list" "--help" "run --help" "sii fzm1"; do
     # shellcheck disable=SC2086
@@ -393,5 +404,5 @@ END
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-run_cases its_version closed_streams output_that_cannot_be_written ignored_interrupt wrong_options late_answers_are_late_and_nothing_else \
+run_cases its_version help_has_short_options closed_streams output_that_cannot_be_written ignored_interrupt wrong_options late_answers_are_late_and_nothing_else \
   faults_on_wires two_ends_that_answer names_of_the_private_network each_twin_its_identity what_a_master_writes_to_the_eeprom what_was_counted example_masters_at_the_wrong_place children_of_the_command killed_at_once signals_reach_the_command rights_of_a_running_twin root_is_contained before_others looking_without_a_rest
