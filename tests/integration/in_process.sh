@@ -66,9 +66,10 @@ not_opened() { reports "has not opened ecat0 through the C library" with fzm1 --
 check "A CMD that never opens the interface is reported" not_opened
 
 # The file of the device is gone when the master opens the interface.
+opens='import socket, sys; socket.socket(socket.AF_PACKET, socket.SOCK_RAW).bind((sys.argv[1], 0x88A4))'
 not_started() {
   "$ectwin" esi fzm1 >"$work/gone.xml" &&
-    reports "gone.xml" with "esi:$work/gone.xml" -- sh -c 'rm "$2" && "$1" {}' sh "$slaveinfo" "$work/gone.xml" &&
+    reports "gone.xml" with "esi:$work/gone.xml" -- sh -c 'rm "$1" && exec python3 -c "$2" {}' sh "$work/gone.xml" "$opens" &&
     ! grep -F "has not opened" "$work/err"
 }
 check "A bus that does not start gives its own reason alone" not_started
