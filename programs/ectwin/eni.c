@@ -11,7 +11,8 @@
 #include "products.h"
 #include "text/argument.h"
 
-enum { KEY_CYCLE = 0x300, KEY_DC, KEY_GROUP, CYCLE_US = 1000, CYCLE_MOST_US = 1000000 };
+enum { KEY_CYCLE = 0x300, KEY_DC, KEY_GROUP };
+enum { CYCLE_US = 1000, CYCLE_MOST_US = 1000000 };
 
 /* "2:Tool*3" of --hot-connect. */
 typedef struct group {
