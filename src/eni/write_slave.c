@@ -347,12 +347,50 @@ static void write_receive(const slave_t *s)
     ect_pen_close(s->pen);
 }
 
-static void write_coe(ect_pen_t *pen, const ect_device_t *device)
+/* The cycle as CiA 402 has it in 60C2h, a mantissa of 8 bits and a power of ten of a second. */
+static bool split_cycle(uint32_t ns, uint8_t *mantissa, uint8_t *power)
 {
+    int8_t exponent = -9;
+    for (; ns > UINT8_MAX && ns % 10 == 0; ns /= 10)
+        exponent++;
+    for (; ns > 0 && exponent < -3 && ns % 10 == 0; ns /= 10)
+        exponent++;
+    *mantissa = (uint8_t)ns;
+    *power = (uint8_t)exponent;
+    return ns > 0 && ns <= UINT8_MAX;
+}
+
+/* Data of a command with `adapts`, as the configuration tool knows them: the interpolation time of each axis (60C2h and
+ * 800h behind it), the cycle times 1C32h:2 and 1C33h:2. */
+static const uint8_t *adapted(const slave_t *s, const ect_init_command_t *command, uint8_t room[4])
+{
+    enum { INTERPOLATION = 0x60C2, AXES_END = 0xA000, AXIS = 0x800 };
+    const uint32_t cycle_ns = s->part->clock != NULL ? sync0_ns(s) : s->share->cycle_us * (uint32_t)NS_PER_US;
+    const bool is_time = (command->index == 0x1C32 || command->index == 0x1C33) && command->subindex == 2;
+    const bool is_axis = command->index >= INTERPOLATION && command->index < AXES_END &&
+                         (command->index - INTERPOLATION) % AXIS == 0 && command->subindex >= 1 &&
+                         command->subindex <= 2;
+    uint8_t split[2];
+    ect_store_le32(room, cycle_ns);
+    if (!command->adapts || command->complete)
+        return command->data;
+    if (is_time && command->size == 4)
+        return room;
+    if (!is_axis || command->size != 1 || !split_cycle(cycle_ns, &split[0], &split[1]))
+        return command->data;
+    room[0] = split[command->subindex - 1];
+    return room;
+}
+
+static void write_coe(const slave_t *s)
+{
+    ect_pen_t *pen = s->pen;
+    const ect_device_t *device = s->part->device;
     ect_pen_open(pen, "CoE");
     ect_pen_open(pen, "InitCmds");
     for (unsigned int i = 0; i < device->init_command_count; i++) {
         const ect_init_command_t *command = &device->init_commands[i];
+        uint8_t room[4];
         ect_pen_open(pen, "InitCmd");
         ect_pen_flag(pen, "CompleteAccess", command->complete);
         write_transitions(pen, command->transitions);
@@ -362,7 +400,7 @@ static void write_coe(ect_pen_t *pen, const ect_device_t *device)
         ect_pen_number(pen, "Ccs", CCS_DOWNLOAD);
         ect_pen_number(pen, "Index", command->index);
         ect_pen_number(pen, "SubIndex", command->subindex);
-        ect_pen_bytes(pen, "Data", command->data, command->size);
+        ect_pen_bytes(pen, "Data", adapted(s, command, room), command->size);
         if (command->disabled)
             ect_pen_number(pen, "Disabled", 1);
         ect_pen_close(pen);
@@ -397,7 +435,7 @@ static void write_mailbox(const slave_t *s)
             ect_pen_text(pen, "Protocol", protocols[i].name);
     }
     if ((device->mailbox_protocols & ECT_MAILBOX_COE) != 0 && device->init_command_count > 0)
-        write_coe(pen, device);
+        write_coe(s);
     ect_pen_close(pen);
 }
 

@@ -253,7 +253,7 @@ static const ect_eni_command_t *command_at(const ect_eni_slave_t *slave, unsigne
 
 static void CF_N02_a_file_with_clocks_brings_its_devices_to_OP(void **state)
 {
-    static const char devices[] = "fzm1,optoncdt2300";
+    static const char devices[] = "fzm1,pmctendo-dd5,optoncdt2300";
     written_t w;
     (void)state;
     write_devices("clocks", devices, &w);
@@ -316,6 +316,54 @@ static void ENI_019_clocks_start_with_the_cycles_of_their_mode(void **state)
         assert_int_equal(first->counter, -1);
         drop(&w);
     }
+}
+
+/* A drive takes the cycle of the bus in 60C2h, 1 to 255 times a power of ten of a second. */
+static void ENI_019_commands_that_a_tool_adapts_have_the_cycle_of_the_bus(void **state)
+{
+    static const struct {
+        uint32_t cycle_us;
+        const char *data[2]; /* of 60C2h:1 and :2, first and second byte of the text */
+    } rows[] = {{1000, {"01", "fd"}}, {2000, {"02", "fd"}}, {250, {"19", "fb"}},    {10000, {"0a", "fd"}},
+                {125, {"7d", "fa"}},  {62, {"3e", "fa"}},   {500000, {"32", "fe"}}, {1001, {"01", "fd"}}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char why[400] = "", want[2][64];
+        written_t w = {.count = 0};
+        add_part(&w, "pmctendo-dd5");
+        w.file = ect_eni_write(&w.arena, w.parts, w.count, rows[i].cycle_us, &w.length, why, sizeof why);
+        assert_non_null(w.file);
+        for (unsigned int n = 0; n < 2; n++) {
+            (void)snprintf(want[n], sizeof want[n], "<SubIndex>%u</SubIndex>", n + 1);
+            const char *at = strstr(strstr(w.file, "<Index>24770</Index>"), want[n]);
+            at = at != NULL ? strstr(at, "<Data>") : NULL;
+            if (at == NULL || strncasecmp(at + 6, rows[i].data[n], 2) != 0)
+                fail_msg("60C2h:%u at %u us: expected %s, got %.20s", n + 1, (unsigned int)rows[i].cycle_us,
+                         rows[i].data[n], at != NULL ? at : "none");
+        }
+        drop(&w);
+    }
+}
+
+static void ENI_019_cycle_times_of_synchronisation_have_the_cycle_of_the_clock(void **state)
+{
+    static const uint8_t nothing[4] = {0};
+    static const ect_init_command_t commands[] = {
+        {.transitions = "PS", .index = 0x1C32, .subindex = 2, .adapts = true, .size = 4, .data = nothing},
+        {.transitions = "PS", .index = 0x1C33, .subindex = 2, .size = 4, .data = nothing}};
+    static const ect_dc_mode_t twice = {.assign_activate = 0x0300, .factor_sync0 = 2};
+    written_t w = {.count = 0};
+    (void)state;
+    add_part(&w, "pmctendo-dd5");
+    ect_device_t device = *w.parts[0].device;
+    device.init_commands = commands;
+    device.init_command_count = 2;
+    w.parts[0].device = &device;
+    w.parts[0].clock = &twice;
+    write_parts("cycle times", &w);
+    assert_non_null(strstr(w.file, "<Data>00093D00</Data>")); /* 4 ms */
+    assert_non_null(strstr(w.file, "<Data>00000000</Data>")); /* 1C33h:2 is not one that a tool adapts */
+    drop(&w);
 }
 
 static void ENI_020_mailboxes_have_a_bit_each(void **state)
@@ -445,6 +493,8 @@ int main(void)
         cmocka_unit_test(ENI_017_the_image_holds_every_command_and_its_variables_do_not_overlap),
         cmocka_unit_test(CF_N02_a_file_with_clocks_brings_its_devices_to_OP),
         cmocka_unit_test(ENI_019_clocks_start_with_the_cycles_of_their_mode),
+        cmocka_unit_test(ENI_019_commands_that_a_tool_adapts_have_the_cycle_of_the_bus),
+        cmocka_unit_test(ENI_019_cycle_times_of_synchronisation_have_the_cycle_of_the_clock),
         cmocka_unit_test(ENI_020_mailboxes_have_a_bit_each),
         cmocka_unit_test(ENI_007_a_disabled_command_stays_disabled),
         cmocka_unit_test(ENI_021_a_hot_connect_group_comes_back),
