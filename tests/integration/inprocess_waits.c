@@ -82,6 +82,7 @@ static void clocks(void **state)
 /* Each function of the time of day, to its resolution. */
 static void times_of_the_day(void **state)
 {
+    struct timespec coarse = after(CLOCK_REALTIME_COARSE, 0); /* time() has the kernel's last tick too */
     struct timespec real = after(CLOCK_REALTIME, 0), monotonic = after(CLOCK_MONOTONIC, 0);
     struct timeval day;
     time_t stored = 0;
@@ -90,7 +91,7 @@ static void times_of_the_day(void **state)
     assert_in_range(day.tv_usec, 0, 999999);
     const time_t now = time(&stored);
     assert_int_equal(now, stored);
-    assert_true(now >= real.tv_sec && day.tv_sec >= real.tv_sec);
+    assert_true(now >= coarse.tv_sec && day.tv_sec >= real.tv_sec);
     if (!is_virtual)
         return;
     assert_true(monotonic.tv_sec >= 1000); /* each run begins there, at the first moment of 2026 */
