@@ -690,10 +690,6 @@ static void ends_of_threads(void **state)
     pthread_t threads[THREADS];
     pthread_attr_t detached;
     (void)state;
-#if defined CALLS_ARE_RAW && defined __SANITIZE_ADDRESS__
-    if (is_virtual)
-        skip(); /* one run in seven hangs: docs/IN-PROCESS.md, limits */
-#endif
     for (unsigned int round = 0; round < 300; round++) { /* places of threads that have ended are used again */
         for (unsigned int i = 0; i < THREADS; i++)
             assert_int_equal(pthread_create(&threads[i], NULL, end_at_once, &values[i]), 0);

@@ -649,24 +649,26 @@ void ect_virtual_thread_begin(void *record, bool waits)
     await_turn();
 }
 
+/* A thread that did not wait for its turn at its beginning may end before its first call. It ends in its turn too, so
+ * that pthread_join() finds `ended` set or is woken. */
 void ect_virtual_thread_end(void)
 {
     thread_t *mine = self;
     if (!mine)
         return;
+    lock();
+    resume_turn();
     self = NULL;
     ect_inside++; /* the rest of the thread's end is the C library's own */
-    lock();
-    bool had_turn = running == mine;
     if (mine->ended)
         *mine->ended = 1;
     for (thread_t *one = threads; one; one = one->next) {
         if (one->state == WAITING && mine->ended && one->key == mine->ended)
             make_ready(one, true);
     }
+    mine->state = WAITING; /* the nap of choose() is not a call that keeps the turn */
     remove_thread(mine);
-    if (had_turn)
-        pass_turn(choose());
+    pass_turn(choose());
     unlock();
 }
 
