@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """Broadcast reads into a wire, and what comes back of them.  usage: frames.py IFACE COUNT PAUSE_MS [SECONDS]
 
-Sends COUNT frames, PAUSE_MS apart, each with its number as index, and listens for SECONDS (default 5) or until all are
-back. Prints a line for each that comes back: number, working counter, milliseconds since it was sent."""
+Sends COUNT frames, at least PAUSE_MS apart, each with its number as index, and listens until all are back or none comes
+for SECONDS (default 5) after the last one. A machine that stands still for longer loses no frame: all are sent, and the
+socket is read before the end. Prints a line for each that comes back: number, working counter, milliseconds since it
+was sent."""
 import select
 import socket
 import struct
@@ -19,17 +21,21 @@ def frame(number):
 
 def main():
     iface, count, pause = sys.argv[1], int(sys.argv[2]), float(sys.argv[3]) / 1000
-    end = time.monotonic() + (float(sys.argv[4]) if len(sys.argv) > 4 else 5)
+    patience = float(sys.argv[4]) if len(sys.argv) > 4 else 5
     wire = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(ETHERTYPE))
     wire.bind((iface, ETHERTYPE))
     sent, back = [], 0
-    while back < count and time.monotonic() < end:
+    while back < count:
         if len(sent) < count and (not sent or time.monotonic() >= sent[-1] + pause):
             sent.append(time.monotonic())
+            heard = sent[-1]
             wire.send(frame(len(sent) - 1).ljust(60, b"\0"))
-        until = sent[-1] + pause if len(sent) < count else end
+        until = sent[-1] + pause if len(sent) < count else heard + patience
         if not select.select([wire], [], [], max(0, until - time.monotonic()))[0]:
+            if len(sent) == count:
+                break
             continue
+        heard = time.monotonic()
         answer, address = wire.recvfrom(2000)
         if address[2] == socket.PACKET_OUTGOING:
             continue
