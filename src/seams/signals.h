@@ -39,7 +39,7 @@ typedef enum ect_signal_type {
 typedef enum ect_signal_access { ECT_SIGNAL_READ, ECT_SIGNAL_WRITE } ect_signal_access_t;
 
 /** The greatest lengths of a TEXT and a BYTES signal. */
-enum { ECT_SIGNAL_LONGEST_TEXT = 127, ECT_SIGNAL_LONGEST_BYTES = 63 };
+enum { ECT_SIGNAL_LONGEST_TEXT = 127, ECT_SIGNAL_LONGEST_BYTES = 64 };
 
 /** A signal of a group. */
 typedef struct ect_signal {

@@ -18,7 +18,7 @@
 ECT_C_BEGIN
 
 /** Room for a signal's name, for its value as text, and for a message, terminator included. */
-enum { ECT_SIGNAL_NAME = 64, ECT_SIGNAL_TEXT_ROOM = 128, ECT_SIGNAL_MESSAGE = 256 };
+enum { ECT_SIGNAL_NAME = 64, ECT_SIGNAL_TEXT_ROOM = 2 * ECT_SIGNAL_LONGEST_BYTES + 1, ECT_SIGNAL_MESSAGE = 256 };
 
 /** One signal of one instance. */
 typedef struct ect_signal_ref {

@@ -313,6 +313,7 @@ typedef struct plant_row {
     X(range_beyond, s[0].maximum = 256, "signal p.a: its range is empty, or beyond its type")                          \
     X(range_below, s[0].minimum = -1, "signal p.a: its range is empty, or beyond its type")                            \
     X(text_room, s[1].maximum = 128, "signal p.b: its range is empty, or beyond its type")                             \
+    X(bytes_room, (s[1].type = ECT_SIGNAL_BYTES, s[1].maximum = 65), "signal p.b: its range is empty, or beyond")      \
     X(text_no_room, s[1].maximum = 0, "signal p.b: its maximum is its room")                                           \
     X(described_and_writable, s[1].type = ECT_SIGNAL_DESCRIBED, "signal p.b: a described signal is read only")         \
     X(signal_outside, s[1].offset = 30, "signal p.b: it is not inside its structure")                                  \

@@ -203,7 +203,7 @@ static void types(void **state)
         {"bytes", 3, false, "3 bytes, 6 hexadecimal digits"},
         {"described", 2, false, "up to 20 characters from space to ~"},
         {"longest", 128, false, "up to 127 characters from space to ~"},
-        {"most", 63, false, "63 bytes, 126 hexadecimal digits"},
+        {"most", 64, false, "64 bytes, 128 hexadecimal digits"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
