@@ -888,10 +888,18 @@ static void descriptor_0(void **state)
     serve_at_descriptor_0(true);
 }
 
+/* Cases close descriptor 0: without a standard input it would be that of a bench. */
+static void hold_descriptor_0(void)
+{
+    if (fcntl(STDIN_FILENO, F_GETFD) < 0 && open("/dev/null", O_RDONLY) != STDIN_FILENO)
+        abort();
+}
+
 #define TEST(title, function) {title, function, NULL, NULL, NULL}
 
 int main(int argc, char **argv)
 {
+    hold_descriptor_0();
     const struct CMUnitTest tests[] = {
         TEST("ECL-070 ECL-071: requests and answers, byte for byte; transaction and unit identifiers come back",
              answers),
