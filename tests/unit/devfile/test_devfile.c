@@ -1,19 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Device files: the device that a file stands for, and the line that refuses one. */
 #define _GNU_SOURCE
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "devfile_made.h"
+
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
-#include "devfile/devfile.h"
-#include "esi/twin.h"
 #include "esi/write.h"
 #include "sii/sii.h"
 
@@ -24,51 +17,14 @@ enum { TEXT = 500 };
 #define OBJECTS(lines) DEVICE("objects:\n" lines)                                                        /* 7 */
 #define ONE(keys)      OBJECTS("  0x2000: {name: A, " keys "}\n")
 
-typedef struct made {
-    ect_esi_t *esi;
-    const ect_esi_device_t *model;
-    ect_esi_twin_t *twin;
-    char why[TEXT];
-} made_t;
-
 static made_t try_text(const char *yaml)
 {
-    made_t m = {.why = ""};
-    m.esi = ect_devfile_parse("g.yaml", yaml, strlen(yaml), m.why, sizeof m.why);
-    m.model = m.esi != NULL ? ect_esi_select(m.esi, "", m.why, sizeof m.why) : NULL;
-    m.twin = m.model != NULL ? ect_esi_twin_of(m.esi, m.model, NULL, 0, m.why, sizeof m.why) : NULL;
-    return m;
+    return made_of("g.yaml", yaml);
 }
 
-static void drop(made_t *m)
-{
-    ect_esi_twin_free(m->twin);
-    ect_esi_close(m->esi);
-}
-
-/* A file that is right becomes a twin without a note. */
 static made_t make(const char *what, const char *yaml)
 {
-    made_t m = try_text(yaml);
-    size_t count = 0;
-    if (m.twin == NULL)
-        fail_msg("%s: %s", what, m.why);
-    const char *const *notes = ect_esi_twin_notes(m.twin, &count);
-    if (count > 0)
-        fail_msg("%s: %s", what, notes[0]);
-    return m;
-}
-
-static const ect_device_t *device_of(const made_t *m)
-{
-    return ect_esi_twin_product(m->twin)->device;
-}
-
-static const ect_entry_t *entry_of(const made_t *m, uint16_t index, uint8_t subindex)
-{
-    ect_od_t od = ect_device_od(device_of(m), NULL);
-    const ect_object_t *object = ect_od_find(&od, index);
-    return object != NULL ? ect_od_entry(object, subindex) : NULL;
+    return whole(what, try_text(yaml));
 }
 
 /* --- what is read ------------------------------------------------------------------------------------------------- */

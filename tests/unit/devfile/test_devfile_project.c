@@ -1,19 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Projects of the public EEPROM generator, esi.json: the device that one stands for, and the line that refuses one. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "devfile_made.h"
+
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-#include "devfile/devfile.h"
-#include "esi/twin.h"
-
-enum { TEXT = 500 };
 
 #define FORM(more)                                                                                                     \
     "{\n \"form\": {\"VendorName\": \"Works\", \"VendorID\": \"0xE57\", \"ProductCode\": \"0x00ab123\", "              \
@@ -24,51 +14,14 @@ enum { TEXT = 500 };
     "\"0x1400\", \"SM3Offset\": \"0x1A00\", \"EEPROMsize\": \"2048\", \"SPImode\": \"3\"" more "},\n"
 #define PROJECT(od) FORM("") " \"od\": {" od "}\n}\n" /* the objects are on line 3 */
 
-typedef struct made {
-    ect_esi_t *esi;
-    ect_esi_twin_t *twin;
-    char why[TEXT];
-} made_t;
-
 static made_t try_text(const char *json)
 {
-    made_t m = {.why = ""};
-    m.esi = ect_devfile_parse("esi.json", json, strlen(json), m.why, sizeof m.why);
-    const ect_esi_device_t *model = m.esi != NULL ? ect_esi_select(m.esi, "", m.why, sizeof m.why) : NULL;
-    m.twin = model != NULL ? ect_esi_twin_of(m.esi, model, NULL, 0, m.why, sizeof m.why) : NULL;
-    return m;
+    return made_of("esi.json", json);
 }
 
 static made_t make(const char *json)
 {
-    made_t m = try_text(json);
-    size_t count = 0;
-    if (m.twin == NULL)
-        fail_msg("%s", m.why);
-    const char *const *notes = ect_esi_twin_notes(m.twin, &count);
-    if (count > 0)
-        fail_msg("%s", notes[0]);
-    return m;
-}
-
-static void drop(made_t *m)
-{
-    ect_esi_twin_free(m->twin);
-    ect_esi_close(m->esi);
-}
-
-static const ect_device_t *device_of(const made_t *m)
-{
-    return ect_esi_twin_product(m->twin)->device;
-}
-
-static const ect_object_t *object_of(const made_t *m, uint16_t index)
-{
-    ect_od_t od = ect_device_od(device_of(m), NULL);
-    const ect_object_t *object = ect_od_find(&od, index);
-    if (object == NULL)
-        fail_msg("no object %04X", (unsigned int)index);
-    return object;
+    return whole("the project", try_text(json));
 }
 
 static void the_form_is_identity_and_layout(void **state)

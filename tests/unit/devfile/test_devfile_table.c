@@ -1,29 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* Device files whose objects are a table: the objects that its lines stand for, and the line that refuses one. */
 #define _GNU_SOURCE
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "devfile_made.h"
+
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
-
-#include "devfile/devfile.h"
-#include "esi/twin.h"
 
 enum { TEXT = 500 };
 
 #define DEVICE "ectwin-device: 1\nvendor: {id: 0xE57, name: Works}\nproduct: 0x101\ntype: G-1\nobjects: o.csv\n"
-
-typedef struct made {
-    ect_esi_t *esi;
-    ect_esi_twin_t *twin;
-    char why[TEXT];
-} made_t;
 
 static char folder[] = "/tmp/ectwin-table-XXXXXX";
 static char table_path[64], device_path[64];
@@ -38,37 +24,13 @@ static void write_table(const char *csv, size_t length)
 
 static made_t try_device(const char *yaml, const char *csv)
 {
-    made_t m = {.why = ""};
     write_table(csv, strlen(csv));
-    m.esi = ect_devfile_parse(device_path, yaml, strlen(yaml), m.why, sizeof m.why);
-    const ect_esi_device_t *model = m.esi != NULL ? ect_esi_select(m.esi, "", m.why, sizeof m.why) : NULL;
-    m.twin = model != NULL ? ect_esi_twin_of(m.esi, model, NULL, 0, m.why, sizeof m.why) : NULL;
-    return m;
+    return made_of(device_path, yaml);
 }
 
 static made_t make(const char *yaml, const char *csv)
 {
-    made_t m = try_device(yaml, csv);
-    size_t count = 0;
-    if (m.twin == NULL)
-        fail_msg("%s", m.why);
-    const char *const *notes = ect_esi_twin_notes(m.twin, &count);
-    if (count > 0)
-        fail_msg("%s", notes[0]);
-    return m;
-}
-
-static void drop(made_t *m)
-{
-    ect_esi_twin_free(m->twin);
-    ect_esi_close(m->esi);
-}
-
-static const ect_entry_t *entry_of(const made_t *m, uint16_t index, uint8_t subindex)
-{
-    ect_od_t od = ect_device_od(ect_esi_twin_product(m->twin)->device, NULL);
-    const ect_object_t *object = ect_od_find(&od, index);
-    return object != NULL ? ect_od_entry(object, subindex) : NULL;
+    return whole("the table", try_device(yaml, csv));
 }
 
 static void a_line_is_an_entry_of_an_object(void **state)

@@ -32,6 +32,21 @@ static void close_reader(liar_t *l)
     liar_close(l);
 }
 
+/* The dictionary of a slave as JSON text, for free(). `number`: liar_t::number at its begin */
+static char *json_of(const ect_device_t *device, const liar_kind_t *kind, uint64_t number, ect_reader_values_t values)
+{
+    char *json = NULL;
+    size_t length;
+    liar_t l;
+    open_reader(&l, device, kind);
+    l.number = number;
+    FILE *file = open_memstream(&json, &length);
+    assert_int_equal(ect_reader_json(&reader, values, file), ECT_READER_OK);
+    assert_int_equal(fclose(file), 0);
+    close_reader(&l);
+    return json;
+}
+
 /* --- EEPROM ------------------------------------------------------------------------------------------------------- */
 
 static void the_eeprom_of_every_device_is_read(void **state)
@@ -617,14 +632,9 @@ static void without_sdo_information_identity_and_pdos_are_read(void **state)
 {
     static const liar_kind_t kind = {.request = no_information};
     static const uint16_t expected[] = {0x1000, 0x1008, 0x1018, 0x1C12, 0x1600, 0x1C13, 0x1A00};
-    char *json = NULL;
-    size_t length, i = 0;
-    liar_t l;
+    size_t i = 0;
     (void)state;
-    open_reader(&l, &testdev, &kind);
-    FILE *file = open_memstream(&json, &length);
-    assert_int_equal(ect_reader_json(&reader, ECT_READER_IDENTITY_AND_PDOS, file), ECT_READER_OK);
-    assert_int_equal(fclose(file), 0);
+    char *json = json_of(&testdev, &kind, 0, ECT_READER_IDENTITY_AND_PDOS);
     cJSON *root = cJSON_Parse(json);
     assert_true(cJSON_IsFalse(cJSON_GetObjectItem(root, "described")));
     assert_true(cJSON_IsTrue(cJSON_GetObjectItem(root, "complete")));
@@ -640,7 +650,6 @@ static void without_sdo_information_identity_and_pdos_are_read(void **state)
     assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(entry, "value")), "10020070");
     cJSON_Delete(root);
     free(json);
-    close_reader(&l);
 }
 
 static void the_pdos_of_some_sync_managers_are_read(void **state)
@@ -691,18 +700,11 @@ static liar_mail_t one_object(liar_t *l, const uint8_t *r)
 static void a_list_of_one_object_is_a_description(void **state)
 {
     static const liar_kind_t kind = {.request = one_object};
-    char *json = NULL;
-    size_t length;
-    liar_t l;
     (void)state;
-    open_reader(&l, &testdev, &kind);
-    FILE *file = open_memstream(&json, &length);
-    assert_int_equal(ect_reader_json(&reader, ECT_READER_IDENTITY_AND_PDOS, file), ECT_READER_OK);
-    assert_int_equal(fclose(file), 0);
+    char *json = json_of(&testdev, &kind, 0, ECT_READER_IDENTITY_AND_PDOS);
     assert_non_null(strstr(json, "\"described\": true, \"objects\": [\n  {\"index\": 4096, \"type\": 7"));
     assert_null(strstr(json, "4104"));
     free(json);
-    close_reader(&l);
 }
 
 /* A list of 1008h in a mail of another service, then that of 1000h. */
@@ -762,19 +764,11 @@ static void a_gap_has_neither_type_nor_length(void **state)
     static const liar_kind_t kind = {.request = one_object, .reply = change_entry};
     (void)state;
     for (size_t i = 0; i < 4; i++) {
-        char *json = NULL;
-        size_t length;
-        liar_t l;
-        open_reader(&l, &testdev, &kind);
-        l.number = i;
-        FILE *file = open_memstream(&json, &length);
-        assert_int_equal(ect_reader_json(&reader, ECT_READER_IDENTITY_AND_PDOS, file), ECT_READER_OK);
-        assert_int_equal(fclose(file), 0);
+        char *json = json_of(&testdev, &kind, i, ECT_READER_IDENTITY_AND_PDOS);
         assert_int_equal(strstr(json, "subindex") != NULL, entries[i] != NULL);
         if (entries[i] != NULL)
             assert_non_null(strstr(json, entries[i]));
         free(json);
-        close_reader(&l);
     }
 }
 
@@ -790,17 +784,10 @@ static void change_name(liar_t *l, uint8_t *mail)
 static void letters_of_a_name_are_escaped(void **state)
 {
     static const liar_kind_t kind = {.request = one_object, .reply = change_name};
-    char *json = NULL;
-    size_t length;
-    liar_t l;
     (void)state;
-    open_reader(&l, &testdev, &kind);
-    FILE *file = open_memstream(&json, &length);
-    assert_int_equal(ect_reader_json(&reader, ECT_READER_IDENTITY_AND_PDOS, file), ECT_READER_OK);
-    assert_int_equal(fclose(file), 0);
+    char *json = json_of(&testdev, &kind, 0, ECT_READER_IDENTITY_AND_PDOS);
     assert_non_null(strstr(json, "\"name\": \"\\u0001\\u001f ~\\u007f\\u00e9\\u0022\\u005c"));
     free(json);
-    close_reader(&l);
 }
 
 /* Ten bytes with the reply to the start; the one segment after it ends the transfer with none. */
@@ -872,14 +859,8 @@ static void the_first_mail_continues_the_counter_of_the_mail_before(void **state
 
 static void the_json_text_has_every_field(void **state)
 {
-    char *json = NULL;
-    size_t length;
-    liar_t l;
     (void)state;
-    open_reader(&l, &testdev, NULL);
-    FILE *file = open_memstream(&json, &length);
-    assert_int_equal(ect_reader_json(&reader, ECT_READER_ALL_VALUES, file), ECT_READER_OK);
-    assert_int_equal(fclose(file), 0);
+    char *json = json_of(&testdev, NULL, 0, ECT_READER_ALL_VALUES);
     assert_non_null(strstr(json, "{\"slave\": 1, \"described\": true, \"objects\": ["));
     assert_non_null(strstr(json, "{\"index\": 8197, \"type\": 3, \"code\": 7, \"name\": \"Limited\", \"entries\": [\n"
                                  "    {\"subindex\": 0, \"type\": 3, \"bits\": 16, \"access\": 63, \"unit\": \"2d00\", "
@@ -887,7 +868,6 @@ static void the_json_text_has_every_field(void **state)
                                  "\"name\": \"Limited\", \"value\": \"0500\"}]},"));
     assert_non_null(strstr(json, "\n], \"complete\": true}\n"));
     free(json);
-    close_reader(&l);
 }
 
 /* --- wire --------------------------------------------------------------------------------------------------------- */
