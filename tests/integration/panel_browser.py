@@ -59,7 +59,7 @@ class Browser:
     def run(self, script, *arguments):
         return self.call("POST", "/execute/sync", {"script": script, "args": list(arguments)})
 
-    def wait(self, script, *arguments, seconds=10):
+    def wait(self, script, *arguments, seconds=30):
         """Waits until a script returns something true; returns it."""
         deadline = time.monotonic() + seconds
         while not (value := self.run(script, *arguments)) and time.monotonic() < deadline:
@@ -75,6 +75,13 @@ class Browser:
         element = self.call("POST", "/element", {"using": "css selector", "value": selector})[ELEMENT]
         self.call("POST", f"/element/{element}/clear", {})
         self.call("POST", f"/element/{element}/value", {"text": text})
+
+    def pointer(self, actions):
+        """Actions of the mouse; its position and buttons stay between calls."""
+        self.call("POST", "/actions", {"actions": [{"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"}, "actions": actions}]})
+
+    def keys(self, action, key):
+        self.call("POST", "/actions", {"actions": [{"type": "key", "id": "keyboard", "actions": [{"type": action, "value": key}]}]})
 
     def picture(self, name, scheme=None):
         if not SHOTS:
@@ -109,8 +116,8 @@ def panel(*options):
 
 
 @contextlib.contextmanager
-def bus(devices, master, *options):
-    process = subprocess.Popen([ECTWIN, "with", "--quiet", *options, devices, "--", *master], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+def bus(devices, master, *options, output=subprocess.DEVNULL):
+    process = subprocess.Popen([ECTWIN, "with", "--quiet", *options, devices, "--", *master], stdout=output, stderr=subprocess.DEVNULL)
     try:
         yield
     finally:
@@ -191,6 +198,9 @@ def drives(browser):
     check("a fault of the drive is lit", "fault", browser.wait(f"const now = (() => {{ {lit} }})(); return now === 'fault' && now"))
     browser.picture("drive.png", "light")
     browser.click('[data-select="1"]')
+    browser.click('[data-action="trigger"]')
+    check("a camera shows its measurement", True, browser.wait("return document.querySelector('.camera-picture')?.ariaLabel.includes('OK')"))
+    check("its timing chart", 6, browser.run("return document.querySelectorAll('.camera .lane').length"))
     check("another device has no drive", True, browser.wait("return document.querySelector('.states') === null"))
 
 
@@ -202,6 +212,79 @@ def widths(browser):
     named = browser.run("return [...document.querySelectorAll('button, input, select')].filter((e) => !(e.getAttribute('aria-label') || "
                         "e.getAttribute('aria-labelledby') || e.closest('label') || e.textContent.trim())).map((e) => e.outerHTML)")
     check("every control has a name for screen readers", [], named)
+
+
+def until(condition, seconds=20):
+    """Waits until a function returns something true; returns it."""
+    deadline = time.monotonic() + seconds
+    while not (result := condition()) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    return result
+
+
+def remotes(browser, url, folder):
+    """The front of a base unit and of its remote units: what is moved there reaches the PLC."""
+    lines = pathlib.Path(folder, "inputs")
+    joystick = "vr-bu-ect-map1", [MASTER, "{}", "38"]  # byte 38: joystick 1 of the first armed remote unit
+    seen = lambda: [int(line) for line in lines.read_text().split()]  # noqa: E731
+    with lines.open("w") as output, bus(*joystick, output=output):
+        browser.open("about:blank")
+        browser.open(url)
+        check("the base unit is in OP", True, reaches(browser, "OP"))
+        browser.click('[data-remote="1"] [data-toggle="ru1.on"]')
+        check("a remote unit that is on has a front", True, browser.wait("return document.querySelector('[data-remote=\"1\"] .stick')"
+                                                                         " !== null"))
+        browser.wait("return document.querySelector('.chips').dataset.lit === 'Disarmed'")
+        browser.click('[data-remote="1"] [data-toggle="ru1.armed"]')
+        check("armed, and enabled", True, browser.wait("return document.querySelector('[data-remote=\"1\"] .chip.lit')?.textContent === 'Enabled'"))
+        check("the relays are closed", "ES-Link relays closed",
+              browser.wait("const label = document.querySelector('.relays').ariaLabel; return label.includes('closed') && label"))
+        stick = '[data-remote="1"] [data-stick="ru1.joystick1"]'
+        x, y = browser.run("const e = document.querySelector(arguments[0]); e.scrollIntoView({block: 'center'}); const b = e.getBoundingClientRect();"
+                           "return [b.x + b.width / 2, b.y + b.height / 2]", stick)
+        browser.pointer([{"type": "pointerMove", "x": round(x), "y": round(y)}, {"type": "pointerDown", "button": 0},
+                         {"type": "pointerMove", "duration": 100, "x": round(x) + 200, "y": round(y)}])
+        check("a joystick is dragged and the PLC reads it", True, until(lambda: 1000 in seen()))
+        browser.picture("remote.png", "light")
+        browser.pointer([{"type": "pointerUp", "button": 0}])
+        check("released, it returns to its centre", 0, until(lambda: seen()[-1] == 0) and seen()[-1])
+        browser.run("document.querySelector(arguments[0]).focus()", stick)
+        browser.keys("keyDown", "\ue012")
+        check("an arrow key moves it", True, until(lambda: -500 in seen()))
+        browser.keys("keyUp", "\ue012")
+        check("it returns when the key is released", True, until(lambda: seen()[-1] == 0))
+        browser.run("window.axes = [0.25, 0, 0, 0]; navigator.getGamepads = () => [{connected: true, axes: window.axes}]")
+        browser.click('[data-remote="1"] .gamepad')
+        check("a gamepad moves it", True, until(lambda: 250 in seen()))
+        browser.run("window.axes = [0, 0, 0, 0]")
+        check("it returns with the gamepad", True, until(lambda: seen()[-1] == 0))
+        browser.click('[data-remote="1"] [data-toggle="ru1.stop"]')
+        check("its stop opens the relays", True, browser.wait("return document.querySelector('.relays').ariaLabel.includes('open')"))
+        check("the message of the base unit", True, browser.wait("return document.querySelector('.chips').dataset.lit === 'Stopped'"))
+
+
+def sensor(browser, url):
+    """The fronts of a sensor and of a terminal from an ESI file."""
+    terminal = pathlib.Path(__file__).resolve().parents[1] / "esi" / "digital.xml"
+    with bus(f"ranger=optoncdt2300,inputs=esi:{terminal}#DI4", ["sleep", "600"]):
+        browser.open("about:blank")
+        browser.open(url)
+        browser.wait("return document.querySelectorAll('.sensor').length === 1")
+        browser.run("const t = document.querySelector('.target'); t.value = 12.5; t.dispatchEvent(new Event('input'));")
+        check("the target is moved", "ranger.surface1.distance=12.5",
+              until(lambda: value("ranger.surface1.distance") == "ranger.surface1.distance=12.5") and value("ranger.surface1.distance"))
+        check("its distance is read", True, browser.wait("return document.querySelector('.distance output').textContent === '12.500 mm'"))
+        subprocess.run([ECTWIN, "set", "ranger.laser=0"], check=True)
+        check("a missing distance shows its reason", True, browser.wait("return document.querySelector('.distance output.bad')?.textContent.includes('aser')"))
+        subprocess.run([ECTWIN, "set", "ranger.laser=1"], check=True)
+        browser.click("[data-select='2']")
+        check("a terminal has a lamp for each bit of its PDOs", 4, browser.wait("return document.querySelectorAll('.terminal .led').length"))
+        browser.click(".terminal [data-toggle]")
+        check("a contact lights its lamp", True, browser.wait("return document.querySelectorAll('.led.on').length === 1"))
+        browser.click("main header > button")
+        check("the fronts of all twins", [1, 4], browser.wait("const n = [...document.querySelectorAll('.terminal')].length;"
+                                                               "return n === 4 && [document.querySelectorAll('.sensor').length, n]"))
+        browser.picture("fronts.png", "light")
 
 
 HOSTILE = "<img src=x onerror=document.title='hit'>"
@@ -246,6 +329,8 @@ def main():
                     faults_and_plots(browser)
                     drives(browser)
                     widths(browser)
+                remotes(browser, url, folder)
+                sensor(browser, url)
                 hostile_names(browser, url, folder)
             view_only(browser)
             check("nothing is refused by the policy, and no script fails", [],

@@ -1,7 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* A master over SOEM that brings slaves back: takes the bus to OP, and each slave that leaves OP or the bus again.
- * usage: panel_master IFACE      Until SIGTERM. */
+ * usage: panel_master IFACE [BYTE]      Until SIGTERM. Prints each value of the two input bytes from BYTE on,
+ * big-endian. */
 #include "master.h"
+
+#include <stdio.h>
+#include <stdlib.h>
 
 enum { CYCLE_US = 2000, CHECK_CYCLES = 50, STEP_US = 20000 };
 
@@ -31,10 +35,25 @@ static void check_slaves(void)
         bring_back(slave);
 }
 
+static void print_input(size_t byte)
+{
+    static int last;
+    if (byte + 2 > ec_slave[1].Ibytes)
+        return;
+    const uint8 *at = ec_slave[1].inputs + byte;
+    int value = (int16)(at[0] << 8 | at[1]);
+    if (value == last)
+        return;
+    last = value;
+    printf("%d\n", value);
+    fflush(stdout);
+}
+
 int main(int argc, char **argv)
 {
     static const master_start_t start = {0};
-    if (argc != 2 || !master_open("panel_master", argv[1]))
+    const size_t byte = argc == 3 ? strtoul(argv[2], NULL, 10) : SIZE_MAX - 2;
+    if (argc < 2 || argc > 3 || !master_open("panel_master", argv[1]))
         return MASTER_OPEN;
     master_catch_signals();
     if (!master_to_op(&start)) {
@@ -44,6 +63,7 @@ int main(int argc, char **argv)
     uint64_t next_ns = master_now();
     for (unsigned int cycle = 0; !master_ended; cycle++) {
         (void)master_exchange();
+        print_input(byte);
         if (cycle % CHECK_CYCLES == 0) /* the working counter of a slave in SAFEOP is that of one in OP */
             check_slaves();
         master_pace(&next_ns, CYCLE_US);

@@ -133,7 +133,7 @@ export class Signals {
 
 let collected = null;
 
-/** Runs `build`. @return a function that ends the watches which `build` has begun */
+/** Runs `build`. @return a function that ends the watches that `build` has begun */
 export function collect(build) {
   const begun = [];
   collected = begun;
@@ -142,15 +142,35 @@ export function collect(build) {
   } finally {
     collected = null;
   }
-  return () => {
-    for (const [signal, watcher] of begun) signal.watchers = signal.watchers.filter((other) => other !== watcher);
-  };
+  return () => begun.forEach((end) => end());
 }
 
-/** Calls `watcher` for each value of a signal from now on, and for its present one. */
+/** Calls `end` at the end of the watches that are being collected. */
+export function atEnd(end) {
+  collected?.push(end);
+}
+
+/** Calls `watcher` for each value of a signal from now on, and for its present one. Watches that it begins end with it. */
 export function watch(signal, watcher) {
   if (!signal) return;
-  signal.watchers.push(watcher);
-  collected?.push([signal, watcher]);
-  if (signal.value !== null) watcher(signal, performance.now());
+  const scope = collected;
+  const call = (...change) => {
+    const outer = collected;
+    collected = scope;
+    try {
+      watcher(...change);
+    } finally {
+      collected = outer;
+    }
+  };
+  signal.watchers.push(call);
+  atEnd(() => { signal.watchers = signal.watchers.filter((other) => other !== call); });
+  if (signal.value !== null) call(signal, performance.now());
+}
+
+/** Calls `update` for each change of one of these signals, once all of them have a value. */
+export function watchAll(signals, update) {
+  for (const signal of signals) {
+    watch(signal, () => { if (signals.every((one) => one.value !== null)) update(); });
+  }
 }

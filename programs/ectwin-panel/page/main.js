@@ -6,7 +6,7 @@ import { makeRail } from "./rail.js";
 import { makeSignals } from "./signals.js";
 import { makeFaults } from "./faults.js";
 import { Plot } from "./plot.js";
-import { axesOf, makeDrive } from "./drive.js";
+import { frontsOf } from "./fronts.js";
 
 const stateNames = { 0: "off", 1: "INIT", 2: "PREOP", 3: "BOOT", 4: "SAFEOP", 8: "OP" };
 const view = { buses: [], shown: 0, slave: 0, readOnly: false, signals: new Signals(), parts: null, last: null };
@@ -114,20 +114,27 @@ function presetsOf(slave) {
   return sets.map(([title, names]) => [title, names.map(has).filter((signal) => signal?.range)]).filter(([, found]) => found.length >= 3);
 }
 
+/** The fronts of the selected twin, or of all. */
+function showFronts() {
+  const { parts } = view;
+  const twins = view.signals.slaves().filter((slave) => parts.all || slave.number === view.slave);
+  parts.endFronts?.();
+  parts.endFronts = collect(() => parts.fronts.replaceChildren(...twins.flatMap((twin) => frontsOf(context, twin.number).map((front) => section(
+    parts.all ? `${twin.number} ${twin.name} ${front.title}` : front.title, front.wide ? "front-of wide" : "front-of", front.make())))));
+  parts.fronts.hidden = parts.fronts.children.length === 0;
+  parts.allButton.setAttribute("aria-pressed", String(parts.all));
+}
+
 function select(number) {
   const { parts } = view;
   view.slave = number;
   parts.rail.mark(number);
   const twin = view.signals.slaves().find((slave) => slave.number === number);
   setText(parts.twinTitle, `Signals of ${number}${twin?.name ? ` ${twin.name}` : ""}`);
-  const axes = axesOf(view.signals, number);
   parts.end?.();
   parts.plot.forgetListeners();
-  parts.drive.hidden = axes.length === 0;
-  parts.end = collect(() => {
-    parts.drives.replaceChildren(...axes.map((axis) => makeDrive(view.signals, number, axis)));
-    parts.signals.replaceChildren(makeSignals(context, number, parts.plot));
-  });
+  parts.end = collect(() => parts.signals.replaceChildren(makeSignals(context, number, parts.plot)));
+  showFronts();
   parts.presets.replaceChildren(...presetsOf(number).map(([title, found]) => make("button", { type: "button", on: { click: () => parts.plot.choose(found) } }, title)));
 }
 
@@ -141,16 +148,18 @@ function showBus() {
     rail: makeRail(context, devices, select), plot: new Plot(), faults: makeFaults(context), histogram: makeHistogram(), figures,
     signals: make("div"), presets: make("span", { class: "presets" }), twinTitle: make("h2", {}, "Signals"), about: make("p", { class: "about" }),
   };
-  parts.drives = make("div");
-  parts.drive = section("Drive", "", parts.drives);
+  parts.fronts = make("div", { class: "fronts" });
+  parts.all = false;
+  parts.allButton = make("button", { type: "button", "aria-pressed": "false", on: { click: () => { parts.all = !parts.all; showFronts(); } } }, "Fronts of all twins");
   view.parts = parts;
   view.last = null;
   main.replaceChildren(
     make("section", { class: "overview" }, parts.about, make("div", { class: "figures" }, ...Object.values(figures).map((figure) => figure.element))),
-    section("Bus", "wide", make("div", { class: "rail-frame", tabindex: "0", role: "group", "aria-label": "Twins in the order of the chain" }, parts.rail)),
+    make("section", { class: "wide" }, make("header", {}, make("h2", {}, "Bus"), parts.allButton), make("div", { class: "rail-frame", tabindex: "0", role: "group", "aria-label": "Twins in the order of the chain" }, parts.rail)),
+    parts.fronts,
     make("div", { class: "columns" },
       make("section", { class: "panel-signals" }, make("header", {}, parts.twinTitle), parts.signals),
-      make("div", { class: "side" }, parts.drive,
+      make("div", { class: "side" },
         make("section", {}, make("header", {}, make("h2", {}, "Plot"), parts.presets), parts.plot.element),
         section("Faults", "", parts.faults),
         section("Response time", "", parts.histogram.element))));

@@ -2,13 +2,13 @@
 // A strip chart: a lane for each chosen signal, the newest values at the right edge.
 import { make, setText, short } from "./dom.js";
 
-const SECONDS = 20;
 const LANES = 8;
 const SAMPLES = 4096;
 
 class Trace {
-  constructor(signal) {
+  constructor(signal, seconds) {
     this.signal = signal;
+    this.seconds = seconds;
     this.times = [];
     this.values = [];
     this.watcher = (changed, now) => this.add(now, Number(changed.value));
@@ -24,7 +24,7 @@ class Trace {
     if (!Number.isFinite(value)) return;
     this.times.push(time);
     this.values.push(value);
-    const old = time - (SECONDS + 1) * 1000;
+    const old = time - (this.seconds + 1) * 1000;
     let drop = 0;
     while (drop + 1 < this.times.length && (this.times[drop + 1] < old || this.times.length - drop > SAMPLES)) drop++;
     if (drop > 0) {
@@ -43,7 +43,9 @@ class Trace {
 }
 
 export class Plot {
-  constructor() {
+  /** @param seconds  span of the chart */
+  constructor(seconds = 20) {
+    this.seconds = seconds;
     this.traces = new Map();
     this.listeners = [];
     this.canvas = make("canvas", { role: "img", "aria-label": "Strip chart of the chosen signals" });
@@ -68,7 +70,7 @@ export class Plot {
       this.traces.get(signal).end();
       this.traces.delete(signal);
     } else if (this.traces.size < LANES) {
-      this.traces.set(signal, new Trace(signal));
+      this.traces.set(signal, new Trace(signal, this.seconds));
     }
     this.changed();
     return this.traces.has(signal);
@@ -121,8 +123,9 @@ export class Plot {
     pen.strokeStyle = style.getPropertyValue("--grid");
     pen.lineWidth = 1;
     pen.beginPath();
-    for (let second = 0; second <= SECONDS; second += 2) {
-      const x = Math.round(width - ((now / 1000) % 2 + second) * width / SECONDS) + 0.5;
+    const step = this.seconds / 10;
+    for (let second = 0; second <= this.seconds; second += step) {
+      const x = Math.round(width - ((now / 1000) % step + second) * width / this.seconds) + 0.5;
       pen.moveTo(x, 0);
       pen.lineTo(x, height);
     }
@@ -136,7 +139,7 @@ export class Plot {
     const [least, most] = trace.limits();
     const margin = 7;
     const y = (value) => top + height - margin - (value - least) / (most - least) * (height - 2 * margin);
-    const x = (time) => width - (now - time) / 1000 * width / SECONDS;
+    const x = (time) => width - (now - time) / 1000 * width / this.seconds;
     pen.strokeStyle = grid;
     pen.beginPath();
     pen.moveTo(0, top + height - 0.5);

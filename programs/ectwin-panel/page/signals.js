@@ -5,15 +5,15 @@ import { parseNames, watch } from "./bus.js";
 
 const LONGEST_SLIDER = 100000;
 
-function isSwitch(signal) {
+export function isSwitch(signal) {
   return signal.range && signal.range.low === 0 && signal.range.high === 1 && !signal.range.unit;
 }
 
-/** Sends the newest value of a control, one request at a time. */
-function sender(context, signal) {
+/** @return a function that sends the newest value of a control, one request at a time */
+export function sender(context, signal) {
   let next = null;
   let busy = false;
-  return async function send(value) {
+  return async (value) => {
     next = value;
     if (busy) return;
     busy = true;
@@ -75,7 +75,8 @@ function makeChoice(context, signal, label, names) {
   return control;
 }
 
-function makeControls(context, signal, label) {
+/** The controls that fit the range of a signal. @param label  id of the element that names it */
+export function makeControls(context, signal, label) {
   const names = parseNames(signal.field);
   if (isSwitch(signal) && !names) return [makeSwitch(context, signal, label)];
   if (names) return [makeChoice(context, signal, label, names)];
@@ -85,7 +86,7 @@ function makeControls(context, signal, label) {
   return controls;
 }
 
-function makeReading(signal, label) {
+export function makeReading(signal, label) {
   const names = parseNames(signal.field);
   const reading = make("output", { class: isSwitch(signal) && !names ? "bit" : "reading", "aria-labelledby": label });
   watch(signal, () => {
