@@ -20,7 +20,7 @@ __attribute__((destructor)) static void free_given(void)
     free(given.words);
 }
 
-/* The option whose long name begins with `name`, the same one if there is such; NULL: there is none. */
+/* Finds an option by its long name, or by the beginning of the name. @return NULL: none */
 static const struct argp_option *find_begun(const struct argp *argp, const char *name)
 {
     const struct argp_option *begun = NULL;
@@ -104,7 +104,7 @@ static bool takes_next(const struct argp *argp, const char *word, const char *ne
     return o && o->arg && ((o->flags & OPTION_ARG_OPTIONAL) == 0 || (next && *next >= '0' && *next <= '9'));
 }
 
-/* The place of the first operand; 0: there is none. */
+/* @return index of the first operand in argv; 0: none */
 static int first_operand(const struct argp *argp, int argc, char **argv)
 {
     for (int i = 1; i < argc; i++) {

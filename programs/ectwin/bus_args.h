@@ -15,8 +15,8 @@
  * Replaces a bus file, the first operand, by the devices and options that it describes. Options of the command line
  * follow those of the file, and therefore override them. If the file cannot be read, the program ends with EXIT_OPEN
  * and one line.
- * @param argp  of the command, for its options and their arguments
- * @param[in,out] argc, argv  of the command; the words of a file live until the program ends
+ * @param argp  the command's parser: its options, and whether each has an argument
+ * @param[in,out] argc, argv  arguments of the command; the words of a file are valid until the program ends
  */
 void bus_args_expand(const struct argp *argp, int *argc, char ***argv);
 
@@ -36,7 +36,7 @@ typedef struct bus_operand {
 /**
  * Argp parser for a command whose operand is one bus, a bus file or devices: reads the operand and the options of
  * twins, the first child of the command's parser. A missing or second operand ends the program with one line.
- * @return ARGP_ERR_UNKNOWN: another key than that of the operand or its end
+ * @return ARGP_ERR_UNKNOWN: the key is neither that of an operand nor of the end
  */
 error_t bus_operand_parse(bus_operand_t *bus, int key, char *text, struct argp_state *state);
 

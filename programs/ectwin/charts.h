@@ -12,7 +12,7 @@ typedef struct chart {
     size_t length;
 } chart_t;
 
-/** In the order of the page of the device; the last one has no folder. */
+/** In the order of the device's page; the last element has no folder. */
 extern const chart_t charts[];
 
 #endif

@@ -23,7 +23,7 @@ int command_check(int argc, char **argv)
     bus_args_expand(&argp, &argc, &argv);
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     args.twins.store = args.twins.files = NULL;
-    args.twins.eoe.has_hosts = true; /* those that run the bus */
+    args.twins.eoe.has_hosts = true; /* as the commands that run the bus */
     int status = twin_args_power_on(&args.twins, argv[0], 0, &chain);
     if (status == EXIT_CLEAN)
         printf("%zu twins: %s\n", args.twins.count, args.devices);

@@ -54,25 +54,25 @@ static const struct argp_option options[] = {
     {0},
 };
 
-/* The place of a slave on the bus. */
+/* The position of a slave in the tree. */
 typedef struct place {
-    uint8_t open; /* ports behind port 0 with a link that no slave hangs at yet, a bit each */
+    uint8_t open; /* bit n: port n has a link and no child yet; port 0 excluded */
     uint16_t parent;
-    unsigned int port; /* of the parent; 0: the first slave */
+    unsigned int port; /* port of the parent; 0: the first slave */
 } place_t;
 
-/* The slave that is being read, and what is known of those before it. */
+/* The slave in progress, and the positions of the previous slaves. */
 typedef struct clone {
     const args_t *args;
     ect_reader_link_t link;
     ect_reader_t reader;
     uint8_t image[ECT_READER_SII];
     ect_esi_t *esi;
-    unsigned int objects, unread; /* entries that are readable and gave no value */
-    const ect_device_t *file;     /* of an ESI file, for a slave without SDO information; NULL: none */
-    bool ignores;                 /* objects that the reader finds: the file has them in more detail */
+    unsigned int objects, unread; /* `unread`: readable entries without a value */
+    const ect_device_t *file;     /* from an ESI file, for a slave without SDO information; NULL: none */
+    bool ignores;                 /* ignores the objects of the reader: `file` has more details */
     clone_note_t note;
-    char time[32];     /* of the reading of the slave */
+    char time[32];     /* time of reading the slave */
     output_text_t bus; /* the bus file */
     place_t *places;
     uint16_t count, written;
@@ -124,7 +124,7 @@ static bool show_progress(void *ctx, const char *what, unsigned int done, unsign
 
 /* --- the dictionary ----------------------------------------------------------------------------------------------- */
 
-/* A copy with a zero behind it; longer names are cut. */
+/* Copies bytes as a terminated string; a long name is truncated. */
 static const char *text_of(ect_reader_bytes_t bytes, char text[256])
 {
     size_t length = bytes.data && bytes.length < 255 ? bytes.length : bytes.data ? 255 : 0;
@@ -153,7 +153,7 @@ static void take_object(void *ctx, const ect_reader_object_t *object)
     ect_esi_found_object(c->esi, &found);
 }
 
-/* The value of an entry with its blanks, in `blanked`. */
+/* The value of an entry after blanking, in `blanked`. */
 static ect_reader_bytes_t value_of(const clone_t *c, const ect_reader_object_t *object, const ect_reader_entry_t *entry,
                                    uint8_t blanked[ECT_READER_VALUE])
 {
@@ -195,10 +195,9 @@ static void take_gap(void *ctx, const ect_reader_gap_t *gap)
         clone_note_gap(&c->note, gap);
 }
 
-/* --- the dictionary of an ESI file, for a slave that describes none ------------------------------------------------
- */
+/* --- the dictionary of an ESI file, for a slave without SDO information ------------------------------------------- */
 
-/* A number of the dictionary in the byte order of the wire. */
+/* A number of the dictionary in little-endian bytes. */
 static ect_reader_bytes_t wire_of(int64_t number, uint16_t bits, uint8_t wire[8])
 {
     ect_store_le64(wire, (uint64_t)number);
@@ -210,7 +209,7 @@ static ect_reader_bytes_t name_of(const char *name)
     return (ect_reader_bytes_t){.data = (const uint8_t *)name, .length = name ? strlen(name) : 0};
 }
 
-/* The value that the slave has. @return false: the slave replies no more */
+/* Uploads an entry. @return false: the slave no longer replies */
 static bool upload_value(clone_t *c, uint16_t index, uint8_t subindex, uint8_t *value, ect_reader_bytes_t *bytes)
 {
     size_t size = ECT_READER_VALUE;
@@ -245,7 +244,7 @@ static bool take_file_entry(clone_t *c, const ect_od_t *od, const ect_reader_obj
     return more;
 }
 
-/* @return EXIT_CLEAN · EXIT_RUN: the slave replies no more */
+/* @return EXIT_CLEAN · EXIT_RUN: the slave no longer replies */
 static int take_file(clone_t *c, const ect_device_t *device)
 {
     const ect_od_t od = ect_device_od(device, NULL);
@@ -284,7 +283,7 @@ static const ect_device_t *find_file(const clone_t *c)
     return product ? product->device : NULL;
 }
 
-/* Called before any object. */
+/* Called before the first object. */
 static void take_begin(void *ctx, bool described)
 {
     clone_t *c = ctx;
@@ -294,9 +293,9 @@ static void take_begin(void *ctx, bool described)
     c->ignores = c->file != NULL;
 }
 
-/* --- chip and place ----------------------------------------------------------------------------------------------- */
+/* --- chip and position -------------------------------------------------------------------------------------------- */
 
-/* The chip of ours with the same type and units; NULL: none. */
+/* The known chip with the same type, FMMUs, SyncManagers and RAM; NULL: none. */
 static const char *chip_of(const uint8_t *info)
 {
     const ect_esc_personality_t *p;
@@ -307,7 +306,7 @@ static const char *chip_of(const uint8_t *info)
     return NULL;
 }
 
-/* Frames leave a slave by port 3, then 1, then 2 (ETG.1000.4); the slave hangs at the first such port that is free. */
+/* A frame leaves a slave by ports 3, 1, 2 in this order (ETG.1000.4); the parent is the last slave with a free port. */
 static void find_parent(clone_t *c, uint16_t n)
 {
     static const unsigned int order[] = {3, 1, 2};
@@ -331,11 +330,11 @@ static void find_place(clone_t *c, uint16_t n)
         fprintf(c->bus.file, "    esc: %s\n", chip_of(info));
     if (ect_reader_registers(&c->reader, ECT_REG_DL_STATUS, status, sizeof status) != ECT_READER_OK)
         return;
-    for (unsigned int i = 1; i < PORTS; i++) /* communication established, a bit a port from bit 9 on */
+    for (unsigned int i = 1; i < PORTS; i++) /* communication established: bit 9 + 2 * port */
         c->places[n].open |= (uint8_t)(((unsigned int)status[1] >> (2 * i + 1) & 1u) << i);
 }
 
-/* Only where a slave does not hang at port 1 of the one before. */
+/* Only for a slave that is not connected to port 1 of the previous slave. */
 static void write_wires(const clone_t *c)
 {
     const char *before = "wire: [";
@@ -366,7 +365,7 @@ static void file_name(const clone_t *c, uint16_t n, const char *type, char name[
     strcpy(name + used, ".xml");
 }
 
-/* The file with its comment. */
+/* Inserts the comment into the file. */
 static char *join_note(clone_t *c, const char *file, size_t size, size_t *length)
 {
     char *head = NULL, blanks[40];
@@ -414,7 +413,7 @@ static int write_slave(clone_t *c, uint16_t n, size_t image_size)
 {
     char why[MESSAGE], name[NAME + 16];
     ect_esi_twin_t *twin = ect_esi_twin_take(c->esi, "", NULL, 0, why, sizeof why);
-    c->esi = NULL; /* the twin's, or closed */
+    c->esi = NULL; /* owned by the twin, or closed */
     if (!twin) {
         fprintf(stderr, "%s: slave %u: no twin can be made of it: %s\n", who, n + 1u, why);
         return EXIT_RUN;
@@ -443,7 +442,7 @@ static int fail(const clone_t *c, uint16_t n, const char *part)
     return EXIT_RUN;
 }
 
-/* @return EXIT_CLEAN · EXIT_RUN: not completely, which is printed */
+/* @return EXIT_CLEAN · EXIT_RUN: incomplete, which is printed */
 static int read_dictionary(clone_t *c, uint16_t n)
 {
     const ect_reader_sink_t sink = {
@@ -486,7 +485,7 @@ static int read_slave(clone_t *c, uint16_t n)
         return EXIT_RUN;
     }
     const int status = clone_note_begin(who, &c->note) ? read_noted(c, n, size) : EXIT_RUN;
-    ect_esi_close(c->esi); /* of a note that cannot be begun */
+    ect_esi_close(c->esi); /* left open if the note could not be begun */
     c->esi = NULL;
     clone_note_free(&c->note);
     return status;
@@ -521,7 +520,7 @@ static int clone_all(clone_t *c)
             "# and the applications of the slaves are not cloned.\nectwin: 1\ntwins:\n",
             c->args->iface, c->time);
     uint32_t n = 0;
-    do { /* the first slave that is opened counts them */
+    do { /* opening the first slave sets the count */
         int one = clone_slave(c, (uint16_t)n);
         status = one != EXIT_CLEAN ? one : status;
     } while (++n < c->count);

@@ -18,7 +18,7 @@ enum {
     SOFTWARE = 0x100A
 };
 
-static const char *const names[PARTS] = {"serial", "alias", "names", "texts"}; /* a bit each */
+static const char *const names[PARTS] = {"serial", "alias", "names", "texts"}; /* by bit of CLONE_BLANK_... */
 
 static unsigned int part_of(const char *word, size_t length)
 {
@@ -73,7 +73,7 @@ static uint8_t *category(uint8_t *image, size_t size, unsigned int type, size_t 
     return NULL;
 }
 
-/* Text n, from 1, of the category of texts: a count, then each with its length before it. */
+/* Blanks text n, from 1, of category STRINGS: a count, then each text after its length. */
 static void blank_string(uint8_t *strings, size_t size, unsigned int n)
 {
     size_t at = 1;

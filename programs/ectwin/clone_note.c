@@ -16,7 +16,7 @@
 #include "wire/sii.h"
 
 enum { IDENTITY = 0x1018, ASSIGNMENTS = 32, HEX = 16 };
-#define LAST_SECOND UINT64_C(253402300799) /* of the year 9999 */
+#define LAST_SECOND UINT64_C(253402300799) /* the last second of the year 9999 */
 
 bool clone_note_begin(const char *who, clone_note_t *note)
 {
@@ -33,7 +33,7 @@ void clone_note_free(clone_note_t *note)
     *note = (clone_note_t){0};
 }
 
-/* --- parts that the slave has not given --------------------------------------------------------------------------- */
+/* --- requests without a value ------------------------------------------------------------------------------------- */
 
 static void print_reason(FILE *file, const ect_reader_gap_t *gap)
 {
@@ -108,7 +108,7 @@ static void add_dictionary(ect_facts_t *facts, const clone_note_t *note)
     cJSON_Delete(dictionary);
 }
 
-/* The SyncManagers that a master has set: a slave that the reader brought up has those of the EEPROM. */
+/* Adds the mailbox only if a master has set it: in a slave started by the reader they come from the EEPROM. */
 static void add_mailbox(ect_facts_t *facts, const ect_reader_t *r)
 {
     const uint8_t *in = r->found_sms + ECT_SM_SIZE;
@@ -169,7 +169,7 @@ void clone_note_time(char text[32])
         text[0] = '\0';
 }
 
-/* A comment has no two dashes side by side, and XML no control characters. */
+/* An XML comment must not contain "--", and XML no control characters. */
 static void put_text(FILE *file, const char *text)
 {
     for (char last = '\n'; *text; last = *text++) {

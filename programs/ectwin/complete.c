@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Words that may follow on a command line, for the completion of shells: `ectwin complete WORD... LAST`. */
+/* Candidates for the last word of a command line, for shell completion: `ectwin complete WORD... LAST`. */
 #define _GNU_SOURCE
 #include <argp.h>
 #include <fcntl.h>
@@ -22,8 +22,7 @@ static void offer(const char *before, const char *word, const char *after)
         printf("%s%s%s\n", before, word, after);
 }
 
-/* Runs this program and passes each line of its output to `take`: what a user could type is read where a user reads it.
- */
+/* Runs this program and passes each line of its output to `take`: candidates come from help texts and lists. */
 static void each_line(char *const words[], void (*take)(char *line))
 {
     int ends[2];
@@ -51,7 +50,7 @@ static void each_line(char *const words[], void (*take)(char *line))
         (void)waitpid(pid, NULL, 0);
 }
 
-/* The options in a line of a command's help. */
+/* Prints the options in a line of a command's help. */
 static void take_options(char *line)
 {
     char *option = strstr(line, "--");
@@ -63,7 +62,7 @@ static void take_options(char *line)
     offer("", option, value ? "=" : "");
 }
 
-/* "NAME r ..." of list-signals. */
+/* Prints the name of a line "NAME r ..." of list-signals. */
 static void take_signal(char *line)
 {
     line[strcspn(line, " \n")] = 0;
@@ -115,7 +114,7 @@ static void offer_signals(const char *program, void (*take)(char *line))
     each_line(words, take);
 }
 
-/* The argument of a command, not one of its options. */
+/* Prints the candidates for an operand of a command. */
 static void offer_argument(const char *program, const char *command, int place)
 {
     static const char *const of_devices[] = {"run", "with", "sii", "esi", "doc", "objects", "list-signals", NULL};
@@ -138,11 +137,11 @@ int command_complete(int argc, char **argv)
     static char help[] = "--help";
     static char ps[] = "ps";
     static char json[] = "--json";
-    if (argc < 3) /* a single word is a command's name: main.c */
+    if (argc < 3) /* main.c completes the name of the command */
         return EXIT_USAGE;
     last = argv[argc - 1];
     const char *previous = argv[argc - 2];
-    int place = 0; /* how many words, without options, are there */
+    int place = 0; /* number of operands */
     for (int i = 1; i < argc; i++)
         place += argv[i][0] != '-';
     if (*last == '-') {

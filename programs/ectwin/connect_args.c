@@ -11,7 +11,7 @@
 
 enum { TEXT = 300, MESSAGE = 500 };
 
-/* "2.name", "gripper.name": a twin, counted from 1 or by its name, and a signal of it. */
+/* Parses "2.name" or "gripper.name": the number, from 1, or the name of a twin, and a signal of this twin. */
 static bool read_end(const ect_chain_t *chain, const char *text, size_t *position, ect_signal_ref_t *ref, char *message)
 {
     uint64_t number = 0;

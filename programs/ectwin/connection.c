@@ -27,10 +27,10 @@ struct connection {
     int fd;
     char path[ECT_ENDPOINT_PATH];
     size_t used;
-    char received[LINE_ROOM]; /* the beginning of the next line */
+    char received[LINE_ROOM]; /* `used` bytes, beginning with the next line */
 };
 
-/* Bytes of the visible character that a text begins with; 0: it is none. */
+/* @return bytes of the printable character at the start of a text; 0: none */
 static size_t visible(const char *text)
 {
     if (*text >= ' ' && *text <= '~')
@@ -68,7 +68,7 @@ void print_line(const cJSON *line)
     cJSON_free(text);
 }
 
-/* --- finding one -------------------------------------------------------------------------------------------------- */
+/* --- search ------------------------------------------------------------------------------------------------------- */
 
 static const char *name_of(uid_t user, char room[32])
 {
@@ -158,7 +158,7 @@ static bool report_one(void *ctx, const char *path)
     return true;
 }
 
-/* Other users' folders: only root and these users can read them. The pattern's star is a user id. */
+/* Reports the folders of other users, readable only for these users and root. The star in the pattern is a user id. */
 static void report_others(const char *pattern)
 {
     glob_t found = {0};
@@ -204,13 +204,13 @@ void connection_close(connection_t *connection)
     free(connection);
 }
 
-/* Takes a line out of what was received, without its line feed. @return whether there was one */
+/* Removes the first line from `received` and copies it without its line feed. @return false: no complete line */
 static bool take_line(connection_t *c, char line[LINE_ROOM])
 {
     const char *end = memchr(c->received, '\n', c->used);
     if (!end && c->used < sizeof c->received)
         return false;
-    size_t length = end ? (size_t)(end - c->received) : c->used - 1; /* a longer line is cut */
+    size_t length = end ? (size_t)(end - c->received) : c->used - 1; /* a longer line is truncated */
     memcpy(line, c->received, length);
     line[length] = 0;
     c->used -= length + 1;
@@ -218,7 +218,7 @@ static bool take_line(connection_t *c, char line[LINE_ROOM])
     return true;
 }
 
-/* Waits for more bytes. @return false: there are none to come (errno: EAGAIN: none in time) */
+/* Waits for more bytes. @return false: connection closed or failed (errno; EAGAIN: timeout) */
 static bool receive(connection_t *c)
 {
     ssize_t got;
@@ -230,7 +230,7 @@ static bool receive(connection_t *c)
     return got > 0;
 }
 
-/* --- asking ------------------------------------------------------------------------------------------------------- */
+/* --- requests ----------------------------------------------------------------------------------------------------- */
 
 const char *connection_text(const cJSON *line, const char *member, char room[32])
 {
@@ -255,7 +255,7 @@ static int no_reply(const char *who)
     return EXIT_RUN;
 }
 
-/* A reader of standard output that has ended has got what it wanted; other failures are reported at the end. */
+/* EPIPE is no error: the reader of standard output needs no more. Other failures are reported by atexit(). */
 static int output_failed(void)
 {
     if (errno != EPIPE)
@@ -264,7 +264,7 @@ static int output_failed(void)
     return EXIT_CLEAN;
 }
 
-/* Parses a line. A whole number with more digits than cJSON keeps has them as the text of its "value". */
+/* Parses a line. An integer beyond the precision of cJSON becomes a string, as the "value". */
 static cJSON *parse_line(const char *raw)
 {
     enum { EXACT = 15 };
@@ -338,7 +338,8 @@ int connection_request(connection_t *connection, cJSON *request, const char *who
     if (!fits && who)
         fprintf(stderr, "%s: too much for one request (%d characters): set fewer signals at once\n", who,
                 ECT_ENDPOINT_REQUEST - 1);
-    if (fits && send_text(connection, text, strlen(text))) /* if not, the twin may have sent the reason before */
+    if (fits &&
+        send_text(connection, text, strlen(text))) /* after a failure, the reason may already have been received */
         (void)send_text(connection, "\n", 1);
     cJSON_free(text);
     cJSON_Delete(request);
@@ -352,7 +353,7 @@ static int64_t clock_ms(void)
     return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
 }
 
-/* Waits for the twin, or for the end of standard output's reader. @return FOLLOW_MET: there is more to receive */
+/* Waits for the twin, or for the end of standard output's reader. @return FOLLOW_MET: data can be received */
 static int wait_for_more(const connection_t *connection, const follow_t *follow, int64_t end_ms)
 {
     struct pollfd fds[] = {{.fd = connection->fd, .events = POLLIN}, {.fd = follow->quiet ? -1 : STDOUT_FILENO}};
@@ -396,7 +397,7 @@ int connection_follow(connection_t *connection, const char *who, const follow_t 
     }
 }
 
-/* --- choosing one ------------------------------------------------------------------------------------------------- */
+/* --- selection ---------------------------------------------------------------------------------------------------- */
 
 static cJSON *about;
 
@@ -461,7 +462,7 @@ static connection_t *find(const connection_choice_t *choice, const char *who)
     return search.connection;
 }
 
-/* A name or a process id stands for a socket in this user's folder. */
+/* A name or a process id selects a socket in this user's folder. */
 static connection_t *connect_to_named(const char *name, const char *who)
 {
     char path[ECT_ENDPOINT_PATH];

@@ -37,7 +37,7 @@ connection_t *connection_open(const connection_choice_t *choice, const char *who
  */
 bool connection_each(const char *who, bool (*found)(void *ctx, connection_t *connection, const char *path), void *ctx);
 
-/** @return the reply to the request `about`, to be freed with cJSON_Delete; NULL: none, as from an older version */
+/** @return the reply to the request `about`, to be freed with cJSON_Delete; NULL: no reply; older versions give none */
 cJSON *connection_about(connection_t *connection);
 
 /** Writes the path of the socket, "" if it does not fit. */
@@ -89,7 +89,7 @@ typedef struct follow {
 enum { FOLLOW_MET = 0, FOLLOW_TIMEOUT = -1, FOLLOW_UNREAD = -2 };
 
 /**
- * After the reply to "watch": reads and prints lines until the connection ends or the reader of standard output ends.
+ * Reads and prints the lines after the reply to "watch", until the connection or the reader of standard output ends.
  * @return FOLLOW_MET · FOLLOW_TIMEOUT · FOLLOW_UNREAD: standard output is no longer read · EXIT_RUN: the connection has
  *         ended, the reason is printed
  */

@@ -22,14 +22,14 @@ int contain_status(int wait_status)
     return WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : SIGNALLED + WTERMSIG(wait_status);
 }
 
-/* A container that hides parts of /proc does not allow a second one: then that of the system stays. */
+/* A container that masks parts of /proc forbids a second mount: the existing /proc remains. */
 static void mount_proc(void)
 {
     if (unshare(CLONE_NEWNS) == 0)
         (void)mount("proc", "/proc", "proc", MS_NOSUID | MS_NODEV | MS_NOEXEC, NULL);
 }
 
-/* Reaps every process that has ended. @return the wait status of `main` in *status, if it was among them */
+/* Reaps all ended processes. @param[out] status  wait status of `main` @return whether `main` has ended */
 static bool reap(pid_t main, int *status)
 {
     int one;
@@ -44,7 +44,7 @@ static bool reap(pid_t main, int *status)
     return found;
 }
 
-/* Waits for the end of `main` and passes signals on to it. @return its wait status */
+/* Waits for the end of `main`, and forwards signals to `main`. @return the wait status */
 static int wait_for(pid_t main, const sigset_t *all)
 {
     int status = 0;
@@ -58,7 +58,7 @@ static int wait_for(pid_t main, const sigset_t *all)
     }
 }
 
-/* The kernel kills the other processes when process 1 ends; before that they get SIGTERM and a second to end. */
+/* The kernel kills the other processes when process 1 ends; SIGTERM and a second allow an orderly end. */
 static void end_others(void)
 {
     enum { ROUNDS = 20 };
@@ -79,7 +79,7 @@ static _Noreturn void be_process_1(void (*run)(const void *ctx), const void *ctx
     (void)sigprocmask(SIG_SETMASK, &all, NULL);
     (void)close(ready[0]);
     (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (write(ready[1], "", 1) != 1) /* the calling process ended before that took effect */
+    if (write(ready[1], "", 1) != 1) /* the calling process ended before PR_SET_PDEATHSIG took effect */
         _exit(FAILED);
     (void)close(ready[1]);
     mount_proc();
@@ -90,13 +90,13 @@ static _Noreturn void be_process_1(void (*run)(const void *ctx), const void *ctx
     }
     if (main < 0)
         _exit(FAILED);
-    (void)close_range(STDERR_FILENO + 1, ~0u, 0); /* they belong to the calling process */
+    (void)close_range(STDERR_FILENO + 1, ~0u, 0); /* descriptors of the calling process */
     int status = wait_for(main, &all);
     end_others();
     _exit(contain_status(status));
 }
 
-/* Not unshare(): after that the calling process could start no thread. */
+/* clone() and not unshare(), after which the calling process could no longer start threads. */
 static pid_t fork_into_namespace(void)
 {
     return (pid_t)syscall(SYS_clone, CLONE_NEWPID | SIGCHLD, 0, 0, 0, 0);

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A command in a PID namespace: its processes end with it, and also with the program that started it, however that
- * program ends.
+ * A command in a PID namespace: the processes of the command end with the command, and with the program that started
+ * the command, even if the program is killed.
  */
 #ifndef ECTWIN_CONTAIN_H
 #define ECTWIN_CONTAIN_H
 
 #include <sys/types.h>
 
-/** Status of a process that has ended, as a shell reports it: its exit status, or 128 and the number of a signal. */
+/** Status of an ended process as in a shell: the exit status, or 128 + the number of the signal. */
 int contain_status(int wait_status);
 
 /**

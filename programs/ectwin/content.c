@@ -14,7 +14,7 @@
 #include "bus/storage/files.h"
 #include "bus/storage/memory.h"
 
-/* Bytes of data in a block; the longest piece of a file that is damaged on purpose. */
+/* BLOCK: bytes of data in a block. PIECE_MOST: limit for a piece of a manipulated record. */
 enum { BLOCK = 32 * 1024, PIECE_MOST = ECT_MEMORY_BANK };
 
 static const char of_file[] = "file ";
@@ -75,7 +75,7 @@ bool content_keep(content_t *content, const char *name, const uint8_t *data, siz
     return piece && append(piece, data, size);
 }
 
-/* --- a run -------------------------------------------------------------------------------------------------------- */
+/* --- writing to a record ------------------------------------------------------------------------------------------ */
 
 static void log_block(ect_trace_t *trace, const char *name, uint64_t offset, const uint8_t *data, size_t size)
 {
@@ -97,7 +97,7 @@ static void log_piece(ect_trace_t *trace, const content_piece_t *piece)
     } while (offset < piece->size);
 }
 
-/* The size at the beginning counts: the record itself may be a file that grows in the folder. */
+/* Copies at most the initial size: the record itself may be a growing file in the folder. */
 static const char *log_data(ect_trace_t *trace, int fd, const char *name, off_t size)
 {
     uint8_t data[BLOCK];
@@ -120,7 +120,7 @@ static const char *log_file(ect_trace_t *trace, int folder, const char *name)
     struct stat info;
     if (!ect_files_fits(name, strlen(name)) || fstatat(folder, name, &info, AT_SYMLINK_NOFOLLOW) < 0 ||
         !S_ISREG(info.st_mode))
-        return NULL; /* no file for a master */
+        return NULL; /* not accessible to a master */
     if (info.st_size > ECT_FILES_MOST)
         return "it is longer than 64 MiB";
     int fd = openat(folder, name, O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
@@ -156,7 +156,7 @@ const char *content_log(const content_t *content, const char *files, ect_trace_t
     return files ? log_folder(trace, files, text, room) : NULL;
 }
 
-/* --- a replay ----------------------------------------------------------------------------------------------------- */
+/* --- reading from a record ---------------------------------------------------------------------------------------- */
 
 const char *content_make_folder(content_t *content)
 {

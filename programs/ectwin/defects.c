@@ -17,7 +17,7 @@ enum {
     SMS = 16
 };
 
-/* One datagram of the frame that came, as it came and as it is now. */
+/* A datagram of the received frame: `sent` as received, `now` as processed so far. */
 typedef struct datagram {
     const uint8_t *sent;
     uint8_t *now;
@@ -28,19 +28,19 @@ typedef struct datagram {
 } datagram_t;
 
 typedef enum kind {
-    ANSWER,   /* bytes of the data that go back */
-    REQUEST,  /* bytes of the data that reach the chip */
-    COUNT,    /* the working counter */
-    SWALLOW,  /* it does not reach the chip and is counted as if it had */
-    MAIL,     /* a mail of the slave */
-    SII_WORD, /* a word that is read from the EEPROM */
-    CATEGORY, /* a byte of a category of it */
+    ANSWER,   /* changes data of the reply */
+    REQUEST,  /* changes data of the request */
+    COUNT,    /* changes the working counter */
+    SWALLOW,  /* the datagram does not reach the chip, but its working counter is incremented */
+    MAIL,     /* changes a mail of the slave */
+    SII_WORD, /* changes a word read from the EEPROM */
+    CATEGORY, /* changes a byte of a category of the EEPROM */
     CUSTOM,
 } kind_t;
 
 /* A change of the bits of `mask` in a value. */
 typedef struct change {
-    enum { IF_EXPECTED, ALWAYS, INVERTED } how; /* they become `becomes`: where they are `was`, or whatever they are */
+    enum { IF_EXPECTED, ALWAYS, INVERTED } how; /* IF_EXPECTED: only if the bits are `was` */
     uint8_t width;
     uint32_t mask, was, becomes;
 } change_t;
@@ -48,12 +48,12 @@ typedef struct change {
 struct defect_row {
     const char *id, *what;
     kind_t kind;
-    uint8_t command;  /* of the datagram; of a mail its SDO command, 0 any */
-    uint16_t address; /* that the datagram covers (MAIL: index; SII_WORD: word; CATEGORY: which) */
-    uint16_t length;  /* of the datagram, 0: any (MAIL: sub-index; CATEGORY: offset) */
+    uint8_t command;  /* of the datagram; MAIL: SDO command, 0: any */
+    uint16_t address; /* within the datagram; MAIL: index; SII_WORD: word; CATEGORY: type */
+    uint16_t length;  /* of the datagram, 0: any; MAIL: sub-index; CATEGORY: offset */
     uint8_t state;    /* AL status of the slave, error flag included; 0: any */
     uint8_t at;       /* MAIL: offset of the value in the mail */
-    bool empty;       /* a datagram without data */
+    bool empty;       /* only datagrams without data */
     change_t change;
     void (*before)(defect_t *d, datagram_t *g);
     void (*after)(defect_t *d, datagram_t *g);
@@ -125,7 +125,7 @@ static void apply(const change_t *c, uint8_t *at)
 
 /* --- single defects ----------------------------------------------------------------------------------------------- */
 
-/* Takes a datagram away from the chip; defect_after sees it as it was. */
+/* Hides a datagram from the chip; defect_after restores it. */
 static void hide(const datagram_t *g)
 {
     g->now[ECT_DATAGRAM_COMMAND] = ECT_NOP;
@@ -180,7 +180,7 @@ static void behind_the_ram(defect_t *d, datagram_t *g)
         set_counter(g, 1);
 }
 
-/* A read-only register shows the written value until the right one is written. */
+/* A read-only register returns the written value until the original value is written. */
 static void keep_written(defect_t *d, datagram_t *g)
 {
     uint16_t address = d->row->address;
@@ -257,7 +257,7 @@ static void return_hidden(defect_t *d, datagram_t *g)
         bring_back(g, 1);
 }
 
-/* The toggle never reaches the slave, its acknowledge comes all the same. */
+/* The toggle does not reach the slave, but the acknowledge is returned. */
 static void repeat_is_not_seen(defect_t *d, datagram_t *g)
 {
     if (g->command == ECT_FPWR && g->ado == SM_1 + ECT_SM_ACTIVATE && g->length == 1 && (data(g)[0] & 1) != 0 &&
@@ -317,7 +317,7 @@ static void code_is_late(defect_t *d, datagram_t *g)
     d->memory[0] = g->command == ECT_FPWR && g->ado == ECT_REG_AL_CONTROL;
 }
 
-/* Outputs that came in SAFEOP show in the next object that is read. */
+/* The next object read contains outputs received in SAFEOP. */
 static void outputs_move(defect_t *d, datagram_t *g)
 {
     if (g->command == ECT_LRW && al_status(g) == 4)
@@ -360,7 +360,7 @@ static void soe_is_known(defect_t *d, datagram_t *g)
         data(g)[8] = 4;
 }
 
-/* The reply of the information service that describes an object, its name behind index, type and codes. */
+/* Get Object Description response: the name follows index, data type, max. sub-index and object code. */
 static void name_differs(defect_t *d, datagram_t *g)
 {
     const uint8_t *mail = data(g);
@@ -369,7 +369,7 @@ static void name_differs(defect_t *d, datagram_t *g)
         data(g)[18] = 'X';
 }
 
-/* The first reply of the information service about list 0: the numbers of objects in each list. */
+/* Get OD List response, first fragment, list type 0: the number of objects in each list. */
 static void list_is_longer(defect_t *d, datagram_t *g)
 {
     (void)d;
@@ -393,7 +393,7 @@ static void reads_latch(defect_t *d, datagram_t *g)
         data(g)[0] = (uint8_t)(data(g)[0] + ++d->memory[0]);
 }
 
-/* An SDO command that does not exist ends the mailbox until the twin restarts: SM0 takes no further mail. */
+/* After an invalid SDO command, SM0 accepts no further mail until the twin restarts. */
 static void mailbox_stops(defect_t *d, datagram_t *g)
 {
     if (is_mail(g, true) && d->memory[0] == 0)
@@ -402,7 +402,7 @@ static void mailbox_stops(defect_t *d, datagram_t *g)
         hide(g);
 }
 
-/* Not a defect: chips change the status of a SyncManager at the end of the frame, the twin with the datagram. */
+/* Not a defect: hardware changes the status of a SyncManager at the end of the frame, the twin with the datagram. */
 static void record_status(defect_t *d, datagram_t *g)
 {
     uint8_t *status = (uint8_t *)d->memory;
@@ -420,7 +420,7 @@ static void status_of_the_start(defect_t *d, datagram_t *g)
     }
 }
 
-/* Each read of the inner bytes of an input buffer finds others. */
+/* Each read of the inner bytes of an input buffer returns other bytes. */
 static void buffer_is_taken(defect_t *d, datagram_t *g)
 {
     const uint8_t *sm = g->chip + SM_3;
@@ -462,7 +462,7 @@ static void abort_is_not_seen(defect_t *d, datagram_t *g)
         hide(g);
 }
 
-/* A mail of a type that does not exist: the slave is silent for two requests. */
+/* After a mail of an unknown type, the slave ignores two requests. */
 static void type_hangs(defect_t *d, datagram_t *g)
 {
     if (is_mail(g, true) && (data(g)[5] & 0x0F) == 13 && d->memory[0] == 0)
@@ -473,7 +473,7 @@ static void type_hangs(defect_t *d, datagram_t *g)
     }
 }
 
-/* An unknown command stops the slave for two requests. */
+/* After an unknown command, the slave ignores two requests. */
 static void hangs(defect_t *d, datagram_t *g)
 {
     if (g->command == UNKNOWN_COMMAND && d->memory[0] == 0)
@@ -498,7 +498,7 @@ static void uncounted_hidden(defect_t *d, datagram_t *g)
         bring_back(g, 0);
 }
 
-/* A mail of EoE; its type is behind the header. */
+/* @return whether the datagram is a mail of EoE; the frame type follows the mailbox header */
 static bool is_ethernet(const datagram_t *g, bool to_slave)
 {
     return is_mail(g, to_slave) && (to_slave || counter(g) == 1) && (data(g)[5] & 0x0F) == 2;
@@ -532,7 +532,7 @@ static void cut_address_is_taken(defect_t *d, datagram_t *g)
         ect_store_le16(data(g) + 8, 0);
 }
 
-/* A fragment behind an SDO is lost. */
+/* A fragment that follows an SDO request is lost. */
 static void sdo_ends_frame(defect_t *d, datagram_t *g)
 {
     if (!is_mail(g, true))
@@ -542,7 +542,7 @@ static void sdo_ends_frame(defect_t *d, datagram_t *g)
     d->memory[0] = g->sent[ECT_DATAGRAM_DATA + 5] & 0x0F;
 }
 
-/* A mail with the counter of the one before is taken as a new one: 0 is never compared. */
+/* A repeated mail is processed again: its counter becomes 0, which is never compared. */
 static void repeat_is_new(defect_t *d, datagram_t *g)
 {
     if (!is_ethernet(g, true))
@@ -553,7 +553,7 @@ static void repeat_is_new(defect_t *d, datagram_t *g)
     d->memory[0] = number;
 }
 
-/* The second fragment after a restart still finds the first one, which is in the RAM of SM0. */
+/* The slave joins the second fragment after a restart with the old first one, still in the RAM of SM0. */
 static void half_frame_stays(defect_t *d, datagram_t *g)
 {
     enum { FIRST = 32, AT = 10, UNITS = 2 };
@@ -579,7 +579,7 @@ static void reserved_type_is_done(defect_t *d, datagram_t *g)
         ect_store_le16(data(g) + 8, 0);
 }
 
-/* --- all of them -------------------------------------------------------------------------------------------------- */
+/* --- the table ---------------------------------------------------------------------------------------------------- */
 
 #define ALL(w)        (0xFFFFFFFFu >> (32 - 8 * (w)))
 #define ANY(w, b)     {.how = ALWAYS, .width = (w), .mask = ALL(w), .becomes = (b)}
@@ -751,7 +751,7 @@ static const defect_row_t rows[] = {
      .before = record_status, .after = status_of_the_start},
 };
 
-/* --- at work ------------------------------------------------------------------------------------------------------ */
+/* --- the filter --------------------------------------------------------------------------------------------------- */
 
 bool defect_choose(defect_t *defect, const char *id)
 {
@@ -779,7 +779,7 @@ static bool concerns(const defect_row_t *row, const datagram_t *g)
     return g->command == row->command && (row->length == 0 || row->length == g->length) && covers(g, row->address, 1);
 }
 
-/* Whether a mail is about the object of a row, and with its command. */
+/* @return whether a mail has the index, sub-index and command of a row */
 static bool about(const defect_row_t *row, const uint8_t *mail)
 {
     unsigned int service = mail[7] >> 4;

@@ -21,7 +21,7 @@ static const struct argp_option options[] = {
     {0},
 };
 
-/* A document while it is written. */
+/* A document in progress. */
 typedef struct doc {
     page_t page;
     ect_arena_t arena;
@@ -96,7 +96,7 @@ static const char *type_text(doc_t *d, const ect_entry_t *entry)
     return name ? name : plain(d, ect_od_bits(&d->od, entry));
 }
 
-/* --- what links lead to ------------------------------------------------------------------------------------------- */
+/* --- targets of links --------------------------------------------------------------------------------------------- */
 
 static const char *object_id(doc_t *d, uint16_t index)
 {
@@ -124,7 +124,7 @@ static const ect_entry_t *entry_of(const doc_t *d, uint16_t index, uint8_t subin
     return object ? ect_od_entry(object, subindex) : NULL;
 }
 
-/* The next field, from `field` on, of an entry that the device has; NULL: none is left. */
+/* @return the first field, from `field` on, of an existing entry; NULL: none */
 static const ect_field_t *next_field(const doc_t *d, const ect_field_t *field)
 {
     while (field && field->index != 0 && !entry_of(d, field->index, field->subindex))
@@ -137,7 +137,7 @@ static const ect_field_t *first_field(const doc_t *d)
     return d->plant ? next_field(d, d->plant->fields) : NULL;
 }
 
-/* The first field of the table that shows this one: bits of the same entry, or the same list of values. */
+/* @return the first field of the same table: bits of the same entry, or the same list of values */
 static const ect_field_t *shown_with(const doc_t *d, const ect_field_t *field)
 {
     const ect_field_t *f = first_field(d);
@@ -149,7 +149,7 @@ static const ect_field_t *shown_with(const doc_t *d, const ect_field_t *field)
     return f;
 }
 
-/* The id of the section with an entry's names of bits and values; NULL: it has none. */
+/* @return the id of the section with an entry's names of bits and values; NULL: none */
 static const char *names_of(doc_t *d, uint16_t index, uint8_t subindex)
 {
     for (const ect_field_t *f = first_field(d); f; f = next_field(d, f + 1)) {
@@ -160,8 +160,7 @@ static const char *names_of(doc_t *d, uint16_t index, uint8_t subindex)
     return NULL;
 }
 
-/* Objects in a row that share their entries, as the samples of a sensor do, are shown once. @return the first other one
- */
+/* Successive objects with the same entries, as samples of a sensor, are shown once. @return index after the last */
 static uint16_t end_of_alike(const doc_t *d, uint16_t i)
 {
     const ect_object_t *first = &d->od.objects[i];
@@ -367,7 +366,7 @@ static bool has_values(const doc_t *d, const ect_field_t *first)
     return found;
 }
 
-/* Named bits of an entry, a row each. */
+/* One row for each named bit of an entry. */
 static void bits(doc_t *d, const ect_field_t *first)
 {
     bool values = has_values(d, first);
@@ -423,7 +422,7 @@ static void fields(doc_t *d)
     }
 }
 
-/* A family of devices has one folder of charts: the base units' is eclink. */
+/* A family of devices has one folder of charts: eclink for all base units. */
 static bool is_of(const chart_t *chart, const ect_device_t *device)
 {
     bool family = strcmp(chart->folder, "eclink") == 0 && strncmp(device->name, "vr-bu-", 6) == 0;
@@ -574,7 +573,7 @@ static void categories(doc_t *d)
     page_table(&d->page, false);
 }
 
-/* --- the whole ---------------------------------------------------------------------------------------------------- */
+/* --- the document ------------------------------------------------------------------------------------------------- */
 
 static bool has_clocks(const doc_t *d)
 {
@@ -597,7 +596,7 @@ static bool has_charts(const doc_t *d)
 static const struct section {
     const char *id, *title;
     void (*write)(doc_t *d);
-    bool (*present)(const doc_t *d); /* NULL: always */
+    bool (*present)(const doc_t *d); /* condition; NULL: always */
 } sections[] = {
     {"identity", "Identity", identity, NULL},
     {"totals", "Totals", totals, NULL},
@@ -619,7 +618,7 @@ static bool is_present(const doc_t *d, const struct section *s)
     return !s->present || s->present(d);
 }
 
-/* Links to objects; those of PDOs alone, or all. */
+/* Links to all objects, or to those of PDOs only. */
 static void object_links(doc_t *d, const char *label, bool pdos_only)
 {
     cell_t *links = ect_arena_alloc(&d->arena, (d->od.count + 1u) * sizeof *links);

@@ -14,9 +14,9 @@
 enum { KEY_CYCLE = 0x300, KEY_DC, KEY_GROUP };
 enum { CYCLE_US = 1000, CYCLE_MOST_US = 1000000 };
 
-/* "2:Tool*3" of --hot-connect. */
+/* An argument of --hot-connect, "2:Tool*3". */
 typedef struct group {
-    uint64_t first; /* twin, from 1 */
+    uint64_t first; /* number of the first twin, from 1 */
     char *name;
     uint64_t members;
 } group_t;
@@ -93,7 +93,7 @@ static const ect_dc_mode_t *clock_of(const ect_device_t *device)
     return NULL;
 }
 
-/* The groups of a network file, the last of the devices. */
+/* Adopts the groups of a network file, the last operand. */
 static void take_groups(const eni_args_t *args, ect_eni_part_t *parts)
 {
     char why[PRODUCT_MESSAGE];
@@ -109,7 +109,7 @@ static void take_groups(const eni_args_t *args, ect_eni_part_t *parts)
     }
 }
 
-/* Groups of the command line. @return false: one does not fit, which is printed */
+/* Sets the groups of the command line. @return false: an impossible group, which is printed */
 static bool set_groups(const eni_args_t *args, const char *who, ect_eni_part_t *parts)
 {
     const size_t count = args->bus.twins.count;

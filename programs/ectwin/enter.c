@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A command in the private network of twins that run already. */
+/* A command in the private network of running twins. */
 #define _GNU_SOURCE
 #include <argp.h>
 #include <errno.h>
@@ -29,7 +29,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_ARG:
         args->command = &state->argv[state->next - 1];
-        state->next = state->argc; /* the rest is the command's */
+        state->next = state->argc; /* the rest belongs to the command */
         return 0;
     case ARGP_KEY_END:
         if (!args->command)
@@ -49,7 +49,7 @@ static bool same_namespace(const char *theirs, const char *name)
            strcmp(texts[0], texts[1]) == 0;
 }
 
-/* Opens a namespace of a process. @param[out] fd  -1: this process is in it. @return false (errno) */
+/* Opens a namespace of a process. @param[out] fd  -1: the namespace of this process @return false (errno) */
 static bool open_namespace(pid_t pid, const char *name, int *fd)
 {
     char path[64];
@@ -61,8 +61,8 @@ static bool open_namespace(pid_t pid, const char *name, int *fd)
     return *fd >= 0;
 }
 
-/* The user namespace comes first: it gives the rights for the others. All are opened before, while /proc is this one's.
- * @return NULL, or the name of the namespace that failed (errno) */
+/* The user namespace comes first, for it grants the rights for the others. All are opened before, through this
+ * process's /proc. @return NULL, or the name of the namespace that failed (errno) */
 static const char *enter_namespaces(pid_t pid)
 {
     static const char *const names[] = {"user", "net", "mnt"};
@@ -81,7 +81,7 @@ static const char *enter_namespaces(pid_t pid)
     return NULL;
 }
 
-/* A mount namespace has a root folder of its own, and entering it leaves this folder. */
+/* Entering a mount namespace changes the working directory to its root. */
 static bool enter_from_here(pid_t pid, const char *who)
 {
     char here[PATH_MAX];

@@ -64,7 +64,7 @@ const char *eoe_args_host(const eoe_args_t *args)
     return NULL;
 }
 
-/* The position of a setting's twin. @return `count`: it has no EoE, or there is no such twin; see message */
+/* @return index of a setting's twin; `count`: no such twin, or without EoE; see message */
 static size_t find_twin(const eoe_setting_t *setting, const ect_twin_config_t *twins, size_t count, char *message)
 {
     size_t i = setting->twin;
@@ -86,7 +86,7 @@ static size_t find_twin(const eoe_setting_t *setting, const ect_twin_config_t *t
     return i;
 }
 
-/* "N:" or "NAME:", if the option has it. @return whether there is such a number or name; else see message */
+/* Reads an optional "N:" or "NAME:". @return false: no such twin; see message */
 static bool take_twin(const ect_names_t *names, eoe_setting_t *setting, char *message)
 {
     const char *rest = setting->text;
@@ -98,7 +98,7 @@ static bool take_twin(const ect_names_t *names, eoe_setting_t *setting, char *me
     return false;
 }
 
-/* @return whether it was done; else see message */
+/* @return false: see message */
 static bool join_one(eoe_args_t *args, eoe_setting_t *setting, const ect_twin_config_t *twins, char *message)
 {
     size_t i = find_twin(setting, twins, args->network_count, message);
@@ -115,7 +115,7 @@ static bool join_one(eoe_args_t *args, eoe_setting_t *setting, const ect_twin_co
     return args->networks[i] != NULL;
 }
 
-/* A twin with EoE and without an option keeps its own behaviour, and has the signals. */
+/* A twin with EoE and without --eoe keeps its behaviour, and gets the signals. */
 static bool join_rest(eoe_args_t *args, ect_twin_config_t *twins)
 {
     for (size_t i = 0; i < args->network_count; i++) {

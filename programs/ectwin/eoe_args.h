@@ -35,7 +35,7 @@ extern const struct argp eoe_argp;
 
 enum { EOE_MESSAGE = ECT_PLACE_MESSAGE + 128 };
 
-/** @return the first option with a TAP or a socket; NULL: none */
+/** Finds an option with a TAP or a socket. @return the first one; NULL: none */
 const char *eoe_args_host(const eoe_args_t *args);
 
 /**

@@ -45,7 +45,7 @@ int output_esi(const char *who, const ect_twin_config_t *twin, const char *path)
     return write_parts(who, &part, 1, path);
 }
 
-/* A family is a group: ESI/ectwin-vr-bu.xml */
+/* One file for each family, as ESI/ectwin-vr-bu.xml. */
 static int write_family(const ect_esi_part_t *parts, size_t count, const char *folder)
 {
     char path[OUTPUT_PATH], name[200];
@@ -64,7 +64,8 @@ static int write_families(ect_esi_part_t *parts, size_t count, const char *folde
             ect_esi_part_t part = parts[i];
             if (strcmp(part.device->group_type, parts[0].device->group_type) != 0)
                 continue;
-            memmove(&parts[same + 1], &parts[same], (i - same) * sizeof part); // the others keep their order
+            memmove(&parts[same + 1], &parts[same],
+                    (i - same) * sizeof part); /* the order of the others is unchanged */
             parts[same++] = part;
         }
         status = write_family(parts, same, folder);

@@ -19,7 +19,8 @@ static int is_xml(const struct dirent *entry)
     return length > 4 && strcasecmp(entry->d_name + length - 4, ".xml") == 0;
 }
 
-/* Whether an ESI file has a device, alone. A model is read in full only where product and revision fit. */
+/* @return whether exactly one device of the file has the identity. Only devices with its product and revision are read.
+ */
 static bool has_device(ect_esi_t *esi, const ect_identity_t *identity)
 {
     char selector[32], why[PRODUCT_MESSAGE];
@@ -59,7 +60,7 @@ bool esi_dir_search(const char *folder, const ect_identity_t *identities, char *
     for (int i = 0; i < files; i++) {
         char *path = NULL;
         if (asprintf(&path, "%s/%s", folder, entries[i]->d_name) >= 0)
-            (void)esi_dir_search_file(path, identities, names, count, why); /* other files may lie there */
+            (void)esi_dir_search_file(path, identities, names, count, why); /* other files are ignored */
         free(path);
         free(entries[i]);
     }

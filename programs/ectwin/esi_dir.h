@@ -9,8 +9,8 @@
 #include "seams/device.h"
 
 /**
- * Searches a file for devices with the given identities, and names each found one, `esi:FILE#@PRODUCT/REVISION`, unless
- * its identity already has a name.
+ * Searches a file for devices with the given identities. Each device found gives its identity the name
+ * `esi:FILE#@PRODUCT/REVISION`, unless the identity already has a name.
  * @param identities  vendor, product and revision are compared
  * @param[in,out] names  `count` names to be freed with free(); NULL: no name yet
  * @param[out] message  PRODUCT_MESSAGE bytes

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Faults of running twins: set one, or list those that are set. */
+/* `ectwin fault`: sets or lists faults of running twins. */
 #include <stdio.h>
 #include <string.h>
 

@@ -11,8 +11,7 @@
 #include "commands.h"
 
 /**
- * Makes room for one more element after `count` elements of `size` bytes. If memory is exhausted, the program ends with
- * one line.
+ * Enlarges an array of `count` elements of `size` bytes by one element. Out of memory, the program ends with one line.
  * @param array  from the heap or NULL; the result replaces it
  * @return the array, to be freed with free()
  */

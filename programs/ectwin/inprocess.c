@@ -18,7 +18,7 @@
 
 enum { SEPARATOR = 0x1F, MARK_PATH = 80 };
 
-/* Beside the program, as in a build; else in lib/ectwin beside its folder, as installed. */
+/* Folders of the library: that of the program, as in a build, or lib/ectwin beside it, as installed. */
 static const char *const places[] = {"", "../lib/ectwin/", "../" ECTWIN_LIBDIR "/ectwin/"};
 
 static bool find_library(const char *name, char path[PATH_MAX])
@@ -38,7 +38,7 @@ static bool find_library(const char *name, char path[PATH_MAX])
     return false;
 }
 
-/* CMD as the shell would find it; false: not there, which running it will report. */
+/* Finds CMD as a shell does. @return false: not found; starting CMD reports this */
 static bool find_command(const char *name, char path[PATH_MAX])
 {
     if (strchr(name, '/'))
@@ -54,11 +54,11 @@ static bool find_command(const char *name, char path[PATH_MAX])
     return false;
 }
 
-/* A program's kind: it loads the library if it has the same word size, processor and dynamic linker. */
+/* The kind of a program: a program can load the library if word size, processor and dynamic linker are the same. */
 typedef struct kind {
     unsigned char word_size;
     ElfW(Half) processor;
-    char linker[256]; /* its name without a folder; empty: a static program */
+    char linker[256]; /* name without the folder; "": a static program */
 } kind_t;
 
 static void read_linker(int fd, const ElfW(Ehdr) * header, kind_t *kind)
@@ -77,7 +77,7 @@ static void read_linker(int fd, const ElfW(Ehdr) * header, kind_t *kind)
     snprintf(kind->linker, sizeof kind->linker, "%s", slash ? slash + 1 : path);
 }
 
-/* @return whether the file is a program of this kind of header; a script is none */
+/* @return whether the file is an ELF program */
 static bool read_kind(const char *path, kind_t *kind)
 {
     ElfW(Ehdr) header;
@@ -108,7 +108,7 @@ static bool fits(const char *command, char *message)
                  command);
         return false;
     }
-    /* A static program may start others. */
+    /* A static program is accepted: it may start dynamic ones. */
     if (!*its.linker || !*ours.linker || strcmp(its.linker, ours.linker) == 0)
         return true;
     snprintf(message, INPROCESS_MESSAGE,
@@ -136,7 +136,7 @@ static bool set_words(const in_process_t *p)
     return done;
 }
 
-/* The library of a sanitizer that the program was built with has to come first. */
+/* The runtime library of a sanitizer must be the first one. */
 static bool set_preload(const char *library)
 {
     const char *before = getenv("LD_PRELOAD");

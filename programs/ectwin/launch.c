@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Appends `length` characters, as long as there is room for them and a terminator. */
+/* Appends `length` characters if they fit with a terminator. */
 static void append(char *to, size_t *used, size_t room, const char *from, size_t length)
 {
     if (*used + length < room) {
@@ -24,7 +24,7 @@ static void append(char *to, size_t *used, size_t room, const char *from, size_t
 static char *with_interfaces(const char *text, const char *const masters[ECT_ENDS])
 {
     static const char *const marks[ECT_ENDS] = {"{}", "{2}"};
-    size_t room = strlen(text) * 8 + 1; /* a mark of two becomes 15 */
+    size_t room = strlen(text) * 8 + 1; /* "{}", 2 characters, becomes at most 15 */
     size_t used = 0;
     char *result = calloc(1, room);
     while (result && *text) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The bus of bus/library.h. It is part of the command, for the command knows how twins are described in words. */
+/* The bus of bus/library.h, placed here because the command parses the words that describe twins. */
 #define _GNU_SOURCE
 #include "bus/library.h"
 
@@ -32,7 +32,7 @@ struct ectwin_bus {
     twin_args_t twins;
     char message[TWIN_MESSAGE];
     char **words;     /* options point into them */
-    with_words_t run; /* what they ask for */
+    with_words_t run; /* the parsed words */
     ect_exchange_t exchange;
     uint64_t now_ns;
     reply_t *first, **last;
@@ -70,11 +70,11 @@ static void queue(void *ctx, ect_end_t end, const uint8_t *frame, size_t length)
     bus->last = &reply->next;
 }
 
-/* The parsers of the command's options leave by exit(), after argp_error() or argp_failure(), or after a list on
- * standard output. In the library the linker puts these functions in their places, which return to ectwin_bus_open. */
+/* The parsers of options end the program by argp_error(), argp_failure() or exit(). In the library the linker replaces
+ * these functions by the following ones, which return to ectwin_bus_open. */
 static _Thread_local struct {
     jmp_buf back;
-    char *message; /* of TWIN_MESSAGE; NULL: nothing is being parsed */
+    char *message; /* TWIN_MESSAGE bytes; NULL: no parser is running */
 } parsing;
 
 void __real_exit(int status) __attribute__((noreturn));
@@ -115,7 +115,7 @@ void __wrap_argp_failure(const struct argp_state *state, int status, int number,
     longjmp(parsing.back, 1);
 }
 
-/* The words may be those of a whole `ectwin with`. */
+/* The words may be a whole command line of `ectwin with`. */
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     ectwin_bus_t *bus = state->input;
@@ -174,7 +174,7 @@ static void free_bus(ectwin_bus_t *bus)
     free(bus);
 }
 
-/* The interfaces have names in a process of `ectwin with --in-process` only. */
+/* Only in a process of `ectwin with --in-process` do the interfaces have names. */
 static int open_trace(ectwin_bus_t *bus)
 {
     twin_args_t *twins = &bus->twins;
@@ -245,7 +245,7 @@ static void forget_replies(ectwin_bus_t *bus)
     bus->last = &bus->first;
 }
 
-/* A save under way is finished; by then no more than two seconds of the bus have passed. */
+/* Finishes a save under way, within two seconds of bus time. */
 static void finish(ectwin_bus_t *bus)
 {
     enum { STEP_NS = 1000000, STEPS = 2000 };
@@ -350,7 +350,7 @@ static void note_request(ectwin_bus_t *bus, cJSON *request)
     cJSON_Delete(request);
 }
 
-/* A change is noted as the request that a client of the control socket would send. */
+/* Logs a change as the equivalent request of the control protocol. */
 static void note_set(ectwin_bus_t *bus, size_t slave, const char *name, const char *value)
 {
     if (!bus->exchange.trace)
@@ -425,7 +425,7 @@ int ectwin_bus_verdict(ectwin_bus_t *bus, char *text, size_t room)
     return (int)(verdict.all - verdict.met);
 }
 
-/* Each process of CMD has a bus of its own, and the first one takes the name. */
+/* Each process of CMD has a bus of its own; the name goes to the first bus. */
 static bool name_is_free(const char *name)
 {
     char path[ECT_ENDPOINT_PATH];

@@ -49,7 +49,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-/* Mistakes of vendor and groups are found with each device: a line is printed once. */
+/* Mistakes of vendor and groups are found again with each device; each line is printed once. */
 typedef struct findings {
     ect_arena_t arena;
     const char **lines;
@@ -71,7 +71,7 @@ static void take(void *ctx, bool wrong, const char *line)
         printf("%s%s\n", line, wrong ? "" : " (note)");
 }
 
-/* A device that cannot be read, or that no slave can be, is a mistake with a line of its own. */
+/* An unreadable or impossible device is a mistake with a line of its own. */
 static void lint_device(ect_esi_t *esi, const char *selector, findings_t *f)
 {
     char text[TEXT] = "";

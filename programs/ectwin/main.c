@@ -34,7 +34,7 @@ static const struct command {
     {"complete", command_complete},
 };
 
-/* The names of the commands that begin with a word; `complete`, the last, is for shells. */
+/* Prints the commands that begin with `word`, except the last one, `complete`, which is for shells. */
 static int complete_command(const char *word)
 {
     for (size_t i = 0; i + 1 < sizeof commands / sizeof commands[0]; i++) {
@@ -94,7 +94,7 @@ static int usage(FILE *stream, int status)
     return status;
 }
 
-/* The next file or socket would get the number of a closed standard descriptor, and the output with it. */
+/* Otherwise the next file or socket would get the number of a closed standard descriptor, and then its output. */
 static void fill_standard_streams(void)
 {
     int fd = open("/dev/null", O_RDWR);
@@ -104,7 +104,7 @@ static void fill_standard_streams(void)
         close(fd);
 }
 
-/* Short output, as help, is written at the end, where a failure can be reported. */
+/* Buffers short output, as help, until the end, where a failure is reported. */
 static void keep_output_together(void)
 {
     static char room[16384];
@@ -112,7 +112,7 @@ static void keep_output_together(void)
         (void)setvbuf(stdout, room, _IOFBF, sizeof room);
 }
 
-/* Output that cannot be written (a full disk) is a failure; a reader that has ended has got what it wanted. */
+/* Reports lost output (a full disk) as a failure. EPIPE is none: the reader needs no more. */
 static void check_output(void)
 {
     errno = 0;
@@ -123,7 +123,7 @@ static void check_output(void)
     _exit(EXIT_OPEN);
 }
 
-/* Adds the program's own devices, which need right descriptions and unique names. */
+/* Adds the program's own devices, which need valid descriptions and unique names. */
 static bool take_products(const ect_product_t *products, size_t count)
 {
     ect_catalogue_add(products, count);

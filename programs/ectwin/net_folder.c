@@ -25,7 +25,7 @@ static bool write_file(const char *folder, const char *name, const char *text)
     return fclose(file) == 0 && whole;
 }
 
-/* The files that programs look for, as those of a virtual Ethernet interface. */
+/* The files of /sys/class/net/IFACE that programs read, with the values of a virtual Ethernet interface. */
 static bool make_interface(const char *tree, const char *name, size_t end, bool up)
 {
     char folder[PATH_MAX], index[24], event[128];
@@ -52,7 +52,7 @@ static bool make_interface(const char *tree, const char *name, size_t end, bool 
     return whole;
 }
 
-/* An interface of the bus may have a name that the machine's has too. */
+/* EEXIST: an interface of the bus has the same name as one of the machine. */
 static void link_others(const char *tree)
 {
     DIR *list = opendir(system_folder);

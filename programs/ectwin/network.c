@@ -33,7 +33,7 @@ static void print_slave(const ect_eni_slave_t *slave, size_t i, const char *name
     fprintf(stderr, "\n");
 }
 
-/* Room for the names. @return the network, NULL: it cannot be read */
+/* Reads the network and allocates the names. @return NULL: see message */
 static const ect_eni_network_t *begin_names(network_names_t *names, const char *path, char *message)
 {
     *names = (network_names_t){0};
@@ -60,7 +60,7 @@ static ect_identity_t *identities_of(const ect_eni_network_t *network, char *mes
     return identities;
 }
 
-/* The slaves that no ESI file has. */
+/* Names the slaves without an ESI file. */
 static bool end_names(network_names_t *names, const char *path)
 {
     for (size_t i = 0; i < names->count; i++) {

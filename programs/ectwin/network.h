@@ -41,8 +41,8 @@ bool network_names_of_files(network_names_t *names, const char *path, const char
 void network_names_free(network_names_t *names);
 
 /**
- * Sets the serial number, the alias and the position in the tree of twins from the network file.
- * @param first  position of the twin of the first slave in `twins`, which has a twin for each slave
+ * Sets serial number, alias and position in the tree of each twin to those of the network file.
+ * @param first  index in `twins` of the first slave's twin; the twins of the other slaves follow
  * @param[out] message  PRODUCT_MESSAGE bytes
  * @return false: a slave has an impossible position
  */

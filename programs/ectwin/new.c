@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Everything that a device file gives, in one folder. */
+/* `ectwin new`: all files made from a device file, in one folder. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <stdlib.h>

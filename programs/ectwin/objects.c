@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The dictionary as C source for users of SOES: the three files that its stack is compiled with, and the EEPROM that
- * goes with them. The shapes are those of its public headers (esc_coe.h, options.h).
+ * `ectwin objects`: the dictionary as C source for SOES, in three files, and the EEPROM image. Types and macros are
+ * those of SOES's public headers (esc_coe.h, options.h).
  */
 #include <stdlib.h>
 #include <string.h>
@@ -20,7 +20,7 @@ static const struct argp_option options[] = {
     {0},
 };
 
-/* The device, and the file that is being written. */
+/* The device, and the file in progress. */
 typedef struct source {
     FILE *file;
     ect_arena_t arena;
@@ -28,7 +28,7 @@ typedef struct source {
     ect_od_t od;
 } source_t;
 
-/* Its value changes while the slave runs: it has memory, and is no part of the description. */
+/* @return whether the value may change while the slave runs, and so needs a variable */
 static bool is_variable(const ect_object_t *object, const ect_entry_t *entry)
 {
     return entry->data && !(entry->access & (ECT_ACCESS_DESCRIPTION | ECT_ACCESS_SHARED)) && object->index != 0x1018;
@@ -62,8 +62,8 @@ static bool is_zero(const uint8_t *bytes, size_t size)
 }
 
 /*
- * SOES moves process data of up to 64 bits as numbers, and asserts that they are: bytes of such a length, mapped, are
- * written as one.
+ * SOES copies process data of up to 64 bits as integers, and asserts an integer type: a mapped byte array of 8, 16, 32
+ * or 64 bits becomes an integer.
  */
 static ect_entry_t as_soes(const ect_entry_t *entry)
 {
@@ -169,7 +169,7 @@ static void write_long(FILE *file, const ect_entry_t *entry, const uint8_t *valu
     }
 }
 
-/* SOES sets numbers of up to 32 bits from the list; what is longer has to be there from the start. */
+/* SOES initialises integers of up to 32 bits from the list; longer values need an initialiser. */
 static void write_initial(source_t *s)
 {
     fprintf(s->file, "_Objects Obj =\n{\n");
@@ -215,7 +215,7 @@ static void write_list(source_t *s)
 
 /* --- ecat_options.h ----------------------------------------------------------------------------------------------- */
 
-/* Never 0: SOES would look for process data that are no entries. */
+/* Never 0: SOES would then expect process data without entries. */
 static unsigned int most_mappings(const source_t *s, bool outputs)
 {
     unsigned int count = 0;
@@ -237,7 +237,7 @@ static void write_mailboxes(FILE *file, const char *suffix, const uint16_t layou
     }
 }
 
-/* SOES moves process data in words of 64 bits: its buffer is touched up to the end of the last one. */
+/* SOES accesses process data in words of 64 bits, up to the end of the last word. */
 static unsigned int room_for(const ect_device_t *device, unsigned int sm)
 {
     unsigned int bytes = ect_device_sm_bytes(device, sm);
@@ -269,8 +269,8 @@ static void write_options(source_t *s)
 
 /* --- the command -------------------------------------------------------------------------------------------------- */
 
-/* Its stack knows SyncManagers 0 and 1 as mailboxes, 2 as outputs and 3 as inputs; one without process data it leaves
- * alone. */
+/* SOES supports SyncManagers 0 and 1 as mailboxes, 2 for outputs and 3 for inputs; a SyncManager without process data
+ * is not used. */
 bool output_suits_soes(const ect_device_t *device)
 {
     static const uint8_t roles[] = {ECT_SM_MAILBOX_OUT, ECT_SM_MAILBOX_IN, ECT_SM_OUTPUTS, ECT_SM_INPUTS};
@@ -306,7 +306,7 @@ static int write_image(const char *who, const ect_twin_config_t *twin, const cha
     return status;
 }
 
-/* Makes the folder where it is missing. */
+/* Creates the folder if necessary. */
 static int write_all(source_t *s, const char *who, const char *folder)
 {
     static const struct {
@@ -314,7 +314,7 @@ static int write_all(source_t *s, const char *who, const char *folder)
         void (*write)(source_t *s);
     } files[] = {{"utypes.h", write_types}, {"slave_objectlist.c", write_list}, {"ecat_options.h", write_options}};
     int status = EXIT_CLEAN;
-    (void)mkdir(folder, 0777); /* a folder that cannot be made shows when a file is written */
+    (void)mkdir(folder, 0777); /* a failure is reported when a file is opened */
     for (size_t i = 0; i < sizeof files / sizeof files[0] && status == EXIT_CLEAN; i++)
         status = write_source(s, who, folder, files[i].name, files[i].write);
     return status;

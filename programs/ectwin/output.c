@@ -34,7 +34,7 @@ bool output_path(const char *who, char path[OUTPUT_PATH], const char *folder, co
 {
     bool fits = snprintf(path, OUTPUT_PATH, "%s/%s", folder, name) < OUTPUT_PATH;
     if (fits)
-        (void)mkdir(folder, 0777); /* an existing one is fine; any failure is reported when the file is opened */
+        (void)mkdir(folder, 0777); /* may exist; a failure is reported when the file is opened */
     else
         fprintf(stderr, "%s: the folder's name is too long\n", who);
     return fits;
@@ -74,7 +74,7 @@ uint8_t *output_image(const char *who, const ect_twin_config_t *twin)
     return image;
 }
 
-/* The names of the catalogue between commas; the caller's to free. */
+/* @return the names of the catalogue, separated by commas, for free() */
 static char *all_names(void)
 {
     char *names = NULL;
@@ -88,7 +88,7 @@ static char *all_names(void)
     return names;
 }
 
-/* Either --all or names, and one name where one file is of one device. */
+/* Accepts either --all or names, and a single name unless the command accepts several. */
 static void check_choice(const output_args_t *args, const struct argp_state *state)
 {
     if (args->all && args->devices)

@@ -62,7 +62,7 @@ error_t output_parse(int key, char *text, struct argp_state *state);
 
 enum { OUTPUT_KEY_ALL = 0x200 };
 
-/** The children of such a parser. */
+/** The children of a parser with ::output_parse. */
 extern const struct argp_child output_children[];
 
 #endif

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* Wide tables scroll by themselves on a screen and are not cut on paper. Charts are drawn on white. */
+/* Wide tables scroll separately on a screen and are not clipped on paper. Charts have a white background. */
 static const char style[] =
     ":root{color-scheme:light "
     "dark;--line:#c8ccd2;--head:#eef1f5;--ink:#1b1f24;--dim:#5a6472;--page:#fff;--link:#0b5cad}\n"
@@ -40,7 +40,7 @@ static void put_text(page_t *p, const char *text)
     }
 }
 
-/* An opening tag, with its id if it has one. */
+/* Writes an opening tag. @param id  NULL: none */
 static void put_tag(page_t *p, const char *tag, const char *id)
 {
     fprintf(p->file, "<%s", tag);

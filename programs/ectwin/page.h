@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A page for readers: the same headings and tables as Markdown, or as a self-contained page of HTML.
+ * A document of headings and tables, written as Markdown or as a self-contained HTML page.
  *
  * Texts are escaped for the format. Links and their targets exist only in HTML.
  */
@@ -30,17 +30,17 @@ void page_end(page_t *p);
 void page_heading(page_t *p, int level, const char *id, const char *text);
 void page_paragraph(page_t *p, const char *text);
 
-/** Links in a row of text, one cell each, for a list of contents. In Markdown: nothing. */
+/** Writes a line of links, one for each cell, as a table of contents. In Markdown: no effect. */
 void page_links(page_t *p, const char *label, const cell_t *links);
 
 /** @param html  shown as it is, without escapes, in HTML only; @param caption  text below it */
 void page_figure(page_t *p, const char *html, size_t length, const char *caption);
 
-/** Begins a table, or ends it; the rows follow the begin, the head first. */
+/** Begins or ends a table. The rows, the head first, are written between the two calls. */
 void page_table(page_t *p, bool begin);
 void page_row(page_t *p, bool head, const char *id, const cell_t *cells);
 
-/** A head, and a row of plain texts. */
+/** Writes the head of a table, and a row; the arguments are cells. */
 #define PAGE_HEAD(p, ...) page_row(p, true, NULL, (const cell_t[]){__VA_ARGS__, {NULL, NULL}})
 #define PAGE_ROW(p, ...)  page_row(p, false, NULL, (const cell_t[]){__VA_ARGS__, {NULL, NULL}})
 /** A cell without a link. */

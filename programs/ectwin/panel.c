@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Starts the panel, a program of its own: it alone needs libwebsockets. */
+/* Starts ectwin-panel, a program of its own: only the panel needs libwebsockets. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <limits.h>
@@ -9,7 +9,7 @@
 
 #include "commands.h"
 
-/* Each command has a help text, which the manual page takes. */
+/* --help works without the panel too: the manual page contains the help of each command. */
 static int report_missing(int argc, char **argv, const char *name)
 {
     static const char cause[] = "ectwin was built without libwebsockets; install libwebsockets-dev and build again";
@@ -29,7 +29,7 @@ int command_panel(int argc, char **argv)
     char path[PATH_MAX + sizeof name];
     ssize_t length = readlink("/proc/self/exe", path, PATH_MAX);
     path[length > 0 ? length : 0] = 0;
-    char *slash = strrchr(path, '/'); /* beside this program, in a build and where it is installed */
+    char *slash = strrchr(path, '/'); /* beside this program, in a build as well as installed */
     strcpy(slash ? slash + 1 : path, name);
     execv(path, argv);
     if (errno == ENOENT)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The last complete set of a base unit's periodic data (TS-0007 §10.4), as the remotes show it. */
+/* The last complete set of a base unit's periodic data (TS-0007 §10.4), as displayed by the remotes. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,14 +40,14 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-/* --- fetching ----------------------------------------------------------------------------------------------------- */
+/* --- requests ----------------------------------------------------------------------------------------------------- */
 
-/* The set, received piece by piece; from its beginning again when the twin has a newer one. */
+/* The set, received in pieces; restarted if the twin has a newer set. */
 static struct {
     uint8_t bytes[MOST_BYTES];
     size_t have, size;
     double serial;
-    bool known; /* size and serial are */
+    bool known; /* `size` and `serial` are valid */
 } set;
 
 static double number_of(const cJSON *line, const char *member)
@@ -97,9 +97,9 @@ static int fetch(connection_t *connection, const char *slave, const char *who)
     return EXIT_RUN;
 }
 
-/* --- showing ------------------------------------------------------------------------------------------------------ */
+/* --- output ------------------------------------------------------------------------------------------------------- */
 
-/* Offset, sixteen bytes, the same as text. */
+/* Prints offset, sixteen bytes, and these bytes as text. */
 static void print_row(size_t at)
 {
     printf("%05zx ", at);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Pulls and restores plugs of running twins, of a slave or of one wire. They are signals (`ecat.plug_*`). */
+/* Pulls and restores plugs of a slave or of one wire, which are signals of a running twin (`ecat.plug_*`). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,7 +14,7 @@ static const char *const plugs[PORTS] = {"ecat.plug_in", "ecat.plug_out", "ecat.
 typedef struct plug_args {
     connection_choice_t twin;
     const char *what;
-    bool wire;      /* N.PORT, not N */
+    bool wire;      /* the operand is N.PORT, not N */
     char slave[64]; /* number or name */
     unsigned int port;
 } plug_args_t;

@@ -16,13 +16,13 @@
 #include "sii_file.h"
 #include "text/number.h"
 
-/* Twins live as long as the program: chains, signals and messages point into them. */
+/* Twins are freed at the end of the program: chains, signals and messages point into them. */
 typedef struct made {
     struct made *next;
     ect_esi_twin_t *twin;
 } made_t;
 
-/* ESI files stay open for all their twins: that of a bus may be large, and the bus long. */
+/* Each ESI file is opened once for all its twins: file and bus may be large. */
 typedef struct opened {
     struct opened *next;
     ect_esi_t *esi;
@@ -38,7 +38,7 @@ void product_quiet(void)
     quiet = true;
 }
 
-/* Not by atexit: a bus in a master's process ends in a destructor and uses its twins until then. */
+/* Not by atexit(): a bus in a master's process is closed by a destructor, and uses its twins until then. */
 __attribute__((destructor)) static void free_all(void)
 {
     while (all) {
@@ -111,7 +111,7 @@ const ect_eni_t *product_network(const char *path, char *message)
     return network;
 }
 
-/* A slave of an ENI, FILE#N. */
+/* Opens a slave of an ENI, FILE#N. */
 static ect_esi_t *open_slave(const char *path, const char *number, char *message)
 {
     uint64_t n;
@@ -126,7 +126,7 @@ static ect_esi_t *open_slave(const char *path, const char *number, char *message
     return NULL;
 }
 
-/* An ESI file, of which `files` is the owner. */
+/* Opens an ESI file, owned by `files`. */
 static ect_esi_t *open_once(const char *path, char *message)
 {
     for (const opened_t *file = files; file; file = file->next) {
@@ -149,7 +149,7 @@ static bool is_esi(const char *name)
     return !image_of(name) && !network_of(name) && !text_of(name);
 }
 
-/* Opens what a name of product_file names; *selector is its part that selects a device. */
+/* Opens the file of a name as for product_file. @param[out] selector  the part that selects a device */
 static ect_esi_t *open_file(const char *name, const char **selector, char *message)
 {
     *selector = "";
@@ -192,7 +192,7 @@ static const ect_product_t *from_file(const char *name, const ect_module_choice_
     return ect_esi_twin_product(twin);
 }
 
-/* The prefix that a name without one lacks, by its ending; NULL: it is none of a file. */
+/* @return the prefix that is missing from a file's name, by its extension; NULL: not a file */
 static const char *prefix_for(const char *name)
 {
     static const struct {

@@ -12,7 +12,7 @@
 
 typedef struct ps_args {
     bool json;
-    bool header; /* is printed */
+    bool header; /* already printed */
 } ps_args_t;
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -31,7 +31,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-/* The network namespace of a process, as in /proc; "" where it cannot be read. */
+/* Reads the network namespace of a process from /proc; "": unreadable. */
 static void read_namespace(const char *process, char name[64])
 {
     char path[64];
@@ -40,7 +40,7 @@ static void read_namespace(const char *process, char name[64])
     name[length > 0 ? length : 0] = 0;
 }
 
-/* "here": the namespace of this command; else its number, as of lsns; "?": it cannot be read. */
+/* "here": the namespace of this command; else the number, as in lsns; "?": unreadable. */
 static void name_namespace(pid_t pid, char name[64])
 {
     char process[16];
@@ -68,7 +68,7 @@ static int number(const cJSON *line, const char *member)
     return cJSON_IsNumber(value) ? value->valueint : 0;
 }
 
-/* "OP", "PREOP..OP" where the slaves differ, "SAFEOP+ERROR" where one reports an AL status code. */
+/* "OP"; "PREOP..OP": the slaves differ; "SAFEOP+ERROR": a slave reports an AL status code. */
 static void describe_state(const cJSON *about, char state[32])
 {
     if (!cJSON_HasObjectItem(about, "lowest")) {
@@ -119,7 +119,7 @@ static bool print_one(void *ctx, connection_t *connection, const char *path)
     pid_t pid = connection_process(connection);
     cJSON *about = connection_about(connection);
     connection_close(connection);
-    about = about ? about : cJSON_CreateObject(); /* it does not answer, or is of an older version */
+    about = about ? about : cJSON_CreateObject(); /* no reply, or an older version */
     name_namespace(pid, namespace);
     describe_state(about, state);
     if (!args->json && !args->header)

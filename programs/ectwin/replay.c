@@ -20,7 +20,7 @@ static bool starts_record(const ect_item_t *item)
 static void replay_section(replay_t *r, twin_args_t *twins)
 {
     if (r->ahead.kind == ECT_ITEM_SECTION || r->ahead.kind == ECT_ITEM_END || r->ahead.kind == ECT_ITEM_WRONG)
-        return; /* it is empty */
+        return; /* the file is empty */
     if (twins->count > 0) {
         replay_bus(r, twins);
     } else if (starts_record(&r->ahead)) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A capture of a bus against twins of its devices. The master's frames are those of the capture, whatever the twins
- * reply, and twins are faster than boards; so AL states and mails are compared in their order, not frame by frame. */
+/* Compares a capture of a bus with twins. The frames of the capture do not depend on the replies of the twins, and
+ * twins are faster than hardware; so AL states and mails are compared by their order, not frame by frame. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +15,7 @@
 
 enum { SOURCE = 6, MARKED = 2, MAIL = 12, STEPS = 64, TEXT = 300, MAIL_HEAD = 6, SHOWN = 20 };
 
-/* AL states, or mails, in the order in which the master has read them. A mail counts by its head and its service. */
+/* AL states, or mails, in the order of the master's reads. Mails are compared by header and service. */
 typedef struct steps {
     size_t count;
     uint64_t frames[STEPS];
@@ -76,12 +76,12 @@ static void add_step(steps_t *s, uint64_t frame, const uint8_t *step, size_t len
     memcpy(s->steps[s->count++], one, MAIL);
 }
 
-/* Type and protocol of a mail: not its counter, and no value. */
+/* Adds type and protocol of a mail, without counter and values. */
 static void add_mail(steps_t *s, uint64_t frame, const uint8_t *data, size_t length)
 {
     uint8_t mail[MAIL] = {0};
     memcpy(mail, data, length < MAIL ? length : MAIL);
-    mail[0] = mail[1] = 0; /* its length depends on values */
+    mail[0] = mail[1] = 0; /* the length depends on values */
     mail[5] &= 0x0F;
     add_step(s, frame, mail, MAIL, true);
 }
@@ -96,8 +96,8 @@ static bool reads_one(const uint8_t *d)
     return d[0] == ECT_APRD || d[0] == ECT_FPRD;
 }
 
-/* AL status and mails that a reply shows on one side. @return whether it is a mailbox, in which a mail may come later
- */
+/* Adds AL status and mails of a reply on one side. @return whether the data are a mail or a mailbox status, which may
+ *come later */
 static bool take_steps(comparison_t *c, size_t position, unsigned int side, const uint8_t *d)
 {
     const ect_slave_t *slave = ect_chain_slave(c->exchange.chain, position);
@@ -170,8 +170,8 @@ static bool is_ethercat(const ect_item_t *item)
            item->captured <= ECT_ESC_MAX_FRAME && ect_load_be16(item->bytes + TYPE) == 0x88A4;
 }
 
-/* The first slave marks the source address of a frame. A master with a marked address: a reply has the request's first
- * command and index, and comes behind it. */
+/* The first slave sets a bit in the source address of a frame. The master's address may have the same bit, so a reply
+ * must also follow a request with the same first command and index. */
 static bool is_reply(const comparison_t *c, const ect_item_t *item)
 {
     enum { COMMAND = 16 };
@@ -179,7 +179,7 @@ static bool is_reply(const comparison_t *c, const ect_item_t *item)
            memcmp(c->request + COMMAND, item->bytes + COMMAND, 2) == 0;
 }
 
-/* The devices run at each time that they ask for. */
+/* Polls the devices at each of their deadlines. */
 static void pass_time(comparison_t *c, uint64_t now_ns)
 {
     while (c->next_ns <= now_ns) {

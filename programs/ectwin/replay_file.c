@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The file of a replay: its items, its mistakes, its words. */
+/* The file of a replay: items, errors, recorded command lines. */
 #define _GNU_SOURCE
 #include <stdarg.h>
 #include <stdlib.h>
@@ -9,9 +9,9 @@
 #include "replay_file.h"
 #include "run_options.h"
 
-/* --- the words of a record ---------------------------------------------------------------------------------------- */
+/* --- the command line of a record --------------------------------------------------------------------------------- */
 
-/* Wrong words are a wrong file: the parser's first line, and the status of one. */
+/* Wrong words make the file invalid: the parser's first line is printed, and the exit status is EXIT_OPEN. */
 static bool reading_words;
 
 static ssize_t write_first_line(void *cookie, const char *text, size_t length)

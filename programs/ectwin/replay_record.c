@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A record of ours: the same frames at the same times give the same replies. The clock of the exchange is what the
- * record read at the same place. */
+/* Replays a record: the same frames at the same times must give the same replies. Each reading of the clock returns the
+ * recorded value. */
 #define _GNU_SOURCE
 #include <cjson/cJSON.h>
 #include <inttypes.h>
@@ -20,14 +20,14 @@ typedef struct section {
     replay_t *replay;
     twin_args_t twins;
     ect_exchange_t exchange;
-    uint64_t offset_ns; /* of the times in the file */
+    uint64_t offset_ns; /* added to the clock: times in the file */
     uint64_t clock_ns;
-    bool sent;   /* the next reading of the clock is the time of the reply that was sent */
-    bool frozen; /* a difference was found: nothing is compared any more */
+    bool sent;   /* the next reading of the clock returns the time of the last reply */
+    bool frozen; /* a difference was found: the comparison has ended */
     char **words;
     int word_count;
-    ect_modbus_server_t *modbus;            /* NULL: the run had none */
-    uint8_t request[ECT_PCAPNG_FRAME_MOST]; /* the frame before the reply, as it came */
+    ect_modbus_server_t *modbus;            /* NULL: none in the run */
+    uint8_t request[ECT_PCAPNG_FRAME_MOST]; /* the frame before the reply, as received */
     size_t request_length;
 } section_t;
 
@@ -81,7 +81,7 @@ static void report_reply(section_t *s, const uint8_t *got, size_t length)
     printf("  got      %s\n", text);
 }
 
-/* --- the exchange's side ------------------------------------------------------------------------------------------ */
+/* --- functions called by the exchange ----------------------------------------------------------------------------- */
 
 static bool is_reply(const ect_item_t *item)
 {
@@ -102,7 +102,7 @@ static void compare(void *ctx, ect_end_t end, const uint8_t *frame, size_t lengt
         report_reply(s, frame, length);
     } else {
         s->clock_ns = ahead->time_ns - s->offset_ns;
-        s->sent = s->replay->item.kind == ECT_ITEM_PACKET; /* a run reads no time of a reply */
+        s->sent = s->replay->item.kind == ECT_ITEM_PACKET; /* a run reads the time of replies to frames only */
         s->replay->replies++;
         replay_next(s->replay);
     }
@@ -126,9 +126,9 @@ static uint64_t read_clock(void *ctx)
     return s->clock_ns;
 }
 
-/* --- the record's side -------------------------------------------------------------------------------------------- */
+/* --- steps of the record ------------------------------------------------------------------------------------------ */
 
-/* Time never goes back, whatever a file holds. */
+/* Time never goes back, even in an invalid file. */
 static void advance(section_t *s, uint64_t time_ns)
 {
     s->clock_ns = time_ns > s->clock_ns ? time_ns : s->clock_ns;
@@ -177,7 +177,7 @@ static void carry_out(section_t *s, const ect_logged_t *logged)
     cJSON_Delete(request);
 }
 
-/* Hexadecimal digits up to a character that is none. @return bytes; `most` + 1: there are more */
+/* Reads hexadecimal digits up to another character. @return number of bytes; `most` + 1: too many */
 static size_t read_hexadecimal(const char **text, const char *end, uint8_t *bytes, size_t most)
 {
     static const char digits[] = "0123456789ABCDEF";
@@ -202,7 +202,7 @@ static void print_bytes(const char *name, const uint8_t *bytes, size_t length)
     printf(length > 0 ? "\n" : " none\n");
 }
 
-/* A Modbus request has its place between the frames, and the reply of then. */
+/* Repeats a Modbus request at its position between the frames, and compares the reply with the recorded one. */
 static void pass_modbus(section_t *s, const ect_logged_t *logged)
 {
     uint8_t request[ECT_MODBUS_ADU], expected[ECT_MODBUS_ADU], got[ECT_MODBUS_ADU];
@@ -234,7 +234,7 @@ static void pass_logged(section_t *s, const ect_logged_t *logged)
         pass_modbus(s, logged);
         return;
     case ECT_LOGGED_FLUSH:
-        return; /* behind the last frame: a run finishes its saves */
+        return; /* after the last frame: a run finishes its saves */
     case ECT_LOGGED_RUN:
         advance(s, logged->time_ns);
         if (logged->value == 0)
@@ -323,7 +323,7 @@ static int take_flush(void *ctx, int result)
     return (int32_t)logged.value;
 }
 
-/* The content of the run's folders, which the twins of the replay get in their place. */
+/* Reads the content of the run's folders, which replaces the folders. */
 static bool take_content(section_t *s)
 {
     ect_logged_t logged;

@@ -57,7 +57,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-/* The address of an interface that other programs use, but for one that the kernel gives to every interface. */
+/* Finds an IP address of an interface, as a sign of its use by other programs; link-local IPv6 does not count. */
 static bool find_address(const char *iface, char address[INET6_ADDRSTRLEN])
 {
     struct ifaddrs *all = NULL;
@@ -79,7 +79,7 @@ static bool find_address(const char *iface, char address[INET6_ADDRSTRLEN])
     return found;
 }
 
-/* A link that this program has just brought up may still be negotiating. */
+/* No hint if this program has just set the interface up: the link may still be negotiating. */
 static void print_hints(const ect_packet_t *port)
 {
     char address[INET6_ADDRSTRLEN];
@@ -118,7 +118,7 @@ int command_run(int argc, char **argv)
 
     session_t session;
     session_init(&session, "ectwin run", &args.twins);
-    session.runner.signal_fd = open_signals(); /* first: from here on a signal ends it in good order */
+    session.runner.signal_fd = open_signals(); /* first, so that a signal ends the command in an orderly way */
     const char *const ends[ECT_ENDS] = {args.ifaces[ECT_END_IN], args.ifaces[ECT_END_OUT]};
     int status = session_open(&session, ends);
     for (unsigned int end = 0; end < ECT_ENDS && status == EXIT_CLEAN; end++) {

@@ -58,7 +58,7 @@ static error_t parse_with(int key, char *text, struct argp_state *state)
             argp_error(state, "name a device");
         twin_args_devices(words->twins, state, words->devices);
         return 0;
-    default: /* options that mean nothing to twins */
+    default: /* options without effect on twins */
         return key >= KEY_IFACE && key < KEYS_OF_WITH_END ? 0 : ARGP_ERR_UNKNOWN;
     }
 }

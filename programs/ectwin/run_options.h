@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The options of `run` and `with`, without those of twins: for the commands, and for the parsers of recorded command
- * lines in the library (library.c) and the replay (replay_file.c).
+ * The options of `run` and `with` except those of twins, for the commands and for the parsers of recorded command lines
+ * (library.c, replay_file.c).
  */
 #ifndef ECTWIN_RUN_OPTIONS_H
 #define ECTWIN_RUN_OPTIONS_H
@@ -23,14 +23,14 @@ enum {
 extern const struct argp_option run_options[];
 extern const struct argp_option with_options[];
 
-/** A command line of `with` up to its devices; only the twins are used. Zeroed at the start, except `twins`. */
+/** A command line of `with` up to its devices. Initialise all members but `twins` to zero. */
 typedef struct with_words {
     twin_args_t *twins;
     const char *devices;
     bool in_process, virtual_time;
 } with_words_t;
 
-/** Argp parser of such a line; its input is a with_words_t. At the end of the line it parses the list of devices. */
+/** Argp parser of a with_words_t, its input. The list of devices is parsed last. */
 extern const struct argp with_words_argp;
 
 /** Argp parser that accepts and ignores the options of `run`; without an input. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The running bus as a bus file: its command line, and the signals and faults of this moment. */
+/* `ectwin save-bus`: command line, present signals and faults of a running bus as a bus file. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <limits.h>
@@ -23,29 +23,29 @@ typedef struct saved_option {
     const struct argp_option *option;
     char *text; /* NULL: it has no argument */
     bool has_path;
-    size_t path; /* it begins here: behind N: or NAME: */
+    size_t path; /* offset of the path, after N: or NAME: */
 } saved_option_t;
 
-/* A signal that differs from that of the same bus without settings. */
+/* A signal with another value than in the same bus without settings. */
 typedef struct saved_signal {
     size_t slave; /* from 1 */
     char name[ECT_SIGNAL_NAME];
     char value[ECT_SIGNAL_TEXT_ROOM];
-    char why[ECT_SIGNAL_MESSAGE]; /* it cannot be set at the start; "": it can */
+    char why[ECT_SIGNAL_MESSAGE]; /* reason why the value cannot be set at the start; "": it can */
 } saved_signal_t;
 
 typedef struct save {
     connection_choice_t twin;
     const char *output;
     const char *who;
-    const struct argp_state *state; /* of the parser that runs */
+    const struct argp_state *state; /* of the present parser */
     connection_t *connection;
-    char *words; /* of the bus: its folder, then the command line */
+    char *words; /* working directory and command line of the bus */
     size_t length;
     saved_option_t *options;
     size_t option_count;
     char *devices;
-    char **script; /* lines of faults */
+    char **script; /* lines of --fault */
     size_t script_count;
     saved_signal_t *signals;
     size_t signal_count;
@@ -54,7 +54,7 @@ typedef struct save {
     int fresh_count;
 } save_t;
 
-/* A line of a reply has no other argument. */
+/* For take_signal and its like, which get no context. */
 static save_t *current;
 
 /* --- words of the running bus --------------------------------------------------------------------------------------
@@ -104,7 +104,7 @@ static char *copy_text(const save_t *s, const char *text)
     return copy;
 }
 
-/* A path of the bus is relative to its folder, with which its words begin. */
+/* A path of the bus is relative to its working directory, the first of `words`. */
 static char *absolute(const save_t *s, const char *prefix, const char *path)
 {
     char *text = NULL;
@@ -122,7 +122,7 @@ static void add_option(save_t *s, const struct argp_option *option, const char *
         one->text = copy_text(s, text);
 }
 
-/* "--realtime 70": the value is a word of its own, and looks like a list of devices. */
+/* In "--realtime 70" the value is a separate word, which argp parses as an operand. */
 static bool is_priority(const save_t *s, const char *text)
 {
     const saved_option_t *last = s->option_count > 0 ? &s->options[s->option_count - 1] : NULL;
@@ -139,7 +139,7 @@ static void take_operand(save_t *s, const char *text)
     s->devices = copy_text(s, text);
 }
 
-/* The input of a table's parser. */
+/* The input of the parser of a table of options. */
 typedef struct table {
     save_t *save;
     const struct argp_option *options;
@@ -180,7 +180,7 @@ static error_t take_words(int key, char *text, struct argp_state *state)
     return 0;
 }
 
-/* Cuts the words by the options of `run` and `with`. */
+/* Splits the words into options of `run` and `with`. */
 static void cut_words(save_t *s, int count, char **words)
 {
     const struct argp parsers[TABLES] = {{.options = twin_argp.options, .parser = take_option},
@@ -196,13 +196,13 @@ static void cut_words(save_t *s, int count, char **words)
     for (size_t i = 0; i < TABLES; i++)
         tables.table[i] = (table_t){s, parsers[i].options};
     (void)argp_parse(&argp, count, words, ARGP_NO_HELP, NULL, &tables);
-    s->state = NULL; /* it has ended */
+    s->state = NULL; /* the parser has ended */
 }
 
 /* --- the same bus without settings ---------------------------------------------------------------------------------
  */
 
-/* Options that neither shape the twins nor their wires; those of this moment come from the running bus. */
+/* Options without effect on the initial signals of a bus, and options replaced by the present state. */
 static bool is_of_run(const char *name)
 {
     static const char *const names[] = {"set",      "fault",          "faults",   "scenario", "drop",  "delay",
@@ -267,7 +267,7 @@ static int power_on(save_t *s, twin_args_t *twins)
 /* --- signals and faults --------------------------------------------------------------------------------------------
  */
 
-/* Keeps a signal that can be set, if its value is another one than that of the fresh bus. */
+/* Keeps a writable signal if its value differs from that of the fresh bus. */
 static void take_signal(const cJSON *line)
 {
     save_t *s = current;
@@ -301,7 +301,7 @@ static int read_signals(save_t *s)
     return connection_request(s->connection, request, s->who, take_signal);
 }
 
-/* Values that depend on each other come in any order, so refused ones are tried again. */
+/* Signals may depend on others, in any order; so refused values are tried again. */
 static void try_signals(save_t *s)
 {
     enum { ROUNDS = 3 };
@@ -343,7 +343,7 @@ static int read_script(save_t *s)
 /* --- the file ------------------------------------------------------------------------------------------------------
  */
 
-/* A plain scalar, or one in single quotes. */
+/* Writes a scalar, in single quotes if necessary. */
 static void put_scalar(FILE *file, const char *text)
 {
     size_t length = strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./+:#=-");
@@ -362,7 +362,7 @@ static void put_scalar(FILE *file, const char *text)
     fputc('\'', file);
 }
 
-/* The part of a path below the folder of the file; without a file, or elsewhere, the path. */
+/* @return the path relative to the folder of the file; the whole path if outside of the folder or without a file */
 static const char *relative(const save_t *s, const char *path)
 {
     char folder[PATH_MAX], copy[PATH_MAX];
@@ -395,7 +395,7 @@ static void put_value(const save_t *s, FILE *file, const saved_option_t *o)
         put_path(s, file, o);
 }
 
-/* Options of the file: not those of the command that runs it, and not those that the present state replaces. */
+/* @return whether an option is written to the file: neither an option of the command, nor replaced by present state */
 static bool is_kept(const struct argp_option *option)
 {
     static const char *const replaced[] = {"set", "fault", "faults", "scenario", "drop", "delay", "delay-us"};
@@ -406,7 +406,7 @@ static bool is_kept(const struct argp_option *option)
     return !is_in(with_options, option) && !is_in(run_options, option);
 }
 
-/* Each key once, with the values of all its options. */
+/* Writes each key once, with all values. */
 static void put_options(const save_t *s, FILE *file)
 {
     for (size_t i = 0; i < s->option_count; i++) {
@@ -457,7 +457,7 @@ static void put_device(const save_t *s, FILE *file, const char *device)
     free(path);
 }
 
-/* The signals of one twin below it. */
+/* Writes the signals of one twin below the twin. */
 static void put_signals(const save_t *s, FILE *file, size_t slave)
 {
     bool any = false;
@@ -473,7 +473,7 @@ static void put_signals(const save_t *s, FILE *file, size_t slave)
     }
 }
 
-/* Signals of twins of a count differ from one twin to the next: they are options of the bus. */
+/* Twins with a count share one element of the file: their signals become options of the bus. */
 static void put_signals_of_counts(const save_t *s, FILE *file, const size_t *counts)
 {
     bool any = false;
@@ -491,7 +491,7 @@ static void put_signals_of_counts(const save_t *s, FILE *file, const size_t *cou
     }
 }
 
-/* The count of the part of the list that each twin is from. The bus of a network file is the rest of the chain. */
+/* @return for each twin the count of its list element. The bus of a network file is the rest of the chain. */
 static size_t *counts_of(const save_t *s)
 {
     listed_device_t one;
@@ -567,7 +567,7 @@ static int split_words(save_t *s)
     return EXIT_CLEAN;
 }
 
-/* Devices of files by their whole paths: the folder of the bus is another one. */
+/* Makes the paths of devices absolute: the working directory of the bus is another one. */
 static void find_devices(save_t *s)
 {
     listed_device_t one;
@@ -589,7 +589,7 @@ static void find_devices(save_t *s)
     s->devices = list;
 }
 
-/* The paths of options too. */
+/* Makes the paths of options absolute. */
 static void find_paths(save_t *s)
 {
     ect_names_t *names = names_of_devices(s->state, s->devices);
@@ -599,7 +599,7 @@ static void find_paths(save_t *s)
         if (!text)
             continue;
         const char *path = bus_option_path(o->option, text);
-        if (o->option->arg[0] == '[' && (!path || path == text)) { /* unix:PATH has no N: */
+        if (o->option->arg[0] == '[' && (!path || path == text)) { /* unix:PATH is without N: */
             (void)twin_of(names, &text, 0);
             path = bus_option_path(o->option, text);
         }

@@ -11,22 +11,22 @@
 #include "bus/net/rights.h"
 #include "commands.h"
 
-/* Nohup's SIGHUP stays ignored; a shell's SIGINT for what it starts in the background does not, for we end by it. */
+/* nohup's SIG_IGN for SIGHUP is kept. A shell's SIG_IGN for SIGINT of background jobs is not: SIGINT ends the run. */
 int open_signals(void)
 {
     sigset_t set;
     sigemptyset(&set);
     sigaddset(&set, SIGINT);
     sigaddset(&set, SIGTERM);
-    if (signal(SIGHUP, SIG_DFL) == SIG_IGN) /* a blocked signal comes though it is ignored */
+    if (signal(SIGHUP, SIG_DFL) == SIG_IGN) /* a blocked signal is queued even if ignored */
         signal(SIGHUP, SIG_IGN);
     else
         sigaddset(&set, SIGHUP);
     sigaddset(&set, SIGCHLD);
     signal(SIGINT, SIG_DFL);
     signal(SIGTERM, SIG_DFL);
-    signal(SIGCHLD, SIG_DFL); /* inherited as ignored, the end of a command would go unnoticed */
-    signal(SIGPIPE, SIG_IGN); /* a reader that went away must not take the twin along */
+    signal(SIGCHLD, SIG_DFL); /* with an inherited SIG_IGN, the end of a command would not be reported */
+    signal(SIGPIPE, SIG_IGN); /* the end of a reader must not end the twins */
     if (sigprocmask(SIG_BLOCK, &set, NULL) < 0)
         return -1;
     return signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
@@ -90,7 +90,7 @@ int session_open(session_t *s, const char *const ifaces[ECT_ENDS])
             return EXIT_OPEN;
         }
         if (s->runner.busy_poll)
-            (void)ect_packet_share(&s->ports[end]); /* where it cannot be had each look is a call */
+            (void)ect_packet_share(&s->ports[end]); /* on failure each poll is a system call */
         s->runner.ports[end] = &s->ports[end];
     }
     if (!ifaces[ECT_END_OUT])

@@ -25,9 +25,9 @@ typedef struct client_args {
     const char *slave; /* number or name */
     const char *csv;
     bool every;
-    const char *until;  /* of watch */
-    int64_t timeout_ms; /* of wait */
-    double at_s;        /* of set; negative: at once */
+    const char *until;  /* watch */
+    int64_t timeout_ms; /* wait */
+    double at_s;        /* set; negative: at once */
     const char *arguments[ECT_ENDPOINT_VALUES];
     size_t count;
 } client_args_t;
@@ -129,10 +129,10 @@ static bool is_all(const client_args_t *args)
 
 /* --- get, list-signals, watch ------------------------------------------------------------------------------------- */
 
-/* The pattern of the request whose lines come. */
+/* The pattern of the present request. */
 static const char *requested = "";
 
-/* Whether the request has named the twin of a line. */
+/* @return whether the request names the twin of a line */
 static bool is_named(const cJSON *line)
 {
     char room[32];
@@ -157,7 +157,7 @@ static void print_value(const cJSON *line)
     print_equation(is_named(line) ? name : connection_text(line, "name", room), line);
 }
 
-/* With the name or the number of the slave, as --set takes it. */
+/* Prints name or number of the slave too, in the format of --set. */
 static void print_value_of_slave(const cJSON *line)
 {
     char name[CONNECTION_NAME], room[32];
@@ -173,7 +173,7 @@ static void print_column(const char *text, int width)
     printf("%*s ", width > (int)strlen(text) ? width - (int)strlen(text) : 0, "");
 }
 
-/* `field` is "" for a signal that shows no field of an entry. */
+/* @param field  field of an entry that the signal shows; "": none */
 static void print_signal(const char *name, const char *access, const char *range, const char *meaning,
                          const char *field)
 {
@@ -216,7 +216,7 @@ static int request_one(connection_t *connection, const client_args_t *args, cons
     return connection_request(connection, request, who, print);
 }
 
-/* Asks for each pattern of the command line from `first` on; without any for all signals. @return the worst status */
+/* Requests each pattern of the command line from `first` on; without patterns, all signals. @return the worst status */
 static int request_each(connection_t *connection, const client_args_t *args, size_t first, const char *who,
                         const char *op, void (*print)(const cJSON *line))
 {
@@ -274,7 +274,7 @@ static struct {
     FILE *file;
     size_t columns;
     char headings[ECT_CSV_CELLS][CONNECTION_NAME], names[ECT_CSV_CELLS][CONNECTION_NAME];
-    char *values[ECT_CSV_CELLS]; /* of the beginning */
+    char *values[ECT_CSV_CELLS]; /* initial values */
     double start;
     const follow_t *follow;
 } record;
@@ -317,7 +317,7 @@ static void write_header(void)
     fflush(record.file);
 }
 
-/* Each change is a line, complete at once: the end may come at any time. */
+/* Writes and flushes a line for each change: the command may end at any time. */
 static bool write_change(void *ctx, const cJSON *line)
 {
     char room[32], name[CONNECTION_NAME];
@@ -452,7 +452,7 @@ int command_watch(int argc, char **argv)
     return status == EXIT_CLEAN ? watch(&args, argv[0]) : status;
 }
 
-/* @return how many signals of a plant match; those are printed */
+/* Prints the matching signals of a plant. @return their number */
 static size_t print_signals(const ect_plant_t *plant, void *instance, const char *pattern)
 {
     ect_signal_cursor_t cursor = {0};
@@ -490,7 +490,7 @@ static int list_pattern(const ect_product_t *product, void *instance, const char
     return EXIT_USAGE;
 }
 
-/* The signals of a device that need not run. */
+/* Lists the signals of a device by its description, without a running twin. */
 static int list_device(const ect_product_t *product, const client_args_t *args, const char *who)
 {
     void *instance = calloc(1, product->device->instance_size);
@@ -556,7 +556,7 @@ static int set_arguments(connection_t *connection, const client_args_t *args, co
     return set_values(connection, args, who, values);
 }
 
-/* The time of a row, from the first one on. */
+/* Waits for the time of a row, relative to the first row. */
 static bool wait_for_row(ect_csv_t *csv, size_t time, uint64_t *before_ns)
 {
     static struct timespec start;

@@ -14,9 +14,9 @@ static const struct argp_option options[] = {
     {0},
 };
 
-/* --- as text ------------------------------------------------------------------------------------------------------ */
+/* --- Intel HEX ---------------------------------------------------------------------------------------------------- */
 
-/* ":LLAAAATT...CC": length, address, type 0, data, and what makes the sum of all bytes zero. */
+/* ":LLAAAATT...CC": length, address, type, data, checksum (all bytes sum to zero). */
 static void put_record(FILE *file, uint16_t address, uint8_t type, const uint8_t *data, uint8_t length)
 {
     unsigned int sum = (unsigned int)length + (address >> 8) + (address & 0xFFu) + type;

@@ -13,7 +13,7 @@ typedef struct hex_record {
     size_t count;
 } hex_record_t;
 
-/* @return the mistake in the line, NULL: none */
+/* @return the error in the line; NULL: none */
 static const char *parse_record(const char *line, hex_record_t *record)
 {
     unsigned int byte;
@@ -32,7 +32,7 @@ static const char *parse_record(const char *line, hex_record_t *record)
     return sum != 0 ? "has a wrong sum" : NULL;
 }
 
-/* @return the mistake; NULL: none */
+/* @return the error; NULL: none */
 static const char *apply(const hex_record_t *record, uint32_t *base, uint8_t *image, long *size)
 {
     const uint8_t *r = record->bytes;

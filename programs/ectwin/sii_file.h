@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * EEPROM images: of a description, and in files, binary or Intel HEX.
+ * EEPROM images, made from a description or read from a file, binary or Intel HEX.
  */
 #ifndef ECTWIN_SII_FILE_H
 #define ECTWIN_SII_FILE_H
@@ -16,16 +16,16 @@
 enum { SII_FILE_MOST = 0x20000 };
 
 /**
- * Reads an image; a file whose first character is ':' is Intel HEX; bytes without a record are 0xFF.
+ * Reads an image. A file that begins with ':' is Intel HEX; bytes without a record are 0xFF.
  * @param[out] image  SII_FILE_MOST bytes
  * @param[out] message, room  one line with the cause of a failure
- * @return bytes, or -1
+ * @return size of the image in bytes; -1: failure
  */
 long sii_file_read(const char *path, uint8_t *image, char *message, size_t room);
 
 /**
  * Makes the image of a device.
- * @param identity, alias  as of ::ect_sii_write
+ * @param identity, alias  as for ::ect_sii_write
  * @param[out] message, room  one line with the cause of a failure
  * @return device->sii_size bytes for free(), or NULL
  */

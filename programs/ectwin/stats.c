@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Counters of a running twin: frames, how long replies took, what came late. */
+/* `ectwin stats`: counters of a running twin: frames, reply times, late replies. */
 #include <argp.h>
 #include <stdlib.h>
 #include <string.h>
@@ -70,7 +70,7 @@ static void print_counters(const cJSON *line)
     print_scenario(line);
 }
 
-/* A bar a step, from the first that is not empty to the last. */
+/* One bar for each step, from the first to the last non-empty one. */
 static void print_histogram(const cJSON *answers, const cJSON *edges)
 {
     enum { WIDTH = 50 };

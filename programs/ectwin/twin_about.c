@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The bus as others see it: ready line, control socket, command line. */
+/* Information on a bus for other programs: ready line, control socket, command line. */
 #define _GNU_SOURCE
 #include <cjson/cJSON.h>
 #include <errno.h>
@@ -43,10 +43,10 @@ bool print_ready(FILE *stream, char *const ifaces[ECT_ENDS], size_t slaves, cons
     bool written = fprintf(stream, "%s\n", text ? text : "") > 0 && fflush(stream) == 0;
     cJSON_free(text);
     cJSON_Delete(line);
-    if (written || errno == EPIPE) /* a reader that has ended does not need it */
+    if (written || errno == EPIPE) /* EPIPE: the reader has ended */
         return true;
     fprintf(stderr, "ectwin: the ready line cannot be written: %s\n", strerror(errno));
-    clearerr(stream); /* the failure was reported */
+    clearerr(stream); /* already reported */
     return false;
 }
 

@@ -159,7 +159,7 @@ static uint32_t parse_number(const struct argp_state *state, const char *option,
     return (uint32_t)ect_argument_number(state, option, text, 0, maximum);
 }
 
-/* The value may also be the next word; no other operand begins with a digit. */
+/* The value may also be the next word: no device begins with a digit. */
 static int parse_priority(struct argp_state *state, const char *text)
 {
     const char *next = state->next < state->argc ? state->argv[state->next] : "";
@@ -170,7 +170,7 @@ static int parse_priority(struct argp_state *state, const char *text)
     return text ? (int)ect_argument_number(state, "--realtime", text, ECT_RIGHTS_LOWEST, ECT_RIGHTS_HIGHEST) : 50;
 }
 
-/* A number of bytes, with a factor behind it perhaps. */
+/* Parses a number of bytes with an optional K, M or G. */
 static uint64_t parse_size(const struct argp_state *state, const char *text)
 {
     static const struct {
@@ -225,7 +225,7 @@ static void add_behaviour(twin_args_t *args, const struct argp_state *state, con
     args->behaviours[args->behaviour_count++] = one;
 }
 
-/* The last option for a twin counts; one for all is for those of files. */
+/* The last option for a twin is valid; an option for all twins affects only those from files. */
 static ect_behaviour_t behaviour_of(const twin_args_t *args, const char *name, size_t place)
 {
     for (size_t i = args->behaviour_count; i-- > 0;) {
@@ -242,7 +242,7 @@ typedef struct identity_option {
     int key;
     const char *name;
     uint32_t minimum, maximum;
-    bool counts_up; /* from one twin to the next, when it is for all */
+    bool counts_up; /* an option for all twins counts up from twin to twin */
 } identity_option_t;
 
 static const identity_option_t *identity_option(int key)
@@ -357,7 +357,7 @@ static void read_faults(twin_args_t *args, const struct argp_state *state, const
         fclose(file);
 }
 
-/* The columns but that of the time. */
+/* Copies the columns except that of the time. */
 static size_t other_cells(const ect_csv_t *csv, char *const cells[ECT_CSV_CELLS], size_t time,
                           const char *others[ECT_CSV_CELLS])
 {
@@ -395,7 +395,7 @@ static ect_table_t *read_table(ect_csv_t *csv, uint16_t slave)
     return NULL;
 }
 
-/* "FILE[,loop][,every=TIME]": what follows FILE is cut off. @return NULL, or the word that makes no sense */
+/* Parses "FILE[,loop][,every=TIME]" and truncates `file` to FILE. @return NULL, or the invalid word */
 static const char *cut_words(char *file, bool *loop, uint64_t *every_ns)
 {
     for (char *comma = strrchr(file, ','); comma && access(file, F_OK) != 0; comma = strrchr(file, ',')) {
@@ -466,7 +466,7 @@ static void choose_defect(twin_args_t *args, const struct argp_state *state, con
     args->filter = (ect_filter_t){.before = defect_before, .after = defect_after, .ctx = &args->defect};
 }
 
-/* Options that may name a twin are read when the names are known. */
+/* Options that may name a twin are parsed after the list of devices. */
 static bool is_for_later(int key)
 {
     static const int keys[] = {KEY_FAULT, KEY_FAULTS, KEY_SCENARIO, KEY_PLAY, KEY_MODULE, KEY_BEHAVIOUR};
@@ -597,7 +597,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
     }
 }
 
-/* Keys of options are below those of argp's own events, and above ARGP_KEY_ARG. */
+/* Keys of options lie between ARGP_KEY_ARG and the keys of argp's events. */
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     twin_args_t *args = state->input;
@@ -615,7 +615,7 @@ bool twin_args_given(const twin_args_t *args)
     return args->given || args->wiring.count > 0 || args->eoe.count > 0;
 }
 
-/* Finds the product of a name for a position in the chain, with the modules of that position. NULL: see message */
+/* Finds a product by name, with the modules of its position in the chain. @return NULL: see message */
 static const ect_product_t *find_product(const twin_args_t *args, const char *name, size_t place, char *message)
 {
     ect_module_choice_t *choices = calloc(args->module_count + 1, sizeof *choices);
@@ -630,7 +630,7 @@ static const ect_product_t *find_product(const twin_args_t *args, const char *na
     return product;
 }
 
-/* Serial number and alias that a file's EEPROM image has stay, unless an option replaces them. */
+/* Serial number and alias of a file's EEPROM image are kept unless replaced by an option. */
 static void keep_image(ect_twin_config_t *twin)
 {
     if (twin->device->identity.serial != 0)
@@ -653,7 +653,7 @@ static void add_twin(twin_args_t *args, const struct argp_state *state, const ch
         keep_image(twin);
 }
 
-/* The bus of a network file. */
+/* Adds the twins of a network file. */
 static void add_network(twin_args_t *args, const struct argp_state *state, const char *path)
 {
     char message[PRODUCT_MESSAGE];
@@ -715,7 +715,7 @@ void twin_args_report(const twin_args_t *args, const char *who, const char *form
         fprintf(stderr, "%s: %s\n", who, text);
 }
 
-/* Keeps the content of the banks for a record, or takes that of one. */
+/* Copies the content of the banks for a record, or sets it from a record. */
 static bool exchange_memory(twin_args_t *args, size_t i)
 {
     const ect_storage_t *storage = ect_memory_storage(args->memories[i]);
@@ -743,7 +743,7 @@ static bool open_memories(twin_args_t *args, const char *who)
     const char *store = args->replayed ? NULL : args->store;
     args->memories = calloc(args->count, sizeof(ect_memory_t *));
     if (store)
-        (void)mkdir(store, 0700); /* an existing one is fine; any failure is reported when its files are opened */
+        (void)mkdir(store, 0700); /* may exist; a failure is reported when a file is opened */
     for (size_t i = 0; args->memories && i < args->count; i++) {
         char path[ECT_MEMORY_PATH];
         int length = snprintf(path, sizeof path, "%s/%s-%zu", store ? store : "", args->twins[i].device->name, i + 1);
@@ -801,7 +801,7 @@ static bool open_eeprom(twin_args_t *args, size_t i, char *message)
     return !args->record || content_keep(&args->content, name, twin->sii, twin->device->sii_size);
 }
 
-/* The EEPROM of a record. Without its end, which is zero there, it would be shorter than the chip reads. */
+/* Sets the EEPROM from a record, padded with zeros to its full size: a record has no zeros at the end. */
 static bool take_eeprom(twin_args_t *args, size_t i)
 {
     ect_twin_config_t *twin = &args->twins[i];
@@ -834,7 +834,7 @@ typedef struct named {
     const char *value;
 } named_t;
 
-/* Splits a setting. @return false: it is for another twin */
+/* Splits a setting. @return false: of another twin */
 static bool take_apart(const twin_args_t *args, const char *setting, size_t slave, named_t *named)
 {
     if (twin_of(args->names, &setting, 1) != slave)
@@ -851,7 +851,7 @@ static bool is_outside(const ect_chain_t *chain, size_t slave, const char *name)
     return ect_chain_signal(chain, slave - 1, name, &ref) && outlasts_power(&ref);
 }
 
-/* Applies the settings of one twin: all, or only those that survive a power cycle. @return whether it was done */
+/* Applies the settings of one twin: all, or only those of signals that survive a power cycle. @return false: failure */
 static bool apply(const twin_args_t *args, ect_chain_t *chain, size_t slave, bool outside_only, const char *who,
                   uint64_t now_ns)
 {
@@ -887,7 +887,7 @@ static bool all_for_a_twin(const twin_args_t *args, const char *who)
     return true;
 }
 
-/* First the surroundings, which devices read at power-on, then all settings. */
+/* Sets first the surroundings, which devices read at power-on, then all signals. */
 static bool apply_all(const twin_args_t *args, ect_chain_t *chain, const char *who, uint64_t now_ns)
 {
     if (!all_for_a_twin(args, who))
@@ -921,7 +921,7 @@ static bool name_all(const twin_args_t *args, ect_chain_t *chain, const char *wh
     return false;
 }
 
-/* Mistakes in the names and values of a script are the user's, not those of its time. */
+/* Reports wrong names and values of a script at power-on, not at the time of the step. */
 static bool check_scenario(const twin_args_t *args, const ect_chain_t *chain, const char *who)
 {
     char message[ECT_STEP_MESSAGE];

@@ -11,7 +11,7 @@
 #include "commands.h"
 #include "text/number.h"
 
-/* Takes "*N" off the end of a device. @return N, 1 without; 0: not a number of twins */
+/* Removes "*N" from the end of a device. @return N; 1: no "*N"; 0: N is not a number of twins */
 static size_t take_count(char *device)
 {
     uint64_t count = 0;
@@ -22,7 +22,7 @@ static size_t take_count(char *device)
     return ect_number(star + 1, 1, UINT16_MAX, &count) ? (size_t)count : 0;
 }
 
-/* Takes "NAME=" off the beginning of a device; the '=' of a path is behind a ':'. */
+/* Removes "NAME=" from the beginning of a device; a path may contain '=' after its ':'. */
 static const char *take_name(const struct argp_state *state, char **device)
 {
     char *name = *device;
@@ -52,7 +52,7 @@ bool listed_device_next(const struct argp_state *state, char **rest, listed_devi
     return true;
 }
 
-/* gripper; of several twins gripper1, gripper2, ... */
+/* A single twin is gripper; several twins are gripper1, gripper2, ... */
 static void add_names(ect_names_t *names, const struct argp_state *state, size_t first, const listed_device_t *one)
 {
     for (size_t i = 0; one->name && i < one->count; i++) {

@@ -13,7 +13,7 @@
 #include "bus/capture/capture.h"
 #include "commands.h"
 
-/* Room for a tenth of a second of the fastest masters while the disk does not write. */
+/* Holds a tenth of a second of the fastest masters while the disk is busy. */
 enum { CAPTURE_BUFFER = 4 * 1024 * 1024, RECORD_BUFFER = 16 * 1024 * 1024, NS_PER_S = 1000000000 };
 
 static void note_save(void *ctx, size_t number)
@@ -35,7 +35,7 @@ static uint64_t offset_of_wall_clock(void)
     return (uint64_t)(wall.tv_sec - clock.tv_sec) * NS_PER_S + (uint64_t)wall.tv_nsec - (uint64_t)clock.tv_nsec;
 }
 
-/* Two processes of CMD may have their buses at the same time: the second one's file has its process in the name. */
+/* Two processes of CMD may have a bus at the same time: the second file's name contains the process id. */
 static ect_capture_t *open_capture(const twin_args_t *args, const char *path, bool record, uint64_t offset_ns,
                                    char *message)
 {
@@ -55,7 +55,7 @@ static ect_capture_t *open_capture(const twin_args_t *args, const char *path, bo
     return ect_capture_open(&config, message);
 }
 
-/* The beginning of a record: everything that a replay needs to power the same twins on. */
+/* Writes the start of a record: all data for the power-on of the same twins in a replay. */
 static void log_start(const twin_args_t *args, ect_trace_t *trace, uint64_t offset_ns)
 {
     cJSON *start = cJSON_CreateObject();
@@ -74,7 +74,7 @@ static void log_start(const twin_args_t *args, ect_trace_t *trace, uint64_t offs
     cJSON_Delete(start);
 }
 
-/* Requests over Modbus TCP come again behind the frames of a record; the frames of a host behind EoE are not in it. */
+/* A record orders Modbus requests by its frames, and so needs frames; frames of a host behind EoE are not recorded. */
 static bool can_record(const twin_args_t *args, const char *who)
 {
     const bool framed = !args->modbus || args->about.ifaces[ECT_END_IN] || args->udp;
@@ -86,7 +86,7 @@ static bool can_record(const twin_args_t *args, const char *who)
     return !args->record || (framed && !host);
 }
 
-/* The content of the folders, and from now on the moments at which their disk is done with a save. */
+/* Logs the content of the folders and, from now on, the completion of each save. */
 static bool log_content(const twin_args_t *args, ect_trace_t *trace, char *message)
 {
     char text[ECT_CAPTURE_MESSAGE];

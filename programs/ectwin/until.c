@@ -40,7 +40,7 @@ static bool compare_number(const until_t *until, double number)
     }
 }
 
-/* "gripper.data1", or "data1" of the slave. */
+/* @return whether a line is of the signal, "gripper.data1" or "data1" */
 static bool is_of_signal(const until_t *until, const cJSON *line)
 {
     char name[CONNECTION_NAME], room[32];

@@ -17,7 +17,7 @@
 #include "text/number.h"
 #include "verify_network.h"
 
-/* As of cmp: a difference is not trouble. */
+/* Exit statuses as of cmp. */
 enum { SAME = 0, DIFFERENT = 1, TROUBLE = 2 };
 enum { SETS_MOST = 64, SLAVES_MOST = 65535 };
 
@@ -57,25 +57,25 @@ static bool add_written_image(verify_t *v, const char *operand, const ect_device
     return true;
 }
 
-/* A description, and the EEPROM of it; that of a file only if it carries one. */
-static bool add_device(verify_t *v, const char *operand, const char *name, bool only_said)
+/* Adds a description and its EEPROM. @param only_contained  no EEPROM unless the file contains one */
+static bool add_device(verify_t *v, const char *operand, const char *name, bool only_contained)
 {
     const ect_product_t *product = product_find(name, NULL, 0, ECT_BEHAVIOUR_BY_FILE, v->message);
     if (product == NULL)
         return false;
-    /* A device file has no elements of its own to compare: its facts are those of the description. */
+    /* The facts of a device file are those of its description. */
     const ect_esi_twin_t *twin = strncmp(name, "yaml:", 5) != 0 ? product_twin(product) : NULL;
     ect_facts_t *set = new_set(v, operand, "");
     if (twin != NULL)
         ect_facts_of_esi(set, product->device, ect_esi_twin_model(twin));
     else
         ect_facts_of_device(set, product->device);
-    return (only_said && product->device->sii == NULL) || add_written_image(v, operand, product->device);
+    return (only_contained && product->device->sii == NULL) || add_written_image(v, operand, product->device);
 }
 
 /* --- a slave on the wire ----------------------------------------------------------------------------------------- */
 
-/* A slave: the wire to it, and its EEPROM. */
+/* A slave, its connection, and its EEPROM. */
 typedef struct slave {
     ect_packet_t port;
     char why[ECT_PACKET_MESSAGE];
@@ -122,7 +122,7 @@ static bool read_slave(verify_t *v, const char *operand, slave_t *slave, uint16_
     return fine;
 }
 
-/* slave:IFACE[:N] */
+/* Adds slave:IFACE[:N]. */
 static bool add_slave(verify_t *v, const char *operand)
 {
     const char *rest = strchr(operand, ':') + 1;
@@ -215,7 +215,7 @@ static void release(verify_t *v)
     v->count = 0;
 }
 
-/* The values that a slave had when it was cloned are the defaults of its file, and no slave reports those. */
+/* Removes default values: those of a clone are the slave's values at the time of cloning. */
 static void without_defaults(verify_t *v)
 {
     for (size_t i = 0; i < v->count; i++) {
@@ -226,7 +226,7 @@ static void without_defaults(verify_t *v)
     }
 }
 
-/* One file of the folder and the slave that it is a clone of: its name begins with the number of the slave. */
+/* Compares a file of the folder with its slave, whose number is the beginning of the file's name. */
 static int compare_slave(verify_t *v, const char *folder, const char *name, const char *bus)
 {
     char *file = NULL, *slave = NULL;
@@ -250,7 +250,7 @@ static int is_of_slave(const struct dirent *entry)
     return entry->d_name[0] >= '0' && entry->d_name[0] <= '9' && ends_with(entry->d_name, ".xml");
 }
 
-/* A folder of `ectwin clone` and the bus that it is a clone of: slave:IFACE. */
+/* Compares a folder of `ectwin clone` with the bus slave:IFACE. */
 static int compare_clone(verify_t *v, const char *folder, const char *bus)
 {
     struct dirent **entries = NULL;

@@ -97,7 +97,7 @@ static ect_twin_config_t *make_twins(const network_names_t *names, const char *p
     return NULL;
 }
 
-/* A slave that is in none of the ESI files is a difference, and a twin of the ENI alone takes its place. */
+/* A slave without an ESI file is a difference; its twin is made from the ENI alone. */
 static size_t print_missing(const network_names_t *names, const ect_eni_t *eni)
 {
     const ect_eni_network_t *network = ect_eni_network(eni);
@@ -164,7 +164,7 @@ static size_t compare(const ect_eni_t *eni, size_t i, const uint8_t *header)
     return lines;
 }
 
-/* @return lines, -1: the slave cannot be read, which is printed. @param[out] present  slaves of the bus */
+/* @param[out] present  number of slaves @return number of lines; -1: the slave cannot be read, which is printed */
 static long compare_slave(const ect_eni_t *eni, size_t i, ect_packet_t *port, uint16_t *present)
 {
     const ect_reader_link_t link = ect_reader_packet_link(port);

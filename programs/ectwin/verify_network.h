@@ -8,7 +8,7 @@
 /**
  * Prints a line for each difference.
  * @param operands, count  paths of ESI files, or slave:IFACE alone
- * @return 0 none, 1 differences, 2 a source cannot be read, which is printed
+ * @return exit status: 0 no difference · 1 differences · 2 a source cannot be read, which is printed
  */
 int verify_network(const char *path, const char *const operands[], size_t count);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A pair of interfaces in this network, for masters in the kernel, which cannot enter a private one. */
+/* `ectwin veth`: a pair of interfaces in this network namespace, for kernel masters, which cannot enter another one. */
 #define _GNU_SOURCE
 #include "bus/net/veth.h"
 
@@ -63,7 +63,7 @@ int command_veth(int argc, char **argv)
     char message[ECT_VETH_MESSAGE];
     veth_args_t args = {0};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
-    int signals = open_signals(); /* before the pair exists: a signal must not leave it behind */
+    int signals = open_signals(); /* before the pair is created, so that a signal cannot leave the pair behind */
     if (ect_veth_create(args.master, args.twin, message) < 0) {
         fprintf(stderr, "%s: %s\n", argv[0], message);
         return EXIT_OPEN;

@@ -122,7 +122,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 
 const struct argp wiring_argp = {.options = options, .parser = parse};
 
-/* The device must fit into the chip. */
+/* Sets the chip, in which the device must fit. */
 static void set_esc(const struct argp_state *state, ect_twin_config_t *twin, size_t position, const char *name)
 {
     char why[ECT_CHECK_TEXT];
@@ -145,7 +145,7 @@ static double parse_within(const struct argp_state *state, const char *option, c
     return value;
 }
 
-/* The exact deviation for one twin, a random one up to the limit for all. */
+/* For one twin the exact deviation; for all twins a random one up to the limit. */
 static void set_drift(const struct argp_state *state, ect_twin_config_t *twin, const wiring_setting_t *setting,
                       uint32_t *seed)
 {
@@ -182,7 +182,7 @@ static void set_wire(const ect_names_t *names, const struct argp_state *state, e
     twin->up_port = (uint8_t)(end[1] - '0');
 }
 
-/* The description that stays as long as the twins. */
+/* @return a description that is freed with the arguments */
 static ect_device_t *new_device(wiring_args_t *args, const struct argp_state *state)
 {
     args->fitted = grow(state, args->fitted, args->fitted_count, sizeof(ect_device_t *));

@@ -27,7 +27,7 @@ typedef struct wiring_args {
     size_t fitted_count;
 } wiring_args_t;
 
-/** Argp parser for these options; its input is a wiring_args_t. */
+/** Argp parser for the options of hardware; its input is a wiring_args_t. */
 extern const struct argp wiring_argp;
 
 /**

@@ -22,18 +22,18 @@
 typedef struct with_args {
     twin_args_t twins;
     const char *devices;
-    char *masters[ECT_NETNS_WIRES]; /* the master's ends */
-    char *external;                 /* the slave, NULL: twins of ours */
+    char *masters[ECT_NETNS_WIRES]; /* names of the master's interfaces */
+    char *external;                 /* command of the external slave; NULL: twins */
     bool leave_children;
     bool in_process, virtual_time;
     bool require_private;
     char **command;
 } with_args_t;
 
-/* The command, or process 1 of its namespace, and the slave of --external likewise. */
+/* Processes of the command and of the slave of --external: each the program itself, or process 1 of its namespace. */
 typedef struct child {
     pid_t pid;
-    int status;       /* as a shell reports it; -1: still running */
+    int status;       /* exit status as in a shell; -1: still running */
     pid_t slave;      /* 0: none */
     int slave_status; /* as `status` */
 } child_t;
@@ -42,7 +42,7 @@ typedef struct child {
 typedef struct start {
     const with_args_t *args;
     const ect_control_t *control; /* NULL: none */
-    int ready;                    /* descriptor for the ready line of a slave */
+    int ready;                    /* descriptor for the ready line of the slave */
 } start_t;
 
 static void take_names(with_args_t *args, const struct argp_state *state, char *names)
@@ -123,7 +123,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
             return 0;
         }
         args->command = &state->argv[state->next - 1];
-        state->next = state->argc; /* the rest is the command's */
+        state->next = state->argc; /* the rest belongs to the command */
         return 0;
     case ARGP_KEY_END:
         check_arguments(args, state);
@@ -163,7 +163,7 @@ static bool reap(child_t *child)
     return child->status >= 0;
 }
 
-/* The command decides when it ends: a signal is passed on to it, unless the terminal has sent it to both. */
+/* Forwards a signal to the command, which decides when to end. The terminal sends its signals to both. */
 static bool on_signal(void *ctx, int signal_number, bool from_terminal)
 {
     child_t *child = ctx;
@@ -174,7 +174,7 @@ static bool on_signal(void *ctx, int signal_number, bool from_terminal)
     return true;
 }
 
-/* With --leave-children: without a namespace whose end would end them. */
+/* --leave-children: no PID namespace, whose end would kill the children. */
 static pid_t start_freely(const start_t *start)
 {
     pid_t self = getpid();
@@ -182,13 +182,13 @@ static pid_t start_freely(const start_t *start)
     if (pid != 0)
         return pid;
     prctl(PR_SET_PDEATHSIG, SIGTERM);
-    if (getppid() != self) /* it ended before that took effect */
+    if (getppid() != self) /* the parent ended before PR_SET_PDEATHSIG took effect */
         _exit(EXIT_RUN);
     run_command(start);
     _exit(EXIT_RUN);
 }
 
-/* @return whether the command runs; if not, the reason was printed */
+/* @return false: the command does not run; the reason is printed */
 static bool start_command(const with_args_t *args, child_t *child, const ect_control_t *control)
 {
     const start_t start = {.args = args, .control = control};
@@ -199,7 +199,7 @@ static bool start_command(const with_args_t *args, child_t *child, const ect_con
     return child->pid > 0;
 }
 
-/* Ends a child that still runs, and all processes of its namespace. */
+/* Ends a running child and all processes of its namespace. */
 static void end_child(pid_t pid, int status)
 {
     int unused;
@@ -259,7 +259,7 @@ static int enter_network(const with_args_t *args)
 
 /* --- an external slave ------------------------------------------------------------------------------------------- */
 
-/* CMD's output stays clean: the slave's goes to standard error, and its ready line to a descriptor of its own. */
+/* Standard output is for CMD: the slave's output goes to standard error, its ready line to a descriptor of its own. */
 static void run_slave(const void *ctx)
 {
     const start_t *start = ctx;
@@ -274,7 +274,7 @@ static void run_slave(const void *ctx)
     _exit(EXIT_RUN);
 }
 
-/* A slave without a ready line is waited for as long as a firmware takes to start. */
+/* Without a ready line, waits as long as a firmware takes to start. */
 static void wait_until_ready(int ready)
 {
     enum { PATIENCE_MS = 5000 };
@@ -285,7 +285,7 @@ static void wait_until_ready(int ready)
         (void)fwrite(line, 1, (size_t)length, stderr);
 }
 
-/* @return whether the slave runs; if not, the reason was printed */
+/* @return false: the slave does not run; the reason is printed */
 static bool start_slave(const with_args_t *args, child_t *child)
 {
     int ready[2] = {-1, -1};
@@ -340,7 +340,7 @@ static int serve_external(const with_args_t *args)
 /* --- twins inside CMD ----------------------------------------------------------------------------------------------
  */
 
-/* Signals the processes that CMD left behind; as their parents end they become children of this one, a subreaper.
+/* Signals the processes left behind by CMD, which become children of this process, a subreaper, when their parents end.
  * @return whether there are any */
 static bool signal_orphans(int signal_number)
 {
@@ -370,7 +370,7 @@ static void end_orphans(void)
     }
 }
 
-/* Mistakes that only show when the twins are powered on are reported here, not in the middle of CMD. */
+/* Powers the twins on once, to report errors before CMD starts. */
 static int try_power_on(with_args_t *args)
 {
     ect_chain_t *chain = NULL;
@@ -461,19 +461,19 @@ int command_with(int argc, char **argv)
         return serve_in_process(&args);
     session_t session;
     session_init(&session, "ectwin with", &args.twins);
-    session.runner.signal_fd = open_signals(); /* first: where SIGCHLD is ignored no child can be waited for */
-    int status = session_open_control(&session, args.masters); /* outside: where its user will look for it */
+    session.runner.signal_fd = open_signals(); /* first: with SIGCHLD ignored, waiting for a child is impossible */
+    int status = session_open_control(&session, args.masters); /* outside the namespace, for the user's clients */
     if (status == EXIT_CLEAN)
-        status = session_power_on(&session); /* outside as well: there its files and rights are its user's */
+        status = session_power_on(&session); /* outside too: with the user's files and rights */
     if (status == EXIT_CLEAN)
         status = enter_network(&args);
     const char *const ends[ECT_ENDS] = {ect_netns_twin[0], args.masters[1] ? ect_netns_twin[1] : NULL};
     if (status == EXIT_CLEAN)
         status = session_open(&session, ends);
     if (status == EXIT_CLEAN)
-        status = session_open_udp(&session); /* inside: CMD is to reach it */
+        status = session_open_udp(&session); /* inside the namespace, for CMD */
     if (status == EXIT_CLEAN)
-        status = session_open_modbus(&session); /* inside as well */
+        status = session_open_modbus(&session); /* inside too */
     if (status == EXIT_CLEAN)
         status = session_open_hosts(&session);
     if (status == EXIT_CLEAN)
