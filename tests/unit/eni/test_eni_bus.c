@@ -228,6 +228,73 @@ static void a_boot_mailbox_and_an_explicit_device_id_are_taken_over(void **state
     ect_esi_twin_free(twin);
 }
 
+/* --- models ------------------------------------------------------------------------------------------------------- */
+
+/* The model of the first slave; the ENI is closed. */
+static const ect_esi_device_t *model_of(const char *what, const char *text, ect_esi_t **esi)
+{
+    char why[ROOM] = "";
+    ect_eni_t *eni = eni_of(what, text);
+    *esi = ect_eni_device(eni, 0, why, sizeof why);
+    ect_eni_close(eni);
+    const ect_esi_device_t *model = *esi != NULL ? ect_esi_select(*esi, "", why, sizeof why) : NULL;
+    if (model == NULL)
+        fail_msg("%s: expected a model, got: %s", what, why);
+    return model;
+}
+
+#define WRITE_DC(ado, data) ENI_ONE("", "<InitCmds>" WRITE_SM(ado, data) "</InitCmds>")
+
+static void ENI_019_a_write_of_the_activation_makes_the_clock(void **state)
+{
+    static const struct {
+        const char *title, *text;
+        size_t count;
+        uint16_t assign_activate;
+    } rows[] = {
+        {"cyclic unit and activation", WRITE_DC(2432, "0003"), 1, 0x0300},
+        {"a write that begins before", WRITE_DC(2430, "05060007"), 1, 0x0700},
+        {"the cyclic unit alone", WRITE_DC(2432, "01"), 0, 0},
+        {"no activation", WRITE_DC(2432, "0100"), 0, 0},
+        {"the activation alone", WRITE_DC(2433, "03"), 0, 0},
+        {"nothing", ENI_ONE("", ""), 0, 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_esi_t *esi;
+        const ect_esi_device_t *model = model_of(rows[i].title, rows[i].text, &esi);
+        if (model->dc_count != rows[i].count ||
+            (model->dc_count == 1 && model->dcs[0].assign_activate != rows[i].assign_activate))
+            fail_msg("%s: expected %zu clocks, got %zu, 0x%04X", rows[i].title, rows[i].count, model->dc_count,
+                     model->dc_count > 0 ? (unsigned int)model->dcs[0].assign_activate : 0u);
+        ect_esi_close(esi);
+    }
+}
+
+static void ENI_021_the_identification_has_the_register_that_the_file_names(void **state)
+{
+    static const struct {
+        const char *title, *text;
+        bool in_al_status_code, given;
+        unsigned int ado;
+    } rows[] = {
+        {"AL status code", ENI_ONE("<Identification Value='5'><Ado>308</Ado></Identification>", ""), true, false, 308},
+        {"alias", ENI_ONE("<Identification Value='5'><Ado>18</Ado></Identification>", ""), false, false, 18},
+        {"a register", ENI_ONE("<Identification Value='5'><Ado>4096</Ado></Identification>", ""), false, true, 4096},
+        {"none", ENI_ONE("", ""), false, false, 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_esi_t *esi;
+        const ect_esi_device_t *model = model_of(rows[i].title, rows[i].text, &esi);
+        if (model->identification_134 != rows[i].in_al_status_code || model->identification_ado.given != rows[i].given)
+            fail_msg("%s: expected 134h %d and another %d, got %d and %d", rows[i].title, rows[i].in_al_status_code,
+                     rows[i].given, model->identification_134, model->identification_ado.given);
+        assert_int_equal(model->identification_ado.value, rows[i].ado);
+        ect_esi_close(esi);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -242,6 +309,8 @@ int main(void)
         cmocka_unit_test(ENI_011_every_port_of_Physics_is_one_of_the_twin),
         cmocka_unit_test(ENI_014_a_pdo_belongs_to_the_sync_manager_that_lists_it),
         cmocka_unit_test(a_boot_mailbox_and_an_explicit_device_id_are_taken_over),
+        cmocka_unit_test(ENI_019_a_write_of_the_activation_makes_the_clock),
+        cmocka_unit_test(ENI_021_the_identification_has_the_register_that_the_file_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -632,6 +632,44 @@ static void a_pdo_of_an_image_may_be_fixed_and_mandatory(void **state)
     }
 }
 
+/* The name of the second clock is the string of number 1, the first has none: there is a clock all the same. */
+static void a_clock_of_an_image_may_have_no_name(void **state)
+{
+    enum { STRINGS_WORDS = 2, CLOCKS_WORDS = 24, CLOCK = 24 };
+    uint8_t image[ECT_SII_CATEGORIES + 4 + 2 * STRINGS_WORDS + 4 + 2 * CLOCKS_WORDS + 4] = {0};
+    uint8_t *at = image + ECT_SII_CATEGORIES;
+    ect_facts_t f = {.source = "image"};
+    (void)state;
+    ect_store_le16(at, ECT_SII_STRINGS);
+    ect_store_le16(at + 2, STRINGS_WORDS);
+    memcpy(at + 4, (const uint8_t[]){1, 2, 'D', 'C'}, 4);
+    at += 4 + 2 * STRINGS_WORDS;
+    ect_store_le16(at, ECT_SII_DC);
+    ect_store_le16(at + 2, CLOCKS_WORDS);
+    ect_store_le32(at + 4, 1000000);                    /* SYNC0 */
+    ect_store_le32(at + 4 + CLOCK + 4, (uint32_t)-500); /* its shift */
+    ect_store_le16(at + 4 + CLOCK + 14, 0x0700);
+    at[4 + CLOCK + 18] = 1;
+    ect_store_le16(at + 4 + 2 * CLOCKS_WORDS, ECT_SII_END);
+    ect_facts_of_sii(&f, image, sizeof image);
+    const ect_fact_t *clocks[3] = {NULL};
+    size_t count = 0;
+    for (size_t i = 0; i < f.count; i++) {
+        if (f.list[i].kind == ECT_FACT_DC && count < 3)
+            clocks[count++] = &f.list[i];
+    }
+    assert_int_equal(count, 2);
+    assert_null(clocks[0]->text);
+    assert_int_equal(clocks[0]->index, 0);
+    assert_int_equal(clocks[0]->element, 0);
+    assert_string_equal(clocks[1]->text, "\"DC\"");
+    assert_int_equal(clocks[1]->index, 1);
+    assert_string_equal(text_of(&f, ECT_FACT_DC_SYNC0, 0, 0), "1000000 ns, factor 0, shift 0 ns");
+    assert_string_equal(text_of(&f, ECT_FACT_DC_SYNC0, 1, 0), "0 ns, factor 0, shift -500 ns");
+    assert_string_equal(text_of(&f, ECT_FACT_DC_ACTIVATE, 1, 0), "0x0700");
+    ect_facts_free(&f);
+}
+
 /* The last category announces more words than the image has: there is none. */
 static void a_category_beyond_the_image_is_none(void **state)
 {
@@ -680,6 +718,7 @@ int main(void)
         cmocka_unit_test(an_image_with_coe_has_all_pdos_or_none),
         cmocka_unit_test(an_image_shorter_than_its_header_is_one_fact),
         cmocka_unit_test(a_pdo_of_an_image_may_be_fixed_and_mandatory),
+        cmocka_unit_test(a_clock_of_an_image_may_have_no_name),
         cmocka_unit_test(a_category_beyond_the_image_is_none),
         cmocka_unit_test(objects_with_facts_elsewhere_are_known),
     };

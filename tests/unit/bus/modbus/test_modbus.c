@@ -881,6 +881,18 @@ static void without_memory(void **state)
     assert_null(server);
 }
 
+/* A file is nothing that can be waited for. */
+static void no_socket(void **state)
+{
+    char message[ECT_MODBUS_MESSAGE] = "";
+    int fd = open("/dev/null", O_RDONLY);
+    (void)state;
+    const ect_modbus_server_t *server = ect_modbus_server_at(fd, message);
+    assert_null(server);
+    assert_string_equal(message, "no server: Operation not permitted");
+    assert_int_equal(fcntl(fd, F_GETFD), -1);
+}
+
 static void descriptor_0(void **state)
 {
     (void)state;
@@ -925,6 +937,7 @@ int main(int argc, char **argv)
         TEST("A server listens with descriptor 0 as with any other", listens_at_descriptor_0),
         TEST("The descriptors of a server are closed with it", closes_its_descriptors),
         TEST("Without memory there is no server, and its socket is closed", without_memory),
+        TEST("A descriptor that is no socket is refused with the reason, and closed", no_socket),
         TEST("A client whose descriptor is 0 is served, and closed with the server", descriptor_0),
         TEST("A unit that hangs answers nothing", a_unit_that_hangs),
         TEST("--modbus: a wrong address gets a line", no_address),
