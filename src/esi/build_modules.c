@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Modular devices: a module brings PDOs and objects, whose indices move with its slot. */
-#include <string.h>
-
 #include "esi/internal.h"
 
 /* By a PDO that was added, or by one that the file has further on. */
@@ -49,41 +47,6 @@ static void add_pdo(ect_build_t *build, const ect_esi_pdo_t *model, uint32_t pdo
         (ect_build_pdo_t){.model = model, .index = index, .pdo_shift = pdo_shift, .index_shift = index_shift};
 }
 
-static const ect_esi_module_t *find_module(const ect_esi_device_t *model, uint32_t ident)
-{
-    for (size_t i = 0; i < model->module_count; i++) {
-        if (model->modules[i].ident == ident)
-            return &model->modules[i];
-    }
-    return NULL;
-}
-
-static bool slot_takes(const ect_esi_slot_t *slot, const ect_esi_module_t *module)
-{
-    for (size_t i = 0; i < slot->ident_count; i++) {
-        if (slot->idents[i] == module->ident)
-            return true;
-    }
-    for (size_t i = 0; i < slot->class_count; i++) {
-        if (strcmp(slot->classes[i], module->module_class) == 0)
-            return true;
-    }
-    return false;
-}
-
-bool ect_build_slot_takes(const ect_build_t *build, unsigned int number, uint32_t ident)
-{
-    const ect_esi_device_t *model = build->model;
-    const ect_esi_module_t *module = find_module(model, ident);
-    unsigned int first = 0;
-    for (size_t i = 0; module != NULL && i < model->slot_count; i++) {
-        if (number < first + model->slots[i].instances_max)
-            return slot_takes(&model->slots[i], module);
-        first += model->slots[i].instances_max;
-    }
-    return false;
-}
-
 /* One place for a module. */
 typedef struct place {
     const ect_esi_slot_t *slot;
@@ -94,8 +57,8 @@ typedef struct place {
 static void insert(ect_build_t *build, const place_t *place, uint32_t ident)
 {
     ECT_ASSERT(ident != 0 && place->instance < place->slot->instances_max);
-    const ect_esi_module_t *module = find_module(build->model, ident);
-    if (module == NULL || !slot_takes(place->slot, module)) {
+    const ect_esi_module_t *module = ect_esi_module(build->model, ident);
+    if (module == NULL || !ect_esi_slot_takes(place->slot, module)) {
         ect_build_fail(build, "slot %u (%s) takes no module 0x%08X", place->number + 1, place->slot->name,
                        (unsigned int)ident);
         return;
@@ -109,14 +72,14 @@ static void insert(ect_build_t *build, const place_t *place, uint32_t ident)
 }
 
 /* The module of a place: the choice of the user, else the preset of the file, in as many places as must have one. */
-static uint32_t ident_in(const place_t *place, const ect_module_choice_t *choices, size_t count)
+static uint32_t ident_in(const ect_build_t *build, const place_t *place, const ect_module_choice_t *choices,
+                         size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         if (choices[i].slot == place->number)
             return choices[i].ident;
     }
-    unsigned int preset = place->slot->instances_min > 0 ? place->slot->instances_min : 1;
-    return place->instance < preset ? place->slot->preset : 0;
+    return ect_esi_preset(build->model, place->number);
 }
 
 void ect_build_modules(ect_build_t *build, const ect_module_choice_t *choices, size_t count)
@@ -128,7 +91,7 @@ void ect_build_modules(ect_build_t *build, const ect_module_choice_t *choices, s
     for (size_t i = 0; i < model->slot_count; i++) {
         place.slot = &model->slots[i];
         for (place.instance = 0; place.instance < place.slot->instances_max; place.instance++, place.number++) {
-            uint32_t ident = ident_in(&place, choices, count);
+            uint32_t ident = ident_in(build, &place, choices, count);
             if (ident != 0)
                 insert(build, &place, ident);
             build->idents = ect_arena_grow(build->arena, build->idents, build->ident_count, sizeof *build->idents);

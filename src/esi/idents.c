@@ -90,7 +90,7 @@ ect_reason_t ect_esi_idents_write(void *instance, uint16_t index, uint8_t subind
         return ECT_OK;
     memcpy(bytes, data, size);
     const uint32_t ident = ect_load_le32(bytes);
-    return ident == 0 || ect_build_slot_takes(build, subindex - 1u, ident) ? ECT_OK : ECT_REASON_RANGE;
+    return ident == 0 || ect_esi_place_takes(build->model, subindex - 1u, ident) ? ECT_OK : ECT_REASON_RANGE;
 }
 
 static uint16_t state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns)

@@ -15,6 +15,7 @@
  *   image.c            EEPROM images, as files with one device
  *   found.c            the dictionary of a slave, added to its image
  *   lint.c             what of a file is not as files should be
+ *   modules.c          slots, and the modules that they accept
  *   build.c            the list of objects while it grows; notes
  *   build_objects.c    objects of the dictionary
  *   build_modules.c    modules in their slots
@@ -40,6 +41,7 @@
 #include <libxml/xmlwriter.h>
 
 #include "esi/arena.h"
+#include "esi/modules.h"
 #include "esi/number.h"
 #include "esi/pen.h"
 #include "esi/single.h"
@@ -213,9 +215,6 @@ void ect_build_inits(ect_build_t *build, const ect_esi_init_t *inits, size_t cou
 
 /** build_modules.c. Adds the PDOs of the device and of the modules in its slots, and the modules' objects. */
 void ect_build_modules(ect_build_t *build, const ect_module_choice_t *choices, size_t count);
-
-/** build_modules.c. @param number  of a slot, from 0. @return whether it takes the module with that ident */
-bool ect_build_slot_takes(const ect_build_t *build, unsigned int number, uint32_t ident);
 
 /** idents.c: F030h and F050h, after all other objects; F000h too where the file wants idents downloaded. */
 void ect_build_idents(ect_build_t *build);

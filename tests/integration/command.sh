@@ -16,6 +16,17 @@ list_names_the_devices() {
   check "list: in/out bytes" "66/0 66/24 66/228 142/228 48/20 8/0 6/6" "$("$ectwin" list | awk '{print $2}' | xargs)"
 }
 
+list_names_the_modules() {
+  local lines
+  lines=$("$ectwin" list --modules "esi:$root/tests/esi/modular.xml#RACK")
+  check "MDP-021 list --modules: ident, type, class, slots, name" \
+    "0x00000110 IN IO slots 1*,2-4 Two inputs of 16 bits 0x00000120 OUT IO slots 1-4 An output of 32 bits" "$(echo "$lines" | xargs)"
+  check "list --modules: a device without slots" "ectwin list: DI4 has no slots: it takes no modules"$'\n2' \
+    "$("$ectwin" list --modules "esi:$root/tests/esi/digital.xml#DI4" 2>&1; echo $?)"
+  check "list --modules: no such file" "2" "$("$ectwin" list --modules esi:/nosuch.xml >/dev/null 2>&1; echo $?)"
+  check "list --modules: without a device" 1 "$("$ectwin" list --modules 2>&1 | grep -c 'ectwin list --modules esi:FILE.xml#TYPE')"
+}
+
 with_passes_status_and_interface() {
   check "with: status of the command" 42 "$("$ectwin" with vr-bu-ect-map1 -- sh -c 'exit 42' 2>/dev/null; echo $?)"
   check "with: {} and ECTWIN_IFACE" "ecat0-ecat0 ecat0" \
@@ -269,5 +280,5 @@ identity_reaches_each_file() {
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-run_cases list_names_the_devices with_passes_status_and_interface wrong_usage_is_1 advice advice_of_the_interface what_cannot_be_opened_is_2 start_values_and_memory signals_from_a_file every_change_is_told \
+run_cases list_names_the_devices list_names_the_modules with_passes_status_and_interface wrong_usage_is_1 advice advice_of_the_interface what_cannot_be_opened_is_2 start_values_and_memory signals_from_a_file every_change_is_told \
   run_leaves_the_interface_as_found one_twin_an_interface with_ends_where_SIGCHLD_was_ignored two_at_the_same_time idle_costs_nothing sii_writes_the_image files_agree identity_reaches_each_file
