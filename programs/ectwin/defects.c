@@ -572,6 +572,62 @@ static void half_frame_stays(defect_t *d, datagram_t *g)
     d->memory[0] = 0;
 }
 
+/* Set IP takes the octets in the printed order, and get IP reports them so. */
+static void address_is_reversed(const datagram_t *g, uint8_t type)
+{
+    enum { FLAGS_AT = 10, FIELDS_AT = 14, MAC = 6, HAS_MAC = 1, HAS_IP = 2, FULL = 62 };
+    uint8_t *mail = data(g);
+    const uint16_t length = ect_load_le16(mail);
+    if ((mail[6] & 0x0F) != type || length < 8 || length > g->length - MAIL_HEADER || (mail[FLAGS_AT] & HAS_IP) == 0)
+        return;
+    const unsigned int at = FIELDS_AT + (length >= FULL || (mail[FLAGS_AT] & HAS_MAC) != 0 ? MAC : 0u);
+    if (at + 4u > (unsigned int)length + MAIL_HEADER)
+        return;
+    const uint8_t octets[] = {mail[at + 3], mail[at + 2], mail[at + 1], mail[at]};
+    memcpy(mail + at, octets, sizeof octets);
+}
+
+static void set_address_reversed(defect_t *d, datagram_t *g)
+{
+    (void)d;
+    if (is_ethernet(g, true))
+        address_is_reversed(g, 2);
+}
+
+static void get_address_reversed(defect_t *d, datagram_t *g)
+{
+    (void)d;
+    if (is_ethernet(g, false))
+        address_is_reversed(g, 7);
+}
+
+/* The last byte of a frame's first fragment changes when AL status was read 50 times since the last mail was. */
+static void frame_decays(defect_t *d, datagram_t *g)
+{
+    enum { READS = 50 };
+    if (g->command == ECT_FPRD && covers(g, ECT_REG_AL_STATUS, 1))
+        d->memory[0]++;
+    if (!is_mail(g, false) || counter(g) != 1)
+        return;
+    const uint16_t length = ect_load_le16(data(g));
+    if (d->memory[0] >= READS && is_ethernet(g, false) && (data(g)[6] & 0x0F) == 0 && length > 4)
+        data(g)[MAIL_HEADER + length - 1] ^= 0xFF;
+    d->memory[0] = 0;
+}
+
+/* After a fragment of the highest number none is taken until INIT. */
+static void last_number_ends_frames(defect_t *d, datagram_t *g)
+{
+    if (g->command == ECT_FPWR && g->ado == ECT_REG_AL_CONTROL && (data(g)[0] & 0x0F) == 1)
+        d->memory[0] = 0;
+    if (!is_ethernet(g, true) || (data(g)[6] & 0x0F) != 0)
+        return;
+    if ((data(g)[8] & 0x3F) == 0x3F)
+        d->memory[0] = 1;
+    if (d->memory[0] != 0)
+        hide(g);
+}
+
 static void reserved_type_is_done(defect_t *d, datagram_t *g)
 {
     (void)d;
@@ -741,9 +797,16 @@ static const defect_row_t rows[] = {
     {"CF-E03", "frame numbers of fragments are ignored (needs EoE)", CUSTOM, .before = frame_number_is_ignored},
     {"CF-E04", "a repeated mail is taken as a new one (needs EoE)", CUSTOM, .before = repeat_is_new},
     {"CF-E05", "a cut set IP is answered as done (needs EoE)", CUSTOM, .after = cut_address_is_taken},
+    {"CF-E06", "set IP and get IP have the octets in the printed order (needs EoE)", CUSTOM,
+     .before = set_address_reversed, .after = get_address_reversed},
     {"CF-E07", "an SDO between two fragments ends the frame (needs EoE)", CUSTOM, .before = sdo_ends_frame,
      .after = return_hidden},
     {"CF-E08", "the first fragment outlasts INIT (needs EoE)", CUSTOM, .before = half_frame_stays},
+    {"CF-E09", "a frame is damaged that the master fetches late (needs EoE)", CUSTOM, .after = frame_decays},
+    {"CF-E10", "a fragment of number 63 ends the frames until INIT (needs EoE)", CUSTOM,
+     .before = last_number_ends_frames, .after = return_hidden},
+    {"CF-E11", "the General category has EoE inverted", CATEGORY, .address = ECT_SII_GENERAL, .length = 7,
+     .change = FLIPPED(1)},
     {"CF-E12", "a reserved type is answered as done (needs EoE)", CUSTOM, .after = reserved_type_is_done},
     {"DEAD-MAILBOX", "an unknown SDO command ends the mailbox until the twin restarts", CUSTOM, .before = mailbox_stops,
      .after = uncounted_hidden},

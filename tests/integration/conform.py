@@ -140,10 +140,10 @@ FOLLOW = {
 }
 # Twins for defects that the usual twin, an FZM1, cannot have.
 GATEWAY = f"esi:{ROOT}/examples/eoe/gateway.xml"
-DEFECT_TWINS = {**{f"CF-E{number}": [GATEWAY] for number in ("01", "02", "03", "04", "05", "07", "08", "12")},
+DEFECT_TWINS = {**{f"CF-E{number}": [GATEWAY] for number in ("01", "02", "03", "04", "05", "06", "07", "08", "09", "10", "12")},
                 "CF-032": ["fzm1,vr-bu-ect-map7"], "CF-046": ["--alias", "5", "fzm1"], "CF-073": ["vr-bu-ect-map7"]}
 IN_OTHERS = ["CF-072b"] # no product can have them; devices made for tests do
-DEFECTS_LEAST = 103
+DEFECTS_LEAST = 107
 
 
 def case_of(id_):

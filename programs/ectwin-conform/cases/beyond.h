@@ -41,6 +41,14 @@ void cf_eoe_repeats(cf_t *c);
 void cf_eoe_beside_sdo(cf_t *c);
 /** CF-E08: INIT in the middle of a frame, and BOOT. */
 void cf_eoe_restart(cf_t *c);
+/** CF-E06: SOEM's and IgH's ways to set an address. */
+void cf_eoe_masters(cf_t *c);
+/** CF-E09: pings, and a master that fetches nothing for 10 s. */
+void cf_eoe_pings(cf_t *c);
+/** CF-E10: random fragments. */
+void cf_eoe_random(cf_t *c);
+/** CF-E11: EoE in the SII and in the ESI file. */
+void cf_eoe_described(cf_t *c);
 /** CF-E12: types, ports and mails that no service has. */
 void cf_eoe_unsupported(cf_t *c);
 

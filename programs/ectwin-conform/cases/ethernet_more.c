@@ -1,198 +1,48 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * CF-E01 to CF-E12: Ethernet over EtherCAT in detail. A slave shows by a reply to ARP that a frame has arrived whole;
- * one without an address gets one of the documentation's net for the case.
+ * CF-E01 to CF-E05, CF-E07, CF-E08, CF-E12: Ethernet over EtherCAT in detail. A slave shows by a reply to ARP that a
+ * frame has arrived whole; one without an address gets one of the documentation's net for the case.
  */
 #include <string.h>
 
 #include "cases/beyond.h"
 #include "cases/ethernet.h"
 
-enum { HEADER = CF_EOE_HEADER, FLAGS = CF_EOE_FLAGS, UNIT = CF_EOE_UNIT, ADDRESS = CF_EOE_ADDRESS };
-enum { PARAMETERS = 62 - CF_EOE_HEADER, ROOM = 1600, QUIET_MS = 200 };
-enum { ETHERNET = 14, IP_HEADER = 20, ICMP_HEADER = 8, ICMP = 1, ECHO = 8, TYPE_IP = 0x0800 };
-enum { NET = CF_EOE_HAS_IP | CF_EOE_HAS_SUBNET | CF_EOE_HAS_GATEWAY, BESIDE_MOST = 3 };
+enum { HEADER = CF_EOE_HEADER, FLAGS = CF_EOE_FLAGS, UNIT = CF_EOE_UNIT };
+enum { PARAMETERS = CF_EOE_PARAMETERS, ROOM = CF_EOE_ROOM, QUIET_MS = 200, BESIDE_MOST = 3 };
 
 /* --- address ------------------------------------------------------------------------------------------------------ */
-
-/* 192.0.2.`host`/24 with the gateway 192.0.2.1, one field behind the other or in the full layout. @return bytes */
-static uint16_t parameters(uint8_t *data, uint8_t host, bool full)
-{
-    const uint8_t packed[] = {host, 2, 0, 192, 0, 255, 255, 255, 1, 2, 0, 192};
-    const unsigned int at = FLAGS + (full ? CF_EOE_MAC : 0u);
-    memset(data, 0, PARAMETERS);
-    data[0] = NET;
-    memcpy(data + at, packed, sizeof packed);
-    return full ? PARAMETERS : FLAGS + sizeof packed;
-}
-
-static uint16_t set_ip(cf_t *c, const uint8_t *data, uint16_t length, bool last)
-{
-    cf_mail_t mail;
-    cf_eoe_send(c, CF_EOE_SET_IP, 0, data, length, last);
-    return cf_eoe_answer(c, CF_EOE_WAS_SET, &mail);
-}
-
-static void put_back(cf_t *c, const uint8_t *data, size_t length)
-{
-    cf_step(c, "set IP to what it was");
-    const uint16_t result = set_ip(c, data, (uint16_t)length, true);
-    if (result != CF_EOE_DONE)
-        cf_fail(c, "putting back the IP parameters: result 0x%04X", result);
-}
-
-/* After the case the slave gets the previous address, subnet and gateway, 0.0.0.0 for one that was not known. The MAC
- * stays out: alone it requests DHCP. */
-static void keep(cf_t *c, const cf_eoe_host_t *before)
-{
-    uint8_t data[FLAGS + 3 * ADDRESS] = {NET};
-    const uint8_t known = before->length > FLAGS ? before->data[0] : 0;
-    unsigned int from = FLAGS + ((known & CF_EOE_HAS_MAC) != 0 ? CF_EOE_MAC : 0u), to = FLAGS;
-    for (uint8_t flag = CF_EOE_HAS_IP; flag <= CF_EOE_HAS_GATEWAY; flag = (uint8_t)(flag << 1), to += ADDRESS) {
-        if ((known & flag) == 0 || from + ADDRESS > before->length)
-            continue;
-        memcpy(data + to, before->data + from, ADDRESS);
-        from += ADDRESS;
-    }
-    cf_keep(c, put_back, data, sizeof data);
-}
-
-/* In PREOP, with the parameters that the slave has. */
-static void begin(cf_t *c, cf_eoe_host_t *before)
-{
-    cf_go(c, CF_PREOP);
-    if (cf_eoe_most(c) == 0)
-        cf_skip(c, "the mailbox has no room for a fragment");
-    cf_eoe_get_ip(c, before);
-}
-
-static void expect_address(cf_t *c, const char *what, uint8_t host)
-{
-    uint8_t wanted[PARAMETERS];
-    cf_eoe_host_t now = {.length = 0};
-    const uint16_t length = parameters(wanted, host, false);
-    cf_eoe_get_ip(c, &now);
-    cf_expect_that(c, now.length >= length, "%s: expected at least %u bytes of parameters, got %u", what, length,
-                   now.length);
-    cf_expect_bits(c, "flags of the parameters", NET, NET, now.data[0]);
-    const unsigned int at = FLAGS + ((now.data[0] & CF_EOE_HAS_MAC) != 0 ? CF_EOE_MAC : 0u);
-    cf_expect_that(c, now.length >= at + length - FLAGS, "%s: expected %u bytes behind the MAC, got %u", what,
-                   length - FLAGS, now.length - at);
-    cf_expect_bytes(c, what, wanted + FLAGS, now.data + at, length - FLAGS);
-}
-
-/* The runner puts `before` back after the case. */
-static void require_settings(cf_t *c, const cf_eoe_host_t *before, uint8_t host)
-{
-    uint8_t data[PARAMETERS];
-    cf_step(c, "set IP 192.0.2.%u/24, gateway 192.0.2.1, one field behind the other", host);
-    uint16_t result = set_ip(c, data, parameters(data, host, false), true);
-    if (result != CF_EOE_DONE)
-        cf_skip(c, "the slave takes no address: result 0x%04X", result);
-    keep(c, before);
-}
 
 void cf_eoe_parameters(cf_t *c)
 {
     uint8_t data[PARAMETERS];
     cf_eoe_host_t before = {.length = 0};
-    begin(c, &before);
-    require_settings(c, &before, 77);
-    expect_address(c, "the address that was set", 77);
+    cf_eoe_begin(c, &before);
+    cf_eoe_require_address(c, &before, 77);
+    cf_eoe_expect_address(c, "the address that was set", 77);
     cf_step(c, "the same in the full layout, without the last flag");
-    cf_expect(c, "result", CF_EOE_DONE, set_ip(c, data, parameters(data, 78, true), false));
-    expect_address(c, "the address in the full layout", 78);
+    cf_expect(c, "result", CF_EOE_DONE, cf_eoe_set_ip(c, data, cf_eoe_parameters_of(data, 78, true), false));
+    cf_eoe_expect_address(c, "the address in the full layout", 78);
 }
 
 void cf_eoe_short_parameters(cf_t *c)
 {
     uint8_t data[PARAMETERS];
     cf_eoe_host_t before = {.length = 0};
-    begin(c, &before);
-    require_settings(c, &before, 77);
-    const uint16_t whole = parameters(data, 99, false);
+    cf_eoe_begin(c, &before);
+    cf_eoe_require_address(c, &before, 77);
+    const uint16_t whole = cf_eoe_parameters_of(data, 99, false);
     for (uint16_t length = 1; length < whole; length++) {
         cf_step(c, "set IP with three fields in %u bytes", length);
-        uint16_t result = set_ip(c, data, length, true);
+        uint16_t result = cf_eoe_set_ip(c, data, length, true);
         cf_expect_that(c, result != CF_EOE_DONE, "result of set IP in %u bytes of %u: expected an error, got 0x0000",
                        length, whole);
     }
     cf_step(c, "nothing of these was taken");
-    expect_address(c, "the address afterwards", 77);
+    cf_eoe_expect_address(c, "the address afterwards", 77);
 }
 
 /* --- frames that get a reply -------------------------------------------------------------------------------------- */
-
-/* Lets the slave reply to ARP; one without an address gets one for the case. */
-static void begin_frames(cf_t *c, cf_eoe_host_t *h)
-{
-    uint8_t frame[ROOM] = {0};
-    *h = (cf_eoe_host_t){.length = 0};
-    begin(c, h);
-    if (!h->has_ip) {
-        static const uint8_t lent[ADDRESS] = {192, 0, 2, 77};
-        require_settings(c, h, lent[3]);
-        memcpy(h->ip, lent, ADDRESS);
-        h->has_ip = true;
-    }
-    cf_step(c, "ARP request for %u.%u.%u.%u", h->ip[0], h->ip[1], h->ip[2], h->ip[3]);
-    cf_eoe_arp(frame, h);
-    cf_eoe_send_frame(c, h, frame, CF_EOE_LEAST, cf_eoe_most(c), 0, -1);
-    const uint64_t until = cf_now_ns() + CF_MAIL_MS * UINT64_C(1000000);
-    while (h->replies == 0 && cf_now_ns() < until)
-        cf_eoe_take(c, h, CF_MAIL_MS);
-    if (h->replies == 0)
-        cf_skip(c, "the slave does not reply to ARP: the arrival of frames cannot be judged");
-    h->replies = 0;
-}
-
-static uint16_t checksum(const uint8_t *data, unsigned int length)
-{
-    uint32_t sum = 0;
-    for (unsigned int i = 0; i < length; i += 2)
-        sum += i + 1 < length ? ect_load_be16(data + i) : (uint32_t)(data[i] << 8);
-    sum = (sum & 0xFFFF) + (sum >> 16);
-    return (uint16_t)~(sum + (sum >> 16));
-}
-
-/* A ping in a frame of `length` bytes. */
-static void make_ping(uint8_t *frame, const cf_eoe_host_t *h, uint16_t length)
-{
-    uint8_t *ip = frame + ETHERNET, *icmp = ip + IP_HEADER;
-    memset(frame, 0, length);
-    memcpy(frame, h->mac, CF_EOE_MAC);
-    memcpy(frame + CF_EOE_MAC, "\x02\0\0\0\0\x01", CF_EOE_MAC);
-    ect_store_be16(frame + 12, TYPE_IP);
-    ip[0] = 0x45;
-    ect_store_be16(ip + 2, (uint16_t)(length - ETHERNET));
-    ip[8] = 64;
-    ip[9] = ICMP;
-    memcpy(ip + 12, h->ip, ADDRESS);
-    ip[14 + 1] ^= 0x55;
-    memcpy(ip + 16, h->ip, ADDRESS);
-    ect_store_be16(ip + 10, checksum(ip, IP_HEADER));
-    icmp[0] = ECHO;
-    for (unsigned int i = ICMP_HEADER; i + ETHERNET + IP_HEADER < length; i++)
-        icmp[i] = (uint8_t)(i * 7 + i / 256);
-    ect_store_be16(icmp + 2, checksum(icmp, (unsigned int)(length - ETHERNET - IP_HEADER)));
-}
-
-static bool is_echo(const uint8_t *reply, uint16_t got, const uint8_t *frame, uint16_t length)
-{
-    enum { CONTENT = ETHERNET + IP_HEADER + 4 };
-    return got >= length && ect_load_be16(reply + 12) == TYPE_IP && reply[ETHERNET + 9] == ICMP &&
-           reply[ETHERNET + IP_HEADER] == 0 && memcmp(reply + CONTENT, frame + CONTENT, length - CONTENT) == 0;
-}
-
-/* @return whether the echo has come, before the slave was quiet for `ms` */
-static bool await_echo(cf_t *c, const uint8_t *frame, uint16_t length, uint32_t ms)
-{
-    uint8_t reply[ROOM];
-    uint16_t got = cf_eoe_receive_frame(c, reply, ms);
-    while (got > 0 && !is_echo(reply, got, frame, length))
-        got = cf_eoe_receive_frame(c, reply, ms);
-    return got > 0;
-}
 
 /* Around each unit and each full mailbox; with --long every length. */
 static bool is_chosen(const cf_t *c, uint16_t length)
@@ -205,24 +55,24 @@ void cf_eoe_lengths(cf_t *c)
 {
     uint8_t frame[ROOM] = {0};
     cf_eoe_host_t h;
-    begin_frames(c, &h);
+    cf_eoe_begin_frames(c, &h);
     const uint16_t most = cf_eoe_most(c), longest = CF_EOE_MOST;
     unsigned int count = 0;
     cf_step(c, "a ping");
-    make_ping(frame, &h, CF_EOE_LEAST);
+    cf_eoe_ping(frame, &h, CF_EOE_LEAST);
     cf_eoe_send_frame(c, &h, frame, CF_EOE_LEAST, most, 1, -1);
-    const bool pings = await_echo(c, frame, CF_EOE_LEAST, CF_MAIL_MS);
+    const bool pings = cf_eoe_await_echo(c, frame, CF_EOE_LEAST, CF_MAIL_MS);
     for (uint16_t length = CF_EOE_LEAST; length <= longest; length++) {
         if (!is_chosen(c, length))
             continue;
         cf_step(c, "%s in a frame of %u bytes", pings ? "a ping" : "an ARP request", length);
         if (pings)
-            make_ping(frame, &h, length);
+            cf_eoe_ping(frame, &h, length);
         else
             cf_eoe_arp(frame, &h);
         cf_eoe_send_frame(c, &h, frame, length, most, (uint8_t)(++count & 0x0F), -1);
         if (pings)
-            cf_expect_that(c, await_echo(c, frame, length, CF_MAIL_MS),
+            cf_expect_that(c, cf_eoe_await_echo(c, frame, length, CF_MAIL_MS),
                            "a frame of %u bytes: expected its echo, got none", length);
         while (!pings && h.replies == 0)
             cf_eoe_take(c, &h, CF_MAIL_MS);
@@ -271,7 +121,7 @@ void cf_eoe_wrong_fragments(cf_t *c)
 {
     uint8_t frame[ROOM] = {0};
     cf_eoe_host_t h;
-    begin_frames(c, &h);
+    cf_eoe_begin_frames(c, &h);
     for (size_t i = 0; i < sizeof wrongs / sizeof wrongs[0]; i++) {
         cf_step(c, "%s; then a good frame", wrongs[i].what);
         cf_eoe_arp(frame, &h);
@@ -310,7 +160,7 @@ void cf_eoe_beside_sdo(cf_t *c)
     enum { ROUNDS = 50, UPLOAD = 0x40 };
     uint8_t frame[ROOM] = {0}, reply[ROOM];
     cf_eoe_host_t h;
-    begin_frames(c, &h);
+    cf_eoe_begin_frames(c, &h);
     unsigned int most = 0;
     cf_step(c, "%d times an SDO between two fragments, then one behind a frame whose reply was not fetched",
             (int)ROUNDS);
@@ -375,7 +225,7 @@ void cf_eoe_repeats(cf_t *c)
 {
     uint8_t frame[ROOM] = {0};
     cf_eoe_host_t h;
-    begin_frames(c, &h);
+    cf_eoe_begin_frames(c, &h);
     cf_eoe_arp(frame, &h);
     stamps(c, &h, frame);
     cf_step(c, "each fragment twice, with equal counters");
@@ -405,13 +255,6 @@ static void restart(cf_t *c)
     cf_go(c, CF_PREOP);
 }
 
-static void expect_good_frame(cf_t *c, cf_eoe_host_t *h, const uint8_t *frame)
-{
-    cf_step(c, "a good frame");
-    cf_eoe_send_frame(c, h, frame, CF_EOE_LEAST, UNIT, 15, -1);
-    cf_eoe_expect_replies(c, h, "replies to a good frame", 1);
-}
-
 /* A mail of EoE in BOOT, where only FoE is allowed. */
 static void boot_refuses(cf_t *c)
 {
@@ -429,22 +272,22 @@ void cf_eoe_restart(cf_t *c)
     uint8_t frame[ROOM] = {0}, ping[ROOM];
     cf_mail_t mail;
     cf_eoe_host_t h;
-    begin_frames(c, &h);
+    cf_eoe_begin_frames(c, &h);
     cf_eoe_arp(frame, &h);
     cf_step(c, "INIT and PREOP between two fragments");
     cf_eoe_send_fragment(c, frame, CF_EOE_LEAST, 0, UNIT, 1, 0);
     restart(c);
     cf_eoe_send_fragment(c, frame, CF_EOE_LEAST, UNIT, CF_EOE_LEAST - UNIT, 1, 1);
     cf_eoe_expect_replies(c, &h, "replies to a frame with a restart in it", 0);
-    expect_good_frame(c, &h, frame);
+    cf_eoe_expect_good_frame(c, &h, frame);
     cf_step(c, "a long ping, then INIT and PREOP between two fragments of its echo");
-    make_ping(ping, &h, CF_EOE_MOST);
+    cf_eoe_ping(ping, &h, CF_EOE_MOST);
     cf_eoe_send_frame(c, &h, ping, CF_EOE_MOST, cf_eoe_most(c), 2, -1);
     if (!cf_receive_mail(c, &mail, CF_MAIL_MS))
         cf_note(c, "it does not reply to ping: its half frames cannot be judged");
     restart(c);
     cf_eoe_expect_replies(c, &h, "replies after the restart", 0);
-    expect_good_frame(c, &h, frame);
+    cf_eoe_expect_good_frame(c, &h, frame);
     boot_refuses(c);
 }
 
@@ -456,7 +299,7 @@ void cf_eoe_unsupported(cf_t *c)
                                       CF_EOE_FILTER};
     cf_mail_t mail;
     cf_eoe_host_t before = {.length = 0};
-    begin(c, &before);
+    cf_eoe_begin(c, &before);
     for (uint8_t type = 0x0A; type <= 0x0F; type++) {
         cf_step(c, "a mail of the reserved type %u", type);
         cf_eoe_send(c, type, 0, "", 0, true);

@@ -399,6 +399,13 @@ void cf_known_state(cf_t *c);
  * @param[out] what  on failure: the state that was reached
  */
 bool cf_soem_to_op(cf_t *c, char *what, size_t room);
+/**
+ * Lets SOEM, unmodified, configure all slaves, take the slave under test to PREOP, set its IP address, and read it.
+ * @param set       octets in the order in which they are printed
+ * @param[out] got  the address that SOEM has read, in the same order
+ * @param[out] what  on failure: the reason
+ */
+bool cf_soem_address(cf_t *c, const uint8_t set[4], uint8_t got[4], char *what, size_t room);
 
 /* --- mailbox ------------------------------------------------------------------------------------------------------ */
 

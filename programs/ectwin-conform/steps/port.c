@@ -276,9 +276,8 @@ static bool soem_operational(ecx_contextt *soem, uint16_t slave, char *what, siz
     return soem_reached(soem, slave, EC_STATE_OPERATIONAL, what, room);
 }
 
-bool cf_port_soem_to_op(cf_port_t *port, uint16_t slave, char *what, size_t room)
+static bool soem_to_preop(ecx_contextt *soem, uint16_t slave, char *what, size_t room)
 {
-    ecx_contextt *soem = soem_context(port);
     int found = ecx_config_init(soem, FALSE);
     if (found < slave) {
         snprintf(what, room, "expected at least %u slaves, got %d", slave, found);
@@ -286,10 +285,42 @@ bool cf_port_soem_to_op(cf_port_t *port, uint16_t slave, char *what, size_t room
     }
     soem->slavelist[slave].state = EC_STATE_PRE_OP | EC_STATE_ACK;
     ecx_writestate(soem, slave);
-    if (!soem_reached(soem, slave, EC_STATE_PRE_OP, what, room))
+    return soem_reached(soem, slave, EC_STATE_PRE_OP, what, room);
+}
+
+bool cf_port_soem_to_op(cf_port_t *port, uint16_t slave, char *what, size_t room)
+{
+    ecx_contextt *soem = soem_context(port);
+    if (!soem_to_preop(soem, slave, what, room))
         return false;
     (void)ecx_config_map_group(soem, port->image, 0);
     soem->slavelist[slave].state = EC_STATE_SAFE_OP | EC_STATE_ACK;
     ecx_writestate(soem, slave);
     return soem_reached(soem, slave, EC_STATE_SAFE_OP, what, room) && soem_operational(soem, slave, what, room);
+}
+
+bool cf_port_soem_address(cf_port_t *port, uint16_t slave, const uint8_t set[4], uint8_t got[4], char *what,
+                          size_t room)
+{
+    ecx_contextt *soem = soem_context(port);
+    eoe_param_t address = {.ip_set = 1, .subnet_set = 1, .default_gateway_set = 1}, now = {.ip_set = 0};
+    if (!soem_to_preop(soem, slave, what, room))
+        return false;
+    EOE_IP4_ADDR_TO_U32(&address.ip, set[0], set[1], set[2], set[3]);
+    EOE_IP4_ADDR_TO_U32(&address.subnet, 255, 255, 255, 0);
+    EOE_IP4_ADDR_TO_U32(&address.default_gateway, set[0], set[1], set[2], 1);
+    int result = ecx_EOEsetIp(soem, slave, 0, &address, EC_TIMEOUTRXM);
+    if (result <= 0) {
+        snprintf(what, room, "expected ecx_EOEsetIp to succeed, got %d", result);
+        return false;
+    }
+    result = ecx_EOEgetIp(soem, slave, 0, &now, EC_TIMEOUTRXM);
+    if (result <= 0) {
+        snprintf(what, room, "expected ecx_EOEgetIp to succeed, got %d", result);
+        return false;
+    }
+    const uint8_t octets[] = {eoe_ip4_addr1(&now.ip), eoe_ip4_addr2(&now.ip), eoe_ip4_addr3(&now.ip),
+                              eoe_ip4_addr4(&now.ip)};
+    memcpy(got, octets, sizeof octets);
+    return true;
 }

@@ -55,5 +55,13 @@ ssize_t cf_port_raw(cf_port_t *port, const void *frame, size_t length, uint8_t *
  * @param[out] what  on failure: the state that was reached
  */
 bool cf_port_soem_to_op(cf_port_t *port, uint16_t slave, char *what, size_t room);
+/**
+ * SOEM's own start-up to PREOP, then its set IP and its get IP.
+ * @param set       octets in the order in which they are printed
+ * @param[out] got  octets that get IP returned, in the same order; 0 when the slave reports no address
+ * @param[out] what  on failure: the function and its result
+ */
+bool cf_port_soem_address(cf_port_t *port, uint16_t slave, const uint8_t set[4], uint8_t got[4], char *what,
+                          size_t room);
 
 #endif

@@ -49,6 +49,17 @@ bool cf_soem_to_op(cf_t *c, char *what, size_t room)
     return false;
 }
 
+bool cf_soem_address(cf_t *c, const uint8_t set[4], uint8_t got[4], char *what, size_t room)
+{
+    for (int tries = 0; tries < 3; tries++) {
+        cf_check_time(c);
+        if (cf_port_soem_address(c->engine->port, (uint16_t)(c->facts.position + 1), set, got, what, room))
+            return true;
+    }
+    cf_check_time(c);
+    return false;
+}
+
 /* --- shorthands --------------------------------------------------------------------------------------------------- */
 
 uint16_t cf_logical(cf_t *c, uint8_t command, uint32_t address, void *data, uint16_t length)
