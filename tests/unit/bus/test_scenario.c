@@ -523,6 +523,25 @@ static void loops_and_lines(void **state)
     }
 }
 
+/* The most columns: each intermediate row has a value of each. */
+static void most_columns(void **state)
+{
+    const char *names[ECT_TABLE_COLUMNS], *low[ECT_TABLE_COLUMNS], *high[ECT_TABLE_COLUMNS];
+    (void)state;
+    for (size_t i = 0; i < ECT_TABLE_COLUMNS; i++) {
+        names[i] = "ecat.drift";
+        low[i] = "2";
+        high[i] = "4";
+    }
+    ect_table_t *table = ect_table_new(1, names, ECT_TABLE_COLUMNS);
+    assert_true(ect_table_add(table, 0, low) && ect_table_add(table, 2 * MS, high));
+    assert_null(ect_table_refine(table, MS));
+    assert_int_equal(table->count, 3);
+    for (size_t i = 0; i < ECT_TABLE_COLUMNS; i++)
+        assert_string_equal(table->rows[1]->values[i], "3");
+    ect_table_free(table);
+}
+
 /* A table with neither time nor end, and one that would fill the memory. */
 static void tables_without_measure(void **state)
 {
@@ -767,6 +786,7 @@ int main(int argc, char **argv)
         TEST("signals of the bus show line, step and counts of a script", progress),
         TEST("the verdict is running, met, failed or over", verdicts_as_a_signal),
         TEST("a table begins again at the time of its last row; rows between rows are on the line", loops_and_lines),
+        TEST("a table may have the most columns, and a value of each between two rows", most_columns),
         TEST("a loop without a time, and more than a million rows, are refused", tables_without_measure),
         TEST("signals, values and slaves of a table are checked before the run", wrong_tables),
         TEST("signals, values and slaves that there are not are found before the run", wrong_names),

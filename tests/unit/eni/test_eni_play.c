@@ -76,6 +76,8 @@ static const struct {
      "EEPROM: check vendor id: the reply is 0xE57, which Validate refuses\n"},
     {"ENI-018 another number of slaves", "<DataLength>2</DataLength><Cnt>3</Cnt>",
      "<DataLength>2</DataLength><Cnt>4</Cnt>", 0, "count slaves: the working counter is 3, not 4\n"},
+    {"ENI-018 no slave at all", "<DataLength>2</DataLength><Cnt>3</Cnt>", "<DataLength>2</DataLength><Cnt>0</Cnt>", 0,
+     "count slaves: the working counter is 3, not 0\n"},
     {"a slave that is not there", "<Adp>65535</Adp>", "<Adp>65530</Adp>", 0,
      "station address: the working counter is 0, not 1\n"},
     {"ENI-013 a mailbox with another length", "00108000260001008010800022000100", "00108100260001008010800022000100", 0,
@@ -279,6 +281,7 @@ static void a_mailbox_that_is_too_short_for_CoE_is_named(void **state)
 typedef struct postbox {
     uint8_t last[2];
     unsigned int mails, repeated;
+    size_t longest; /* of the mails, with their headers */
 } postbox_t;
 
 static bool postbox_exchange(void *ctx, uint8_t *frame, size_t length)
@@ -289,7 +292,9 @@ static bool postbox_exchange(void *ctx, uint8_t *frame, size_t length)
     (void)length;
     if (frame[COMMAND] == FPWR) {
         const uint8_t counter = mail[5] >> 4;
+        const size_t size = 6u + mail[0] + 256u * mail[1];
         p->repeated += *last == counter;
+        p->longest = size > p->longest ? size : p->longest;
         p->mails++;
         *last = counter;
     } else {
@@ -321,6 +326,39 @@ static void each_slave_gets_mails_with_counters_of_its_own(void **state)
     ect_eni_close(eni);
 }
 
+/* Bytes in the first mail, and in each segment: what is left of 64 behind the headers. */
+static void ENI_015_a_long_value_is_sent_in_mails_that_fit_the_mailbox(void **state)
+{
+    enum { BOX = 64, FIRST = BOX - 16, SEGMENT = BOX - 9 };
+    static const struct {
+        size_t bytes;
+        unsigned int mails;
+        size_t longest;
+    } rows[] = {
+        {5, 1, 21},    {FIRST, 1, BOX}, {FIRST + 1, 2, BOX}, {FIRST + SEGMENT, 2, BOX}, {FIRST + SEGMENT + 1, 3, BOX},
+        {500, 10, BOX}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char data[2 * 500 + 1] = "", text[3000];
+        memset(data, '7', 2 * rows[i].bytes);
+        (void)snprintf(text, sizeof text,
+                       ENI_HEAD ENI_SLAVE("<PhysAddr>1001</PhysAddr>",
+                                          BOXES("<InitCmd><Transition>PS</Transition><Index>8192</Index>"
+                                                "<SubIndex>0</SubIndex><Data>%s</Data></InitCmd>")) ENI_TAIL,
+                       data);
+        postbox_t postbox = {.mails = 0};
+        const ect_eni_wire_t wire = {
+            .ctx = &postbox, .exchange = postbox_exchange, .wait = fake_wait, .report = fake_report};
+        ect_eni_t *eni = eni_of("long", text);
+        ect_eni_player_t player = {.eni = eni, .wire = &wire};
+        assert_true(ect_eni_play(&player, ECT_ENI_SAFEOP));
+        if (postbox.mails != rows[i].mails || postbox.longest != rows[i].longest)
+            fail_msg("%zu bytes: expected %u mails up to %zu bytes, got %u up to %zu", rows[i].bytes, rows[i].mails,
+                     rows[i].longest, postbox.mails, postbox.longest);
+        ect_eni_close(eni);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -331,6 +369,7 @@ int main(void)
         cmocka_unit_test(ENI_005_every_comparison_of_Validate_decides_with_mask_and_sign),
         cmocka_unit_test(ENI_022_a_command_is_repeated_until_its_Timeout_and_a_minute_at_most),
         cmocka_unit_test(each_slave_gets_mails_with_counters_of_its_own),
+        cmocka_unit_test(ENI_015_a_long_value_is_sent_in_mails_that_fit_the_mailbox),
         cmocka_unit_test(a_wire_without_replies_is_named),
         cmocka_unit_test(a_mailbox_that_is_too_short_for_CoE_is_named),
     };

@@ -181,6 +181,54 @@ static void CF_N01_a_written_file_has_frames_checks_and_mailbox_of_the_device(vo
     drop(&w);
 }
 
+static const ect_dc_mode_t *clock_of(const ect_device_t *device)
+{
+    for (unsigned int i = 0; i < device->dc_mode_count; i++) {
+        if (device->dc_modes[i].assign_activate != 0)
+            return &device->dc_modes[i];
+    }
+    return NULL;
+}
+
+/* Two slaves, the second at port B of the first, in a hot-connect group, with an alias; both with clocks. */
+static void write_known(written_t *w)
+{
+    *w = (written_t){.count = 0};
+    add_part(w, "fzm1");
+    add_part(w, "pmctendo-dd5");
+    w->parts[0].clock = clock_of(w->parts[0].device);
+    w->parts[1].clock = clock_of(w->parts[1].device);
+    w->parts[1].alias = 7;
+    w->parts[1].up_port = 1;
+    w->parts[1].group = "Tool";
+    w->parts[1].members = 1;
+    write_parts("known", w);
+}
+
+/* The file is checked in; `test_eni_write --write` replaces it, for a review of the difference. */
+static void CF_N01_a_known_bus_has_the_file_of_the_tests_byte_for_byte(void **state)
+{
+    char *known = NULL;
+    size_t room = 0;
+    unsigned int number = 0;
+    written_t w;
+    (void)state;
+    write_known(&w);
+    FILE *file = fopen(ENI_FILES "/written.xml", "re");
+    assert_non_null(file);
+    const char *at = w.file;
+    for (ssize_t length; (length = getline(&known, &room, file)) > 0; at += length) {
+        number++;
+        if (strncmp(at, known, (size_t)length) != 0)
+            fail_msg("written.xml:%u: expected %s  got %.*s", number, known, (int)strcspn(at, "\n"), at);
+    }
+    assert_string_equal(at, "");
+    assert_true(number > 100);
+    (void)fclose(file);
+    free(known);
+    drop(&w);
+}
+
 static void ENI_010_ENI_021_place_and_alias_of_a_slave_come_back(void **state)
 {
     written_t w = {.count = 0};
@@ -231,15 +279,6 @@ static void ENI_017_the_image_holds_every_command_and_its_variables_do_not_overl
         }
         drop(&w);
     }
-}
-
-static const ect_dc_mode_t *clock_of(const ect_device_t *device)
-{
-    for (unsigned int i = 0; i < device->dc_mode_count; i++) {
-        if (device->dc_modes[i].assign_activate != 0)
-            return &device->dc_modes[i];
-    }
-    return NULL;
 }
 
 static const ect_eni_command_t *command_at(const ect_eni_slave_t *slave, unsigned int transition, uint16_t ado)
@@ -482,13 +521,27 @@ static void a_file_of_no_slave_or_of_too_many_is_refused(void **state)
     ect_arena_free(&arena);
 }
 
-int main(void)
+static int write_file(void)
 {
+    written_t w;
+    write_known(&w);
+    FILE *file = fopen(ENI_FILES "/written.xml", "we");
+    const bool written = file != NULL && fwrite(w.file, 1, w.length, file) == w.length;
+    const bool closed = file != NULL && fclose(file) == 0;
+    drop(&w);
+    return written && closed ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc > 1 && strcmp(argv[1], "--write") == 0)
+        return write_file();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(CF_N02_a_written_file_brings_its_devices_to_OP_with_every_counter_as_expected),
         cmocka_unit_test(CF_N02_a_written_file_brings_the_twins_that_it_makes_to_OP),
         cmocka_unit_test(CF_N01_a_written_file_is_read_as_the_same_bus),
         cmocka_unit_test(CF_N01_a_written_file_has_frames_checks_and_mailbox_of_the_device),
+        cmocka_unit_test(CF_N01_a_known_bus_has_the_file_of_the_tests_byte_for_byte),
         cmocka_unit_test(ENI_010_ENI_021_place_and_alias_of_a_slave_come_back),
         cmocka_unit_test(ENI_017_the_image_holds_every_command_and_its_variables_do_not_overlap),
         cmocka_unit_test(CF_N02_a_file_with_clocks_brings_its_devices_to_OP),

@@ -632,6 +632,43 @@ static void a_pdo_of_an_image_may_be_fixed_and_mandatory(void **state)
     }
 }
 
+/* The length of a SyncManager of 0 bytes is the master's: the image has no word on whether it is enabled. */
+static void a_sync_manager_of_an_image_with_a_length_is_enabled_or_not(void **state)
+{
+    static const struct {
+        uint16_t length;
+        uint8_t activate;
+        const char *enabled;
+    } rows[] = {{0, 1, "none"}, {1, 1, "yes"}, {1, 0, "no"}, {2, 0xFE, "no"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t image[ECT_SII_CATEGORIES + 16] = {0}, *sm = image + ECT_SII_CATEGORIES + 4;
+        ect_facts_t f = {.source = "image"};
+        ect_store_le16(image + ECT_SII_CATEGORIES, ECT_SII_SYNCM);
+        ect_store_le16(image + ECT_SII_CATEGORIES + 2, 4);
+        ect_store_le16(image + ECT_SII_CATEGORIES + 12, ECT_SII_END);
+        ect_store_le16(sm + 2, rows[i].length);
+        sm[6] = rows[i].activate;
+        sm[7] = ECT_SM_OUTPUTS;
+        ect_facts_of_sii(&f, image, sizeof image);
+        assert_string_equal(text_of(&f, ECT_FACT_SM_ENABLED, 0, 0), rows[i].enabled);
+        ect_facts_free(&f);
+    }
+}
+
+/* Device type and name of a description are constants, and a slave replies with them; other constants have no default.
+ */
+static void a_description_has_defaults_of_identity(void **state)
+{
+    ect_facts_t f = {.source = "description"};
+    (void)state;
+    ect_facts_of_device(&f, &testdev);
+    assert_string_not_equal(text_of(&f, ECT_FACT_ENTRY_DEFAULT, 0x1000, 0), "none");
+    assert_string_not_equal(text_of(&f, ECT_FACT_ENTRY_DEFAULT, 0x1008, 0), "none");
+    assert_string_equal(text_of(&f, ECT_FACT_ENTRY_DEFAULT, 0x1001, 0), "00");
+    ect_facts_free(&f);
+}
+
 /* The name of the second clock is the string of number 1, the first has none: there is a clock all the same. */
 static void a_clock_of_an_image_may_have_no_name(void **state)
 {
@@ -718,6 +755,8 @@ int main(void)
         cmocka_unit_test(an_image_with_coe_has_all_pdos_or_none),
         cmocka_unit_test(an_image_shorter_than_its_header_is_one_fact),
         cmocka_unit_test(a_pdo_of_an_image_may_be_fixed_and_mandatory),
+        cmocka_unit_test(a_sync_manager_of_an_image_with_a_length_is_enabled_or_not),
+        cmocka_unit_test(a_description_has_defaults_of_identity),
         cmocka_unit_test(a_clock_of_an_image_may_have_no_name),
         cmocka_unit_test(a_category_beyond_the_image_is_none),
         cmocka_unit_test(objects_with_facts_elsewhere_are_known),

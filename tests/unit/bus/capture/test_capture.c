@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -283,6 +284,49 @@ static void thread(void **state)
     assert_int_equal(count(r, ECT_PCAPNG_PACKET), kept);
 }
 
+static off_t size_of(const rig_t *r)
+{
+    struct stat info;
+    assert_int_equal(stat(r->path, &info), 0);
+    return info.st_size;
+}
+
+/* The thread sleeps between two packets: each flush wakes it. */
+static void flush_wakes_the_thread(void **state)
+{
+    enum { PACKETS = 20, MOST_WAITS = 60000, PAUSE_US = 1000 };
+    rig_t *r = *state;
+    const ect_capture_config_t config = config_of(r);
+    begin(r, &config);
+    assert_true(ect_capture_start(r->capture));
+    for (unsigned int i = 0; i < PACKETS; i++) {
+        const off_t before = size_of(r);
+        unsigned int waits = 0;
+        assert_true(add(r, i, FRAME));
+        ect_capture_flush(r->capture);
+        while (size_of(r) == before && waits++ < MOST_WAITS)
+            usleep(PAUSE_US);
+        assert_true(size_of(r) > before);
+    }
+    end(r, 0);
+    assert_int_equal(count(r, ECT_PCAPNG_PACKET), PACKETS);
+}
+
+/* Readable and writable as the user's mask has it, and never a program. */
+static void rights_of_the_file(void **state)
+{
+    rig_t *r = *state;
+    struct stat info;
+    const ect_capture_config_t config = config_of(r);
+    const mode_t mask = umask(0);
+    unlink(r->path);
+    begin(r, &config);
+    (void)umask(mask);
+    end(r, 0);
+    assert_int_equal(stat(r->path, &info), 0);
+    assert_int_equal(info.st_mode & 07777, 0666);
+}
+
 static void idle_thread_ends(void **state)
 {
     rig_t *r = *state;
@@ -389,6 +433,8 @@ int main(void)
         CASE("at the limit the older half goes; heads and newest frames stay", limit),
         CASE("with append each capture is a section of its own; without it the file is emptied", sections),
         CASE("a thread writes what is added, all of it", thread),
+        CASE("each flush wakes the thread", flush_wakes_the_thread),
+        CASE("the file has the rights of the mask, and is no program", rights_of_the_file),
         CASE("a thread that has nothing to do ends", idle_thread_ends),
         CASE("after a failed write frames are dropped, and the end reports the reason", failed_write),
         CASE("a file that cannot be written gives one line", refused),

@@ -170,6 +170,30 @@ static void resolutions(void **state)
     }
 }
 
+/* Options have lengths of their own, and are filled up to four bytes. */
+static void options_before(void **state)
+{
+    enum { COMMENT = 1 };
+    (void)state;
+    for (uint32_t length = 0; length <= 9; length++) {
+        const uint32_t padded = (length + 3) / 4 * 4, total = 32 + padded;
+        file_t f = {0};
+        put_section(&f);
+        put32(&f, ECT_PCAPNG_INTERFACE);
+        put32(&f, total);
+        put16s(&f, 1, 0);
+        put32(&f, 0);
+        put16s(&f, COMMENT, (uint16_t)length);
+        memset(f.bytes + f.size, ' ', padded);
+        f.size += padded;
+        put16s(&f, ECT_PCAPNG_RESOLUTION, 1);
+        put32(&f, 3); /* milliseconds */
+        put32(&f, total);
+        put_packet(&f, 0, 1500, FRAME, FRAME);
+        expect_time(&f, 1500000000);
+    }
+}
+
 static void old_format(void **state)
 {
     (void)state;
@@ -321,6 +345,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         {"times of any resolution are nanoseconds, in both byte orders", resolutions, NULL, NULL, NULL},
+        {"a resolution is found behind an option of any length", options_before, NULL, NULL, NULL},
         {"pcap in microseconds and nanoseconds, in both byte orders", old_format, NULL, NULL, NULL},
         {"each section has interfaces and a byte order of its own", sections_anew, NULL, NULL, NULL},
         {"Attack: lengths and counts of pcapng that lie", lies, NULL, NULL, NULL},
