@@ -12,6 +12,7 @@
 #include "bus/control/endpoint.h"
 #include "link.h"
 #include "table.h"
+#include "trace.h"
 
 enum { BUS_MOST = 32, BUS_TEXT = 4096, BUS_TROUBLE = 256 };
 
@@ -36,6 +37,7 @@ typedef struct bus {
     char trouble[BUS_TROUBLE]; /**< the reason why its signals are not shown */
     link_t link;
     table_t table;
+    trace_t trace; /**< every change of some signals */
 } bus_t;
 
 /** Replies to the requests of pages go here: one line of JSON. */

@@ -13,7 +13,7 @@ static void remove_dead(buses_t *buses)
     size_t kept = 0;
     for (size_t i = 0; i < buses->count; i++) {
         bus_t *bus = buses->all[i];
-        if (bus->socket || ect_endpoint_identity(bus->path) != 0) {
+        if (bus->socket || bus->trace.socket || ect_endpoint_identity(bus->path) != 0) {
             buses->all[kept++] = bus;
         } else {
             table_clear(&bus->table);
@@ -40,7 +40,7 @@ static bool add(void *ctx, const char *path)
     return true;
 }
 
-static void connect_to(bus_t *bus, finder_taker_t take, void *ctx)
+void finder_connect(bus_t *bus, finder_taker_t take, void *ctx)
 {
     struct ucred peer = {0};
     socklen_t size = sizeof peer;
@@ -65,6 +65,6 @@ void finder_search(buses_t *buses, finder_taker_t take, void *ctx)
         ect_endpoint_each(folder, add, buses);
     for (size_t i = 0; i < buses->count; i++) {
         if (!buses->all[i]->socket)
-            connect_to(buses->all[i], take, ctx);
+            finder_connect(buses->all[i], take, ctx);
     }
 }

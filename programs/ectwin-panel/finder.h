@@ -15,4 +15,8 @@ typedef void (*finder_taker_t)(void *ctx, bus_t *bus, int fd, long process);
  */
 void finder_search(buses_t *buses, finder_taker_t take, void *ctx);
 
+/** Makes one more connection to a bus, as ::finder_search does. It never waits; without a connection nothing is taken.
+ */
+void finder_connect(bus_t *bus, finder_taker_t take, void *ctx);
+
 #endif

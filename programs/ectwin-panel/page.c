@@ -27,6 +27,25 @@ static void open_bus(page_t *page, unsigned int bus)
     page->counters = 0;
     page->faults = 0;
     page->troubles = 0;
+    memset(&page->traced, 0, sizeof page->traced);
+}
+
+/* @return whether it is a list of positions of signals */
+static bool take_trace(page_t *page, const cJSON *list)
+{
+    const cJSON *signal;
+    page->tracing = page->tracing && page->traced.count > 0;
+    memset(&page->traced, 0, sizeof page->traced);
+    if (!cJSON_IsArray(list))
+        return false;
+    cJSON_ArrayForEach(signal, list)
+    {
+        if (!cJSON_IsNumber(signal) || signal->valueint < 0 || signal->valueint >= TABLE_SIGNALS ||
+            page->traced.count == TRACE_SIGNALS)
+            return false;
+        trace_set_add(&page->traced, (size_t)signal->valueint);
+    }
+    return true;
 }
 
 static void refuse(page_t *page, double id, const char *reason)
@@ -67,6 +86,8 @@ page_action_t page_take(page_t *page, const char *text, size_t length, const cha
     } else if (cJSON_HasObjectItem(message, "open")) {
         open_bus(page, number_of(message, "open"));
         action = PAGE_DONE;
+    } else if (cJSON_HasObjectItem(message, "trace")) {
+        action = take_trace(page, cJSON_GetObjectItemCaseSensitive(message, "trace")) ? PAGE_DONE : PAGE_CLOSE;
     } else {
         action = pass_on(page, message, passed);
     }
@@ -155,6 +176,7 @@ static size_t write_signals(page_t *page, const bus_t *bus, out_t *out)
         page->next = 0;
         page->values = 0;
         memset(page->changed, 0, sizeof page->changed);
+        memset(&page->traced, 0, sizeof page->traced);
     }
     add(out, "{\"event\":\"signals\",\"bus\":%u,\"of\":%zu,\"from\":%zu,\"signals\":[", bus->number, bus->table.count,
         page->described);
@@ -188,6 +210,34 @@ static size_t write_values(page_t *page, const bus_t *bus, out_t *out)
     page->due = false;
     page->values = page->passing;
     return end(out, "]}");
+}
+
+/* A page that is too late loses the oldest changes. */
+static size_t write_changes(page_t *page, const bus_t *bus, out_t *out)
+{
+    const char *comma = "";
+    const trace_t *trace = &bus->trace;
+    if (!page->tracing)
+        page->traces = trace->written;
+    else if (trace->written - page->traces > TRACE_ROOM)
+        page->traces = trace->written - TRACE_ROOM;
+    page->tracing = true;
+    add(out, "{\"event\":\"changes\",\"bus\":%u,\"changes\":[", bus->number);
+    for (; page->traces != trace->written; page->traces++) {
+        const trace_change_t *change = &trace->ring[page->traces % TRACE_ROOM];
+        if (!trace_set_has(&page->traced, change->signal))
+            continue;
+        add(out, "%s[%u,%.6f,%.15g]", comma, change->signal, change->time_s, change->value);
+        if (out->full)
+            break;
+        comma = ",";
+    }
+    return end(out, "]}");
+}
+
+static bool has_changes(const page_t *page, const bus_t *bus)
+{
+    return page->due && page->traced.count > 0 && (!page->tracing || page->traces != bus->trace.written);
 }
 
 static size_t write_stats(page_t *page, const bus_t *bus, out_t *out)
@@ -227,6 +277,8 @@ static size_t (*news_of(const page_t *page, const bus_t *bus))(page_t *, const b
         return write_faults;
     if (bus->counters.version != page->counters && bus->answers.version > 0)
         return write_stats;
+    if (bus->listed && has_changes(page, bus))
+        return write_changes;
     if (bus->listed && page->due && (page->values != bus->table.changes || page->next > 0))
         return write_values;
     return NULL;

@@ -5,14 +5,15 @@
  * been sent, so a slow page gets the newest values, and its memory does not grow. No socket, no clock.
  *
  * Messages are JSON. From the page: {"token":"…"} first; then {"open":BUS} and {"id":N,"bus":BUS,"request":{…}}, a
- * request of the control protocol. To the page: an "event" each: hello, buses, signals, values, stats, faults, trouble,
- * reply.
+ * request of the control protocol; {"trace":[SIGNAL,…]}, all signals of which it wants every change. To the page: an
+ * "event" each: hello, buses, signals, values, changes, stats, faults, trouble, reply.
  */
 #ifndef ECTWIN_PANEL_PAGE_H
 #define ECTWIN_PANEL_PAGE_H
 
 #include "bus.h"
 #include "request.h"
+#include "trace.h"
 
 enum {
     PAGE_MESSAGE = 32768, /**< room for a message to a page */
@@ -35,7 +36,10 @@ typedef struct page {
     uint32_t passing; /**< the same, when this pass has ended */
     size_t next;      /**< signal at which the pass continues */
     uint32_t changed[TABLE_SIGNALS];
-    size_t waiting; /**< requests without a reply, with those below */
+    trace_set_t traced; /**< signals of which it wants every change */
+    bool tracing;       /**< `traces` is valid */
+    uint32_t traces;    /**< changes of the trace up to which it has been sent them */
+    size_t waiting;     /**< requests without a reply, with those below */
     size_t first, replies;
     struct {
         double id;

@@ -20,7 +20,7 @@ enum {
     POLL_TICKS = 25,                  /* buses are looked for, and asked, once a second */
     PATIENCE_US = 5 * LWS_US_PER_SEC, /* time for the token, and for reading a message */
     CONNECTIONS = 64,                 /* of browsers */
-    DESCRIPTORS = CONNECTIONS + BUS_MOST + 16,
+    DESCRIPTORS = CONNECTIONS + 2 * BUS_MOST + 16,
     PIECE = 4096, /* of a file, written at a time */
 };
 
@@ -300,13 +300,13 @@ static int receive(struct lws *wsi, bus_t *bus)
     return 0;
 }
 
-static int send_requests(struct lws *wsi, bus_t *bus)
+static int send_requests(struct lws *wsi, link_t *link)
 {
-    ssize_t sent = send(lws_get_socket_fd(wsi), bus->link.out, bus->link.unsent, MSG_NOSIGNAL | MSG_DONTWAIT);
+    ssize_t sent = send(lws_get_socket_fd(wsi), link->out, link->unsent, MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent < 0 && errno != EAGAIN && errno != EINTR)
         return -1;
-    link_sent(&bus->link, sent > 0 ? (size_t)sent : 0);
-    if (bus->link.unsent > 0)
+    link_sent(link, sent > 0 ? (size_t)sent : 0);
+    if (link->unsent > 0)
         lws_callback_on_writable(wsi);
     return 0;
 }
@@ -322,7 +322,7 @@ static int on_bus(struct lws *wsi, enum lws_callback_reasons reason, void *user,
     case LWS_CALLBACK_RAW_RX_FILE:
         return receive(wsi, bus);
     case LWS_CALLBACK_RAW_WRITEABLE_FILE:
-        return send_requests(wsi, bus);
+        return send_requests(wsi, &bus->link);
     case LWS_CALLBACK_RAW_CLOSE_FILE:
         bus->socket = NULL;
         bus_disconnected(&server_of(wsi)->buses, bus);
@@ -332,18 +332,88 @@ static int on_bus(struct lws *wsi, enum lws_callback_reasons reason, void *user,
     }
 }
 
+/* @return NULL: libwebsockets has closed the descriptor */
+static struct lws *adopt(const server_t *server, bus_t *bus, int fd, const char *protocol)
+{
+    const lws_sock_file_fd_type descriptor = {.filefd = fd};
+    struct lws *wsi = lws_adopt_descriptor_vhost(server->vhost, LWS_ADOPT_RAW_FILE_DESC, descriptor, protocol, NULL);
+    if (wsi)
+        *(bus_t **)lws_wsi_user(wsi) = bus;
+    return wsi;
+}
+
 /* Takes a new connection of the finder. */
 static void take_socket(void *ctx, bus_t *bus, int fd, long process)
 {
     server_t *server = ctx;
-    const lws_sock_file_fd_type descriptor = {.filefd = fd};
-    struct lws *wsi = lws_adopt_descriptor_vhost(server->vhost, LWS_ADOPT_RAW_FILE_DESC, descriptor, "bus", NULL);
-    if (!wsi) /* libwebsockets has closed the descriptor */
+    bus->socket = adopt(server, bus, fd, "bus");
+    if (!bus->socket)
         return;
-    *(bus_t **)lws_wsi_user(wsi) = bus;
-    bus->socket = wsi;
     bus_connected(&server->buses, bus, process);
-    lws_callback_on_writable(wsi);
+    lws_callback_on_writable(bus->socket);
+}
+
+/* --- traces ------------------------------------------------------------------------------------------------------- */
+
+static int receive_trace(struct lws *wsi, bus_t *bus)
+{
+    char bytes[16384];
+    ssize_t got = recv(lws_get_socket_fd(wsi), bytes, sizeof bytes, MSG_DONTWAIT);
+    if (got < 0)
+        return errno == EAGAIN || errno == EINTR ? 0 : -1;
+    return got > 0 && trace_take(&bus->trace, &bus->table, bytes, (size_t)got) ? 0 : -1;
+}
+
+static int on_trace(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *bytes, size_t length)
+{
+    bus_t *bus = user ? *(bus_t **)user : NULL;
+    (void)bytes;
+    (void)length;
+    if (!bus)
+        return 0;
+    switch (reason) {
+    case LWS_CALLBACK_RAW_RX_FILE:
+        return receive_trace(wsi, bus);
+    case LWS_CALLBACK_RAW_WRITEABLE_FILE:
+        return send_requests(wsi, &bus->trace.link);
+    case LWS_CALLBACK_RAW_CLOSE_FILE:
+        bus->trace.socket = NULL;
+        trace_restart(&bus->trace);
+        return 0;
+    default:
+        return 0;
+    }
+}
+
+static void take_trace_socket(void *ctx, bus_t *bus, int fd, long process)
+{
+    (void)process;
+    bus->trace.socket = adopt(ctx, bus, fd, "trace");
+    trace_restart(&bus->trace);
+}
+
+/* A twin reports every change while a page plots a signal. */
+static void poll_trace(server_t *server, bus_t *bus)
+{
+    trace_set_t wanted = {0};
+    for (const browser_t *browser = server->browsers; browser; browser = browser->next) {
+        if (browser->page.bus == bus->number && browser->page.generation == bus->generation)
+            trace_set_unite(&wanted, &browser->page.traced);
+    }
+    bus->trace.tried = bus->trace.tried && server->ticks % POLL_TICKS != 0;
+    if (wanted.count > 0 && bus->listed && !bus->trace.socket && !bus->trace.tried) {
+        bus->trace.tried = true;
+        finder_connect(bus, take_trace_socket, server);
+    }
+    if (!bus->trace.socket)
+        return;
+    if (wanted.count == 0 || !bus->listed) {
+        lws_set_timeout(bus->trace.socket, PENDING_TIMEOUT_USER_OK, LWS_TO_KILL_ASYNC);
+        return;
+    }
+    trace_want(&bus->trace, &bus->table, &wanted);
+    if (bus->trace.link.unsent > 0)
+        lws_callback_on_writable(bus->trace.socket);
 }
 
 static bool is_open(const server_t *server, const bus_t *bus)
@@ -398,6 +468,8 @@ static void tick(lws_sorted_usec_list_t *timer)
     server_t *server = lws_container_of(timer, server_t, timer);
     if (server->ticks++ % POLL_TICKS == 0)
         poll_buses(server);
+    for (size_t i = 0; i < server->buses.count; i++)
+        poll_trace(server, server->buses.all[i]);
     for (browser_t *browser = server->browsers; browser; browser = browser->next)
         serve_page(server, browser);
     lws_sul_schedule(server->context, 0, &server->timer, tick, TICK_US);
@@ -419,6 +491,7 @@ static const struct lws_protocols protocols[] = {
      .per_session_data_size = sizeof(browser_t),
      .rx_buffer_size = REQUEST_TEXT},
     {.name = "bus", .callback = on_bus, .per_session_data_size = sizeof(bus_t *)},
+    {.name = "trace", .callback = on_trace, .per_session_data_size = sizeof(bus_t *)},
     {0},
 };
 

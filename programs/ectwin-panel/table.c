@@ -88,6 +88,14 @@ bool table_change(table_t *table, const char *text, const cJSON *line)
     return true;
 }
 
+size_t table_find(table_t *table, const cJSON *line)
+{
+    long slave;
+    const char *name = key_of(line, &slave);
+    uint16_t slot = name ? *find(table, slave, name) : 0;
+    return slot > 0 ? slot - 1U : TABLE_SIGNALS;
+}
+
 void table_clear(table_t *table)
 {
     for (size_t i = 0; i < table->count; i++) {

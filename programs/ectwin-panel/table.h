@@ -40,6 +40,9 @@ bool table_add(table_t *table, const char *text, const cJSON *line);
 /** Takes a line of `watch`. @return false: an unknown signal, or no such line */
 bool table_change(table_t *table, const char *text, const cJSON *line);
 
+/** @return position of the signal of a line; TABLE_SIGNALS: unknown */
+size_t table_find(table_t *table, const cJSON *line);
+
 /** Forgets all signals. */
 void table_clear(table_t *table);
 

@@ -249,6 +249,16 @@ def signals():
         check("it is in the list", ["drop 5%"], page.wait("faults", lambda m: m["faults"])["faults"])
         stats = page.wait("stats")
         check("counters come", True, stats["counters"]["frames"] >= 0 and len(stats["answers"]["answers"]) > 0)
+        ready = index[1, "ready"]
+        page.send({"trace": [ready]})
+        page.wait("changes", lambda m: any(change[0] == ready for change in m["changes"]))
+        page.request(bus, {"op": "set", "slave": 1, "name": "trigger", "value": 1})
+        found = []
+        while len(found) < 2:
+            found += page.wait("changes")["changes"]
+        check("a pulse of 5 ms arrives whole", [[ready, 0], [ready, 1]], [[signal, value] for signal, _, value in found])
+        check("with the times of the twin", True, found[0][1] < found[1][1])
+        page.send({"trace": []})
         other = Page(panel, panel.token)
         other.open("gripper=fzm1,pmctendo-dd5")
         check("a second page gets all values", True, other.value(index[1, "data1"], 7))
@@ -275,7 +285,8 @@ def hostile():
     with running() as panel, twins("fzm1"):
         good = Page(panel, panel.token)
         bus, index = good.open("fzm1")
-        for title, message in (("no JSON", "{"), ("an array", "[]"), ("no id", {"request": {}}), ("a long one", " " * 5000)):
+        for title, message in (("no JSON", "{"), ("an array", "[]"), ("no id", {"request": {}}), ("a long one", " " * 5000),
+                               ("no list of signals", {"trace": 1}), ("too many signals", {"trace": list(range(200))})):
             page = Page(panel, panel.token)
             page.wait("hello")
             page.send(message)

@@ -131,6 +131,62 @@ export class Signals {
   }
 }
 
+/** Every change of the signals that plots show, with the time of the twin. */
+export class Tracer {
+  /** @param send  sends a message to the server */
+  constructor(send) {
+    this.send = send;
+    this.listeners = new Map();
+    this.restart();
+  }
+
+  /** The signals are others. */
+  restart() {
+    this.listeners.clear();
+    this.offset = null;
+    this.announced = "";
+  }
+
+  /** Calls `listener` with the time, in ms of this page, and the value of each change. @return a function that ends it */
+  add(signal, listener) {
+    const entry = { signal, listener };
+    if (!this.listeners.has(signal.index)) this.listeners.set(signal.index, new Set());
+    this.listeners.get(signal.index).add(entry);
+    this.announce();
+    return () => {
+      const entries = this.listeners.get(signal.index);
+      if (!entries?.delete(entry)) return;
+      if (entries.size === 0) this.listeners.delete(signal.index);
+      this.announce();
+    };
+  }
+
+  announce() {
+    queueMicrotask(() => {
+      const wanted = [...this.listeners.keys()].sort((a, b) => a - b);
+      if (wanted.join() === this.announced) return;
+      this.announced = wanted.join();
+      this.send({ trace: wanted });
+    });
+  }
+
+  /** The clocks differ by the shortest way of a change so far; a clock that runs at another rate begins again. */
+  timeOf(seconds, now) {
+    const offset = now - seconds * 1000;
+    if (this.offset === null || offset < this.offset || offset > this.offset + 2000) this.offset = offset;
+    return seconds * 1000 + this.offset;
+  }
+
+  take(message) {
+    const now = performance.now();
+    const last = message.changes.at(-1);
+    if (last) this.timeOf(last[1], now);
+    for (const [index, seconds, value] of message.changes) {
+      for (const { listener } of this.listeners.get(index) ?? []) listener(seconds * 1000 + this.offset, value);
+    }
+  }
+}
+
 let collected = null;
 
 /** Runs `build`. @return a function that ends the watches that `build` has begun */

@@ -77,7 +77,7 @@ export const isCamera = (signals, slave) => CHART.every((name) => signals.find(s
 
 export function makeCamera(context, slave) {
   const find = (name) => context.signals.find(slave, name);
-  const chart = new Plot(CHART_SECONDS);
+  const chart = new Plot(context.tracer, CHART_SECONDS);
   chart.choose(CHART.map(find));
   atEnd(() => chart.choose([]));
   return make("div", { class: "camera" },

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The page: the list of buses, and the bus that is shown.
 import { make, setText, short } from "./dom.js";
-import { collect, Connection, Signals } from "./bus.js";
+import { collect, Connection, Signals, Tracer } from "./bus.js";
 import { makeRail } from "./rail.js";
 import { makeSignals } from "./signals.js";
 import { makeFaults } from "./faults.js";
@@ -24,6 +24,7 @@ function report(text) {
 const context = {
   get signals() { return view.signals; },
   get view() { return view.readOnly; },
+  tracer: new Tracer((message) => connection.send(message)),
   async set(signal, value) {
     const reply = await connection.request(view.shown, { op: "set", slave: signal.slave, name: signal.name, value });
     if (!reply.ok) report(`${signal.name}: ${reply.message}`);
@@ -71,6 +72,7 @@ function open(number) {
   view.slave = 0;
   view.parts = null;
   view.signals.clear();
+  context.tracer.restart();
   connection.send({ open: number });
   for (const button of list.children) button.setAttribute("aria-pressed", String(Number(button.dataset.bus) === number));
   main.replaceChildren(make("p", { class: "none" }, "Reading the signals …"));
@@ -145,7 +147,7 @@ function showBus() {
   const devices = names.length === slaves.length ? names : [];
   const figures = Object.fromEntries(["Frames/s", "Replied", "Dropped", "Median", "99 %", "Longest"].map((label) => [label, makeFigure(label)]));
   const parts = {
-    rail: makeRail(context, devices, select), plot: new Plot(), faults: makeFaults(context), histogram: makeHistogram(), figures,
+    rail: makeRail(context, devices, select), plot: new Plot(context.tracer), faults: makeFaults(context), histogram: makeHistogram(), figures,
     signals: make("div"), presets: make("span", { class: "presets" }), twinTitle: make("h2", {}, "Signals"), about: make("p", { class: "about" }),
   };
   parts.fronts = make("div", { class: "fronts" });
@@ -203,8 +205,12 @@ const connection = new Connection(location.hash.slice(1), {
   },
   hello: (message) => { view.readOnly = message.view; },
   buses: (message) => showBuses(message.buses),
-  signals: ofShown((message) => { if (view.signals.describe(message)) showBus(); }),
+  signals: ofShown((message) => {
+    if (message.from === 0) context.tracer.restart();
+    if (view.signals.describe(message)) showBus();
+  }),
   values: ofShown((message) => view.signals.change(message)),
+  changes: ofShown((message) => context.tracer.take(message)),
   stats: ofShown(showStats),
   faults: ofShown((message) => view.parts?.faults.show(message.faults)),
   trouble: ofShown((message) => main.replaceChildren(make("p", { class: "none" }, message.message))),

@@ -2,49 +2,64 @@
 // A strip chart: a lane for each chosen signal, the newest values at the right edge.
 import { make, setText, short } from "./dom.js";
 
-const LANES = 8;
-const SAMPLES = 4096;
+const LANES = 20;
+const COLOURS = 8;
+const BUCKETS = 1500; // of a lane: about one a pixel
 
+/** The changes of a signal. A bucket of time has its first, least, greatest and last value, so no pulse is lost. */
 class Trace {
-  constructor(signal, seconds) {
+  constructor(signal, seconds, tracer) {
     this.signal = signal;
     this.seconds = seconds;
-    this.times = [];
-    this.values = [];
-    this.watcher = (changed, now) => this.add(now, Number(changed.value));
+    this.buckets = [];
+    this.traced = false;
+    this.watcher = (changed, now) => { if (!this.traced) this.add(now, Number(changed.value)); };
     signal.watchers.push(this.watcher);
     this.add(performance.now(), Number(signal.value));
+    this.endTrace = tracer.add(signal, (time, value) => {
+      this.traced = true;
+      this.add(time, value);
+    });
   }
 
   end() {
     this.signal.watchers = this.signal.watchers.filter((watcher) => watcher !== this.watcher);
+    this.endTrace();
   }
 
   add(time, value) {
     if (!Number.isFinite(value)) return;
-    this.times.push(time);
-    this.values.push(value);
+    const span = this.seconds * 1000 / BUCKETS;
+    const last = this.buckets.at(-1);
+    if (last && time < last.time + span) {
+      last.low = Math.min(last.low, value);
+      last.high = Math.max(last.high, value);
+      last.last = value;
+      return;
+    }
+    this.buckets.push({ time, first: value, low: value, high: value, last: value });
     const old = time - (this.seconds + 1) * 1000;
     let drop = 0;
-    while (drop + 1 < this.times.length && (this.times[drop + 1] < old || this.times.length - drop > SAMPLES)) drop++;
-    if (drop > 0) {
-      this.times.splice(0, drop);
-      this.values.splice(0, drop);
-    }
+    while (drop + 1 < this.buckets.length && this.buckets[drop + 1].time < old) drop++;
+    if (drop > BUCKETS / 10) this.buckets.splice(0, drop);
   }
 
   limits() {
     const { low, high } = this.signal.range;
     if (high - low <= 10) return [low, high];
-    let [least, most] = [Math.min(...this.values), Math.max(...this.values)];
-    if (least === most) [least, most] = [least - 1, most + 1];
-    return [least, most];
+    let [least, most] = [Infinity, -Infinity];
+    for (const bucket of this.buckets) {
+      least = Math.min(least, bucket.low);
+      most = Math.max(most, bucket.high);
+    }
+    return least < most ? [least, most] : [least - 1, most + 1];
   }
 }
 
 export class Plot {
   /** @param seconds  span of the chart */
-  constructor(seconds = 20) {
+  constructor(tracer, seconds = 20) {
+    this.tracer = tracer;
     this.seconds = seconds;
     this.traces = new Map();
     this.listeners = [];
@@ -70,7 +85,7 @@ export class Plot {
       this.traces.get(signal).end();
       this.traces.delete(signal);
     } else if (this.traces.size < LANES) {
-      this.traces.set(signal, new Trace(signal, this.seconds));
+      this.traces.set(signal, new Trace(signal, this.seconds, this.tracer));
     }
     this.changed();
     return this.traces.has(signal);
@@ -87,10 +102,11 @@ export class Plot {
     this.names.parentElement.hidden = this.traces.size === 0;
     this.labels = [...this.traces.values()].map((trace, lane) => {
       const reading = make("output", { class: "reading" });
-      const row = make("div", { class: `lane lane-${lane}` }, make("span", { class: "name" }, `${trace.signal.twin ?? trace.signal.slave}: ${trace.signal.name}`), reading,
+      const row = make("div", { class: `lane lane-${lane % COLOURS}` }, make("span", { class: "name" }, `${trace.signal.twin ?? trace.signal.slave}: ${trace.signal.name}`), reading,
         make("span", { class: "unit" }, trace.signal.range.unit));
       return { row, reading, trace };
     });
+    this.names.classList.toggle("many", this.traces.size > COLOURS);
     this.names.replaceChildren(...this.labels.map((label) => label.row));
     for (const listener of this.listeners) listener(this.traces);
     if (!this.running && this.traces.size > 0) {
@@ -131,7 +147,7 @@ export class Plot {
     }
     pen.stroke();
     this.labels.forEach(({ row, trace }, lane) => {
-      this.paintTrace(pen, trace, now, width, row.offsetTop, row.offsetHeight, style.getPropertyValue(`--trace-${lane}`), style.getPropertyValue("--grid"));
+      this.paintTrace(pen, trace, now, width, row.offsetTop, row.offsetHeight, style.getPropertyValue(`--trace-${lane % COLOURS}`), style.getPropertyValue("--grid"));
     });
   }
 
@@ -148,13 +164,15 @@ export class Plot {
     pen.strokeStyle = colour;
     pen.lineWidth = 1.5;
     pen.beginPath();
-    trace.times.forEach((time, i) => {
-      const at = Math.max(x(time), -1);
-      if (i > 0) pen.lineTo(at, y(trace.values[i - 1]));
-      if (i > 0) pen.lineTo(at, y(trace.values[i]));
-      else pen.moveTo(at, y(trace.values[i]));
-    });
-    if (trace.values.length > 0) pen.lineTo(width, y(trace.values[trace.values.length - 1]));
+    let before = null;
+    for (const bucket of trace.buckets) {
+      const at = Math.max(x(bucket.time), -1);
+      if (before === null) pen.moveTo(at, y(bucket.first));
+      else pen.lineTo(at, y(before));
+      for (const value of new Set([bucket.first, bucket.low, bucket.high, bucket.last])) pen.lineTo(at, y(value));
+      before = bucket.last;
+    }
+    if (before !== null) pen.lineTo(width, y(before));
     pen.stroke();
     pen.lineWidth = 1;
   }

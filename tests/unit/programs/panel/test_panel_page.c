@@ -352,6 +352,109 @@ static void faults_that_do_not_fit(void **state)
     cJSON_Delete(list);
 }
 
+static void from_trace(const char *text)
+{
+    assert_true(trace_take(&bus->trace, &bus->table, text, strlen(text)));
+}
+
+static void expect_trace_requests(const char *text)
+{
+    trace_t *trace = &bus->trace;
+    trace_want(trace, &bus->table, &page->traced);
+    trace->link.out[trace->link.unsent] = 0;
+    assert_string_equal(trace->link.out, text);
+    link_sent(&trace->link, trace->link.unsent);
+}
+
+#define EVERY(slave) "{\"op\":\"watch\",\"slave\":" slave ",\"pattern\":\"a\",\"every\":true}\n"
+
+static void pulses(void **state)
+{
+    (void)state;
+    open_bus();
+    expect_trace_requests("");
+    assert_int_equal(from_page("{\"trace\":[1]}"), PAGE_DONE);
+    expect(""); /* not yet */
+    page->due = true;
+    expect("{\"event\":\"changes\",\"bus\":1,\"changes\":[]}");
+    expect_trace_requests(EVERY("2"));
+    expect_trace_requests("");
+    from_trace("{\"slave\":2,\"name\":\"a\",\"value\":0,\"time\":1.5}\n" OK
+               "{\"slave\":2,\"name\":\"a\",\"value\":1,\"time\":1.501}\n"
+               "{\"slave\":1,\"name\":\"a\",\"value\":1,\"time\":1.502}\n"   /* of another page */
+               "{\"slave\":2,\"name\":\"b\",\"value\":1,\"time\":1.502}\n"   /* unknown */
+               "{\"slave\":2,\"name\":\"a\",\"value\":\"x\",\"time\":1.5}\n" /* no number */
+               "{\"slave\":2,\"name\":\"a\",\"value\":0,\"time\":1.503}\n");
+    expect("{\"event\":\"changes\",\"bus\":1,\"changes\":[[1,1.500000,0],[1,1.501000,1],[1,1.503000,0]]}");
+    expect("");
+    assert_int_equal(from_page("{\"trace\":[0,1]}"), PAGE_DONE);
+    expect_trace_requests(EVERY("1"));
+    from_trace(OK "{\"slave\":1,\"name\":\"a\",\"value\":0.25,\"time\":2}\n");
+    expect("{\"event\":\"changes\",\"bus\":1,\"changes\":[[0,2.000000,0.25]]}");
+    trace_restart(&bus->trace);
+    expect_trace_requests(EVERY("1") EVERY("2"));
+    assert_int_equal(from_page("{\"trace\":[]}"), PAGE_DONE);
+    from_trace(OK OK "{\"slave\":1,\"name\":\"a\",\"value\":0,\"time\":2}\n");
+    expect("");
+}
+
+/* A page that is too late gets the newest changes, in messages of bounded size. */
+static void a_late_page(void **state)
+{
+    enum { COUNT = TRACE_ROOM + 100 };
+    char line[128];
+    size_t sent = 0;
+    (void)state;
+    open_bus();
+    assert_int_equal(from_page("{\"trace\":[0]}"), PAGE_DONE);
+    page->due = true;
+    skip_message();
+    expect_trace_requests(EVERY("1"));
+    from_trace(OK);
+    for (int i = 0; i < COUNT; i++) {
+        snprintf(line, sizeof line, "{\"slave\":1,\"name\":\"a\",\"value\":%d,\"time\":%d.5}\n", i, i);
+        from_trace(line);
+    }
+    for (size_t length; (length = page_next(page, &buses, message)) > 0;) {
+        assert_true(length < sizeof message);
+        message[length] = 0;
+        if (sent == 0)
+            assert_non_null(strstr(message, "[[0,100.500000,100],"));
+        sent += members(message, ".500000,");
+    }
+    assert_int_equal(sent, TRACE_ROOM);
+}
+
+static void too_many_traces(void **state)
+{
+    char text[8 * TRACE_SIGNALS] = "{\"trace\":[0";
+    (void)state;
+    open_bus();
+    for (int i = 1; i < TRACE_SIGNALS; i++)
+        snprintf(text + strlen(text), sizeof text - strlen(text), ",%d", i);
+    snprintf(text + strlen(text), sizeof text - strlen(text), "]}");
+    assert_int_equal(from_page(text), PAGE_DONE);
+    text[strlen(text) - 2] = 0;
+    strcat(text, ",128]}");
+    assert_int_equal(from_page(text), PAGE_CLOSE);
+    static const char *const bad[] = {"{\"trace\":1}", "{\"trace\":[-1]}", "{\"trace\":[4096]}", "{\"trace\":[\"a\"]}"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        assert_int_equal(from_page(bad[i]), PAGE_CLOSE);
+}
+
+/* Names with the wildcards of a pattern are not requested: they would stand for other signals too. */
+static void wildcards(void **state)
+{
+    static const char signal[] = "{\"slave\":1,\"name\":\"a*\",\"value\":1}";
+    (void)state;
+    cJSON *line = cJSON_Parse(signal);
+    assert_true(table_add(&bus->table, signal, line));
+    cJSON_Delete(line);
+    trace_set_add(&page->traced, 0);
+    expect_trace_requests("");
+    assert_int_equal(page->traced.count, 1);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -365,6 +468,10 @@ int main(int argc, char **argv)
         {"A bus that was restarted is described again", another_connection, begin, finish, NULL},
         {"SEC: a socket that does not speak the protocol is closed", lines_of_no_twin, begin, finish, NULL},
         {"SEC: bytes that are no UTF-8 become question marks", characters, begin, finish, NULL},
+        {"Every change of a plotted signal reaches the pages that plot it", pulses, begin, finish, NULL},
+        {"SEC: a page that is too late loses the oldest changes", a_late_page, begin, finish, NULL},
+        {"SEC: a page plots at most 128 signals, and those of the list", too_many_traces, begin, finish, NULL},
+        {"A signal whose name has wildcards is not traced", wildcards, begin, finish, NULL},
         {"Faults that do not fit are left out of the list", faults_that_do_not_fit, begin, finish, NULL},
     };
     if (argc > 1)
