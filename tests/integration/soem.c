@@ -8,7 +8,14 @@
 #include <time.h>
 
 /* A reply that a busy machine delivers late is not a lost one. */
-enum { STATE_TIMEOUT_US = 5000000, REPLY_TIMEOUT_US = 1000000, CYCLE_US = 1000, WATCHDOG_MS = 2000 };
+enum {
+    STATE_TIMEOUT_US = 60000000,
+    REPLY_TIMEOUT_US = 20000000,
+    IN_PROCESS_US = 1000000, /* there only a lost reply is late */
+    TRIES = 30000,           /* of 1 ms */
+    CYCLE_US = 1000,
+    WATCHDOG_MS = 60000,
+};
 
 uint64_t soem_now(void)
 {
@@ -17,13 +24,32 @@ uint64_t soem_now(void)
     return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
 }
 
+static bool is_in_process(void)
+{
+    return getenv("ECTWIN_INPROCESS") != NULL;
+}
+
+/* Time in which this process has run, microseconds: a machine that stands still, or leaves the processor to others,
+ * makes no reply late. Each call counts this much at most since the previous one. */
+static uint64_t running_us(void)
+{
+    enum { STEP_US = 20000 };
+    static uint64_t last_us, sum_us;
+    uint64_t now_us = soem_now() / 1000, step_us = now_us - last_us;
+    last_us = now_us;
+    sum_us += step_us < STEP_US ? step_us : STEP_US;
+    return sum_us;
+}
+
 /* SOEM waits 2 ms for a frame, twice more, and then calls it lost: on a machine that has other things to do the answer
- * is late. Our tests' SOEM has more patience (the link option --wrap puts this in place of its own); what a master
- * makes of a lost frame is tested where frames are lost on purpose. */
+ * is late. Our tests' SOEM has more patience, on a clock of its own (the link option --wrap puts both in place of
+ * SOEM's own); what a master makes of a lost frame is tested where frames are lost on purpose. */
 void __real_osal_timer_start(osal_timert *timer, uint32 timeout_us);
 void __wrap_osal_timer_start(osal_timert *timer, uint32 timeout_us);
+boolean __real_osal_timer_is_expired(osal_timert *timer);
+boolean __wrap_osal_timer_is_expired(osal_timert *timer);
 
-static uint32 patience = 50;
+static uint32 patience = 200;
 
 void soem_patience(unsigned int times)
 {
@@ -32,13 +58,23 @@ void soem_patience(unsigned int times)
 
 void __wrap_osal_timer_start(osal_timert *timer, uint32 timeout_us)
 {
-    enum { FOR_SHORTER_US = 1000000, MOST_US = 5000000 };
-    if (getenv("ECTWIN_INPROCESS")) { /* no reply is late in this process */
+    enum { FOR_SHORTER_US = 1000000, MOST_US = 5000000, S_US = 1000000 };
+    if (is_in_process()) { /* no reply is late in this process */
         __real_osal_timer_start(timer, timeout_us);
         return;
     }
     uint32 longer_us = timeout_us < MOST_US / patience ? timeout_us * patience : MOST_US;
-    __real_osal_timer_start(timer, timeout_us < FOR_SHORTER_US ? longer_us : timeout_us);
+    uint64_t end_us = running_us() + (timeout_us < FOR_SHORTER_US ? longer_us : timeout_us);
+    timer->stop_time.sec = (uint32)(end_us / S_US);
+    timer->stop_time.usec = (uint32)(end_us % S_US);
+}
+
+boolean __wrap_osal_timer_is_expired(osal_timert *timer)
+{
+    enum { S_US = 1000000 };
+    if (is_in_process())
+        return __real_osal_timer_is_expired(timer);
+    return running_us() >= (uint64_t)timer->stop_time.sec * S_US + timer->stop_time.usec;
 }
 
 static void wire_context(soem_t *m)
@@ -68,7 +104,9 @@ static void wire_context(soem_t *m)
 
 void soem_watchdog(soem_t *m, unsigned int ms)
 {
-    uint16 ticks = htoes((uint16)(ms * 10));
+    enum { DIVIDER_1_MS = 24998 }; /* of 25 MHz, two less */
+    uint16 divider = htoes(DIVIDER_1_MS), ticks = htoes((uint16)ms);
+    assert_int_equal(ecx_BWR(&m->port, 0, 0x0400, sizeof divider, &divider, EC_TIMEOUTRET3), m->slave_count);
     assert_int_equal(ecx_BWR(&m->port, 0, 0x0420, sizeof ticks, &ticks, EC_TIMEOUTRET3), m->slave_count);
 }
 
@@ -106,7 +144,7 @@ void soem_close(soem_t *m)
  * until it has seen the acknowledge, and until then its controller takes no other request. */
 static bool no_error(soem_t *m, uint16 slave)
 {
-    for (int tries = 0; tries < 1000; tries++) {
+    for (int tries = 0; tries < TRIES; tries++) {
         bool error = false;
         ecx_readstate(&m->context);
         for (int i = 1; i <= m->slave_count; i++)
@@ -135,13 +173,24 @@ uint16 soem_request(soem_t *m, uint16 slave, uint16 state, uint16 *code)
 {
     m->slaves[slave].state = state;
     ecx_writestate(&m->context, slave);
-    for (int tries = 0; tries < 1000; tries++) {
+    for (int tries = 0; tries < TRIES; tries++) {
         osal_usleep(1000);
         ecx_readstate(&m->context);
         if ((m->slaves[slave].state & EC_STATE_ERROR) != 0 || m->slaves[slave].state == state)
             break;
     }
     *code = m->slaves[slave].ALstatuscode;
+    return m->slaves[slave].state;
+}
+
+uint16 soem_await(soem_t *m, uint16 slave, uint16 state)
+{
+    for (int tries = 0; tries < TRIES; tries++) {
+        ecx_readstate(&m->context);
+        if (m->slaves[slave].state == state)
+            break;
+        osal_usleep(1000);
+    }
     return m->slaves[slave].state;
 }
 
@@ -187,7 +236,7 @@ int soem_expected_wkc(const soem_t *m)
 int soem_exchange(soem_t *m)
 {
     ecx_send_processdata(&m->context);
-    return ecx_receive_processdata(&m->context, REPLY_TIMEOUT_US);
+    return ecx_receive_processdata(&m->context, is_in_process() ? IN_PROCESS_US : REPLY_TIMEOUT_US);
 }
 
 int soem_cycle(soem_t *m)

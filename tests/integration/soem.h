@@ -40,11 +40,11 @@ typedef struct soem {
 /* Monotonic time, nanoseconds. */
 uint64_t soem_now(void);
 
-/* Factor on SOEM's own timeouts for replies; 50 without a call. */
+/* Factor on SOEM's own timeouts for replies; 200 without a call. */
 void soem_patience(unsigned int times);
 
 /* Opens the interface and takes all slaves to PREOP; asserts that `expected` are there. Their watchdog of process data
- * is 2 s from then on: a busy machine may keep a master from its next cycle for longer than the 100 ms of a chip's
+ * is 60 s from then on: a busy machine may keep a master from its next cycle for longer than the 100 ms of a chip's
  * reset. */
 void soem_open(soem_t *m, const char *iface, int expected);
 /* The same with a second interface at the other end of the chain: cable redundancy. */
@@ -72,6 +72,9 @@ bool soem_until(soem_t *m, bool (*holds)(soem_t *m), unsigned int ms);
 void soem_go(soem_t *m, uint16 slave, uint16 state);
 /* Requests without waiting, then reads state and AL status code back after the slave had time. */
 uint16 soem_request(soem_t *m, uint16 slave, uint16 state, uint16 *code);
+
+/* Reads the states until this slave has this one, its error flag included; @return its state then, or after 30 s */
+uint16 soem_await(soem_t *m, uint16 slave, uint16 state);
 
 /* An SDO read; @return 0 or the abort code. *size: room in, bytes out. */
 uint32 soem_read(soem_t *m, uint16 slave, uint16 index, uint8 subindex, bool complete, void *data, int *size);

@@ -79,7 +79,8 @@ static void watchdog_of_a_terminal(void **state)
     soem_operational(&master);
     soem_watchdog(&master, 100);
     soem_cycle(&master);
-    osal_usleep(400000);
+    assert_int_equal(soem_await(&master, TERMINAL, EC_STATE_SAFE_OP | EC_STATE_ERROR),
+                     EC_STATE_SAFE_OP | EC_STATE_ERROR);
     assert_int_equal(soem_request(&master, TERMINAL, EC_STATE_SAFE_OP, &code) & 0x1F,
                      EC_STATE_SAFE_OP | EC_STATE_ERROR);
     assert_int_equal(code, 0x001B);
