@@ -83,6 +83,10 @@ class Browser:
     def keys(self, action, key):
         self.call("POST", "/actions", {"actions": [{"type": "key", "id": "keyboard", "actions": [{"type": action, "value": key}]}]})
 
+    def upload(self, selector, path):
+        element = self.call("POST", "/element", {"using": "css selector", "value": selector})[ELEMENT]
+        self.call("POST", f"/element/{element}/value", {"text": str(path)})
+
     def picture(self, name, scheme=None):
         if not SHOTS:
             return
@@ -128,7 +132,7 @@ def bus(devices, master, *options, output=subprocess.DEVNULL):
 STATES = "return [...document.querySelectorAll('.module')].map((m) => m.dataset.state).join()"
 
 
-def reaches(browser, states, seconds=15):
+def reaches(browser, states, seconds=60):
     return browser.wait(f"return {STATES.removeprefix('return ')} === arguments[0]", states, seconds=seconds) or browser.run(STATES)
 
 
@@ -188,6 +192,51 @@ def faults_and_plots(browser):
         browser.command("Emulation.clearDeviceMetricsOverride")
 
 
+def recordings(browser, folder):
+    """A recording is downloaded, and played by the page and by `ectwin set --csv`."""
+    saved = pathlib.Path(folder, "recording.csv")
+    browser.command("Browser.setDownloadBehavior", behavior="allow", downloadPath=folder)
+    browser.click('[data-signal="data1"] .trace')
+    browser.click(".record")
+    for number in (5, 6.25, 8):
+        subprocess.run([ECTWIN, "set", f"gripper.data1={number}"], check=True)
+        browser.wait("return document.querySelector('[data-signal=\"data1\"] input.number').value === arguments[0]", str(number))
+    subprocess.run([ECTWIN, "set", "gripper.data1=-1"], check=True)
+    browser.wait("return document.querySelector('[data-signal=\"data1\"] input.number').value === '-1'")
+    browser.click(".record")
+    browser.click("a.download")
+    check("a recording is downloaded", True, until(saved.exists))
+    lines = [line.split(",") for line in saved.read_text().splitlines()]
+    column = lines[0].index("gripper.data1")
+    values = [line[column] for line in lines[1:] if line[column]]
+    check("it has every change", ["5", "6.25", "8", "-1"], values[-4:])
+    replayed = "return document.querySelector('.recorder [role=status]').textContent"
+    subprocess.run([ECTWIN, "set", "gripper.data1=77"], check=True)
+    browser.upload(".recorder input[type=file]", saved)
+    check("the page plays it", "gripper.data1=-1", until(lambda: value("gripper.data1") == "gripper.data1=-1") and value("gripper.data1"))
+    check("it shows the end", True, browser.wait(f"const line = (() => {{ {replayed} }})(); return line.startsWith(arguments[0])",
+                                                 f"{len(lines) - 1} of {len(lines) - 1} lines played"))
+    played = pathlib.Path(folder, "settable.csv")
+    played.write_text("".join(f"{line[0]},{line[column]}\n" for line in lines if line[column]))
+    subprocess.run([ECTWIN, "set", "gripper.data1=77"], check=True)
+    subprocess.run([ECTWIN, "set", "--csv", played], check=True)
+    check("ectwin set --csv plays it", "gripper.data1=-1", value("gripper.data1"))
+    pathlib.Path(folder, "other.csv").write_text("a,b\n1,2\n")
+    browser.upload(".recorder input[type=file]", pathlib.Path(folder, "other.csv"))
+    check("another file is refused", True, browser.wait(f"const line = (() => {{ {replayed} }})(); return line.startsWith('This is no recording')"))
+    browser.click('[data-signal="data1"] .trace')
+
+
+def scenario(browser, url, folder):
+    script = pathlib.Path(folder, "steps.txt")
+    script.write_text("at 1ms drop 1%\nat 2ms off\nat 36000s off\n")
+    with bus("fzm1", ["sleep", "600"], "--scenario", script):
+        browser.open("about:blank")
+        browser.open(url)
+        check("a scenario shows its progress", True, browser.wait(
+            "return [...document.querySelectorAll('.figure')].some((f) => f.textContent === 'Scenario2 of 3 steps')"))
+
+
 def drives(browser):
     browser.click('[data-select="2"]')
     browser.wait("return document.querySelectorAll('.states .box').length === 8")
@@ -214,7 +263,7 @@ def widths(browser):
     check("every control has a name for screen readers", [], named)
 
 
-def until(condition, seconds=20):
+def until(condition, seconds=60):
     """Waits until a function returns something true; returns it."""
     deadline = time.monotonic() + seconds
     while not (result := condition()) and time.monotonic() < deadline:
@@ -327,10 +376,12 @@ def main():
                 with bus("gripper=fzm1,axis=pmctendo-dd5,fzm1", [MASTER, "{}"]):
                     with_a_master(browser, url)
                     faults_and_plots(browser)
+                    recordings(browser, folder)
                     drives(browser)
                     widths(browser)
                 remotes(browser, url, folder)
                 sensor(browser, url)
+                scenario(browser, url, folder)
                 hostile_names(browser, url, folder)
             view_only(browser)
             check("nothing is refused by the policy, and no script fails", [],

@@ -5,6 +5,7 @@ import { collect, Connection, Signals, Tracer } from "./bus.js";
 import { makeRail } from "./rail.js";
 import { makeSignals } from "./signals.js";
 import { makeFaults } from "./faults.js";
+import { makeRecorder } from "./record.js";
 import { Plot } from "./plot.js";
 import { frontsOf } from "./fronts.js";
 
@@ -145,14 +146,18 @@ function showBus() {
   const names = String(about.devices ?? "").split(",").map((name) => name.replace(/^[^=]*=/, ""));
   const slaves = view.signals.slaves();
   const devices = names.length === slaves.length ? names : [];
-  const figures = Object.fromEntries(["Frames/s", "Replied", "Dropped", "Median", "99 %", "Longest"].map((label) => [label, makeFigure(label)]));
+  const figures = Object.fromEntries(["Frames/s", "Replied", "Dropped", "Median", "99 %", "Longest", "Scenario"].map((label) => [label, makeFigure(label)]));
   const parts = {
     rail: makeRail(context, devices, select), plot: new Plot(context.tracer), faults: makeFaults(context), histogram: makeHistogram(), figures,
     signals: make("div"), presets: make("span", { class: "presets" }), twinTitle: make("h2", {}, "Signals"), about: make("p", { class: "about" }),
   };
   parts.fronts = make("div", { class: "fronts" });
   parts.all = false;
+  view.endRecorder?.();
+  let recorder = null;
+  view.endRecorder = collect(() => { recorder = makeRecorder(context, parts.plot); });
   parts.allButton = make("button", { type: "button", "aria-pressed": "false", on: { click: () => { parts.all = !parts.all; showFronts(); } } }, "Fronts of all twins");
+  figures.Scenario.element.hidden = true;
   view.parts = parts;
   view.last = null;
   main.replaceChildren(
@@ -162,7 +167,7 @@ function showBus() {
     make("div", { class: "columns" },
       make("section", { class: "panel-signals" }, make("header", {}, parts.twinTitle), parts.signals),
       make("div", { class: "side" },
-        make("section", {}, make("header", {}, make("h2", {}, "Plot"), parts.presets), parts.plot.element),
+        make("section", {}, make("header", {}, make("h2", {}, "Plot"), parts.presets), parts.plot.element, recorder),
         section("Faults", "", parts.faults),
         section("Response time", "", parts.histogram.element))));
   parts.plot.changed();
@@ -179,6 +184,15 @@ function microseconds(value) {
   return value >= 1000 ? `${short(value / 1000)} ms` : `${short(value)} µs`;
 }
 
+/** Steps of the script that are over, and its expectations. */
+function showScenario({ element, value }, counters) {
+  element.hidden = counters.steps === undefined;
+  const expectations = counters.expected > 0 ? `, ${counters.met} of ${counters.expected} met` : "";
+  const failed = counters.failed > 0 ? `, ${counters.failed} failed` : "";
+  setText(value, `${counters.steps_over} of ${counters.steps} steps${expectations}${failed}`);
+  value.classList.toggle("bad", counters.failed > 0);
+}
+
 function showStats({ counters, answers }) {
   if (!view.parts) return;
   const { figures, histogram } = view.parts;
@@ -189,6 +203,7 @@ function showStats({ counters, answers }) {
   setText(figures["Median"].value, microseconds(counters.p50_us));
   setText(figures["99 %"].value, microseconds(counters.p99_us));
   setText(figures["Longest"].value, microseconds(counters.longest_us));
+  showScenario(figures.Scenario, counters);
   view.last = counters;
   histogram.show(answers);
 }
