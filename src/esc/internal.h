@@ -21,6 +21,7 @@
  *   access.c     one access to the address space, from either side: registers or RAM
  *   fmmu.c       logical addresses
  *   route.c      properties of a controller that affect passing frames
+ *   cyclic.c     the part of a controller in the exchange of process data, known in advance
  *   esc.c        reset, time, the PDI side
  *   frame.c      datagrams: addressing, working counter
  */

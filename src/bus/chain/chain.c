@@ -336,6 +336,24 @@ bool ect_chain_process(ect_chain_t *chain, uint8_t *frame, size_t length, uint64
     return ect_chain_pass(chain, ECT_END_IN, frame, length, now_ns) == ECT_END_IN;
 }
 
+bool ect_chain_steady(ect_chain_t *chain, ect_chain_steady_t *steady)
+{
+    bool plain = chain->cabling.line && chain->twins[0].link[0] && !chain->guard;
+    settle(chain);
+    return plain && !chain->links_due && !chain->delays_due && ect_fast_steady(chain->fast, steady);
+}
+
+bool ect_chain_visit_mapped(ect_chain_t *chain, uint32_t first, uint16_t length, unsigned int direction,
+                            ect_chain_visit_t visit, void *ctx)
+{
+    return ect_fast_visit_mapped(chain->fast, first, length, direction, visit, ctx);
+}
+
+const ect_esc_t *ect_chain_time_source(ect_chain_t *chain, const uint8_t *datagram, bool *takes)
+{
+    return ect_fast_time_source(chain->fast, datagram, takes);
+}
+
 /* A master may configure a pulse every nanosecond. The ESC counts them all; the chain asks for fewer wake-ups. */
 static void tick_esc(ect_chain_t *chain, ect_twin_t *twin, uint64_t now_ns)
 {

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "bus/chain/bits.h"
+#include "esc/cyclic.h"
 #include "esc/route.h"
 #include "wire/assert.h"
 #include "wire/bytes.h"
@@ -446,29 +447,37 @@ static size_t windows_before(const ect_fast_t *f, uint64_t end)
     return low;
 }
 
-static unsigned int to_windows(ect_fast_t *f, uint8_t *d, unsigned int direction)
+/* Words of `chosen` that have a bit. */
+typedef struct chosen {
+    size_t low, high;
+} chosen_t;
+
+static chosen_t choose(ect_fast_t *f, uint64_t first, unsigned int length, unsigned int direction)
 {
-    uint64_t first = ect_load_le32(d + ECT_DATAGRAM_ADP);
-    size_t low = ect_bits_words(f->reach);
-    size_t high = 0;
-    unsigned int gain = 0;
+    chosen_t c = {.low = ect_bits_words(f->reach)};
     update_windows(f);
-    for (size_t k = windows_before(f, first + ect_datagram_length(d)); k > 0 && f->windows[k - 1].furthest > first;
-         k--) {
+    for (size_t k = windows_before(f, first + length); k > 0 && f->windows[k - 1].furthest > first; k--) {
         const window_t *w = &f->windows[k - 1];
         size_t word = w->position / ECT_BITS_WORD;
         if (w->end <= first || (w->direction & direction) == 0 || w->position >= f->reach)
             continue;
         ect_bits_add(f->chosen, w->position);
-        low = word < low ? word : low;
-        high = word + 1 > high ? word + 1 : high;
+        c.low = word < c.low ? word : c.low;
+        c.high = word + 1 > c.high ? word + 1 : c.high;
     }
-    for (; low < high; low++) {
-        ECT_ASSERT(low < ect_bits_words(f->reach));
-        uint64_t left = f->chosen[low];
-        f->chosen[low] = 0;
+    return c;
+}
+
+static unsigned int to_windows(ect_fast_t *f, uint8_t *d, unsigned int direction)
+{
+    unsigned int gain = 0;
+    for (chosen_t c = choose(f, ect_load_le32(d + ECT_DATAGRAM_ADP), ect_datagram_length(d), direction); c.low < c.high;
+         c.low++) {
+        ECT_ASSERT(c.low < ect_bits_words(f->reach));
+        uint64_t left = f->chosen[c.low];
+        f->chosen[c.low] = 0;
         while (left != 0)
-            gain += take_part(f, ect_bits_take(low, &left), d, 0);
+            gain += take_part(f, ect_bits_take(c.low, &left), d, 0);
     }
     return gain;
 }
@@ -563,4 +572,51 @@ const uint32_t *ect_fast_touched(const ect_fast_t *fast, size_t *count)
 {
     *count = fast->touched_count;
     return fast->touched;
+}
+
+/* --- replies known in advance ------------------------------------------------------------------------------------- */
+
+bool ect_fast_steady(ect_fast_t *fast, ect_chain_steady_t *steady)
+{
+    if (ect_fast_reach(fast) == 0 || fast->out)
+        return false;
+    update_sums(fast);
+    const sums_t *sums = &fast->sums;
+    if (sums->awaits_frame || sums->guards_writes)
+        return false;
+    for (size_t i = 0; i < fast->reach; i++) {
+        if (!ect_esc_steady(fast->controllers[i].esc))
+            return false;
+    }
+    *steady = (ect_chain_steady_t){.reach = fast->reach,
+                                   .time_takers = (unsigned int)sums->time_takers,
+                                   .events = sums->events,
+                                   .al_status = sums->al_status,
+                                   .al_status_new = sums->al_status_new,
+                                   .marks_source = sums->marks_source};
+    return true;
+}
+
+bool ect_fast_visit_mapped(ect_fast_t *fast, uint32_t first, uint16_t length, unsigned int direction,
+                           ect_chain_visit_t visit, void *ctx)
+{
+    bool going = true;
+    for (chosen_t c = choose(fast, first, length, direction); c.low < c.high; c.low++) {
+        uint64_t left = fast->chosen[c.low];
+        fast->chosen[c.low] = 0;
+        while (left != 0) {
+            size_t i = ect_bits_take(c.low, &left);
+            going = going && visit(ctx, fast->controllers[i].esc);
+        }
+    }
+    return going;
+}
+
+const ect_esc_t *ect_fast_time_source(ect_fast_t *fast, const uint8_t *datagram, bool *takes)
+{
+    size_t source;
+    if (!find_source(fast, datagram, &source) || source >= fast->reach)
+        return NULL;
+    *takes = fast->controllers[source].route.takes_time;
+    return fast->controllers[source].esc;
 }

@@ -28,6 +28,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "bus/chain/steady.h"
 #include "esc/esc.h"
 #include "wire/linkage.h"
 
@@ -67,6 +68,16 @@ size_t ect_fast_reach(ect_fast_t *fast);
 
 /** The controllers that took part in the last frame taken, each once. @param[out] count  their number */
 const uint32_t *ect_fast_touched(const ect_fast_t *fast, size_t *count);
+
+/** ::ect_chain_steady, for all that the line knows; each controller is up to date. Cost: a check of each controller. */
+bool ect_fast_steady(ect_fast_t *fast, ect_chain_steady_t *steady);
+
+/** ::ect_chain_visit_mapped, for a line with a reach. */
+bool ect_fast_visit_mapped(ect_fast_t *fast, uint32_t first, uint16_t length, unsigned int direction,
+                           ect_chain_visit_t visit, void *ctx);
+
+/** ::ect_chain_time_source, for a line with a reach. */
+const ect_esc_t *ect_fast_time_source(ect_fast_t *fast, const uint8_t *datagram, bool *takes);
 
 ECT_C_END
 

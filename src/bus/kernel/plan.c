@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: MIT */
+#include <stddef.h>
+#include <string.h>
+
+/* A frame in memory. */
+typedef struct frame {
+    unsigned char *bytes;
+    size_t length;
+} frame_t;
+
+static int load(const frame_t *frame, size_t at, void *to, size_t length)
+{
+    if (at + length > frame->length)
+        return -1;
+    memcpy(to, frame->bytes + at, length);
+    return 0;
+}
+
+static int store(const frame_t *frame, size_t at, const void *from, size_t length)
+{
+    if (at + length > frame->length)
+        return -1;
+    memcpy(frame->bytes + at, from, length);
+    return 0;
+}
+
+#define ECT_STEPS_FRAME const frame_t *
+#define ECT_STEPS_LOAD  load
+#define ECT_STEPS_STORE store
+
+#include "bus/chain/steady.h"
+#include "bus/kernel/plan.h"
+#include "bus/kernel/steps.h"
+#include "esc/cyclic.h"
+#include "esc/route.h"
+#include "wire/assert.h"
+#include "wire/registers.h"
+
+/* A plan in the making. */
+typedef struct maker {
+    ect_chain_t *chain;
+    ect_chain_steady_t steady;
+    ect_plan_t *plan;
+    const uint8_t *frame;   /* the sample */
+    const ect_esc_t *clock; /* the one that all plans read; NULL: none yet */
+    uint8_t command;        /* of the present datagram, */
+    uint32_t logical;       /* its address, */
+    uint16_t length;        /* the length of its data, */
+    uint16_t at;            /* and where they begin */
+    uint32_t gain;          /* of its working counter */
+    uint32_t image;         /* bytes in use */
+} maker_t;
+
+static bool add_step(maker_t *m, ect_step_t step)
+{
+    if (m->plan->step_count >= ECT_PLAN_STEPS)
+        return false;
+    m->plan->steps[m->plan->step_count++] = step;
+    return true;
+}
+
+static bool copy_pieces(void *ctx, const ect_esc_t *esc)
+{
+    maker_t *m = ctx;
+    ect_esc_cyclic_t effect;
+    if (!ect_esc_cyclic(esc, m->command, m->logical, m->length, &effect))
+        return false;
+    for (unsigned int i = 0; i < effect.piece_count; i++) {
+        const ect_esc_piece_t *piece = &effect.pieces[i];
+        ect_step_t step = {.kind = ECT_STEP_COPY,
+                           .at = (uint16_t)(m->at + piece->at),
+                           .length = piece->length,
+                           .value = (uint16_t)m->image};
+        if (m->image + piece->length > ECT_PLAN_IMAGE - 2048u || !add_step(m, step))
+            return false;
+        memcpy(m->plan->image + m->image, piece->from, piece->length);
+        m->image += piece->length;
+    }
+    m->gain += effect.gain;
+    return true;
+}
+
+static bool plan_logical(maker_t *m)
+{
+    unsigned int direction =
+        (m->command != ECT_LWR ? ECT_PART_READ : 0u) | (m->command != ECT_LRD ? ECT_PART_WRITE : 0u);
+    return ect_chain_visit_mapped(m->chain, m->logical, m->length, direction, copy_pieces, m);
+}
+
+static bool plan_status(maker_t *m, uint16_t address)
+{
+    m->gain = (uint32_t)m->steady.reach;
+    return address == ECT_REG_AL_STATUS && m->length <= 2 && !m->steady.al_status_new &&
+           add_step(m,
+                    (ect_step_t){.kind = ECT_STEP_OR, .at = m->at, .length = m->length, .value = m->steady.al_status});
+}
+
+/* Frames with another reference clock would change the rate of this one. */
+static bool plan_time(maker_t *m, const uint8_t *d, uint16_t address)
+{
+    bool takes;
+    uint64_t offset_ns;
+    if (address != ECT_REG_DC_SYSTEM_TIME || m->length < 4 || m->length > 8)
+        return false;
+    const ect_esc_t *clock = ect_chain_time_source(m->chain, d, &takes);
+    if (!clock || (m->clock && clock != m->clock) || !ect_esc_even_clock(clock, &offset_ns))
+        return false;
+    m->clock = clock;
+    m->gain = m->steady.time_takers - (takes ? 1u : 0u) + 1u;
+    return add_step(m, (ect_step_t){.kind = ECT_STEP_TIME, .at = m->at, .length = m->length, .wide = offset_ns});
+}
+
+static bool plan_command(maker_t *m, const uint8_t *d)
+{
+    uint16_t address = ect_load_le16(d + ECT_DATAGRAM_ADO);
+    m->command = d[ECT_DATAGRAM_COMMAND];
+    m->logical = ect_load_le32(d + ECT_DATAGRAM_ADP);
+    m->length = ect_datagram_length(d);
+    m->gain = 0;
+    switch (m->command) {
+    case ECT_NOP:
+        return true;
+    case ECT_LRD:
+    case ECT_LWR:
+    case ECT_LRW:
+        return plan_logical(m);
+    case ECT_BRD:
+        return plan_status(m, address);
+    case ECT_ARMW:
+    case ECT_FRMW:
+        return plan_time(m, d, address);
+    default:
+        return false;
+    }
+}
+
+static bool plan_datagram(maker_t *m, uint8_t *d)
+{
+    const size_t at = (size_t)(d - m->frame);
+    const ect_step_t irq = {
+        .kind = ECT_STEP_OR, .at = (uint16_t)(at + ECT_DATAGRAM_IRQ), .length = 2, .value = m->steady.events};
+    m->at = (uint16_t)(at + ECT_DATAGRAM_DATA);
+    if (ect_datagram_length(d) == 0 || (irq.value != 0 && !add_step(m, irq)) || !plan_command(m, d))
+        return false;
+    const ect_step_t counter = {.kind = ECT_STEP_ADD, .at = (uint16_t)(m->at + m->length), .value = (uint16_t)m->gain};
+    const ect_step_t address = {
+        .kind = ECT_STEP_ADD, .at = (uint16_t)(at + ECT_DATAGRAM_ADP), .value = (uint16_t)m->steady.reach};
+    m->plan->shortest = counter.at + (uint32_t)ECT_DATAGRAM_COUNTER;
+    return add_step(m, counter) && (!ect_command_counts(m->command) || add_step(m, address));
+}
+
+/* The first datagram of a frame of which plans may be made; NULL: it is none. */
+static uint8_t *first_datagram(uint8_t *frame, size_t length)
+{
+    bool plain = length <= ECT_PLAN_FRAME && ect_frame_datagrams(frame, length) == ECT_PLAN_FIRST;
+    return plain ? frame + ECT_PLAN_FIRST : NULL;
+}
+
+static bool plan_frame(maker_t *m, ect_plan_sample_t *sample)
+{
+    uint8_t *first = first_datagram(sample->frame, sample->length);
+    ECT_ASSERT(first);
+    m->frame = sample->frame;
+    m->image = 0;
+    m->plan->step_count = 0;
+    m->plan->source_bits = m->steady.marks_source ? 0x02 : 0;
+    memcpy(m->plan->type, sample->frame + ECT_PLAN_TYPE, sizeof m->plan->type);
+    for (const uint8_t *d = first; d; d = ect_datagram_next((uint8_t *)(uintptr_t)d)) {
+        const ect_step_t header = {.kind = ECT_STEP_HEADER, .at = (uint16_t)(d - m->frame), .wide = ect_step_header(d)};
+        if (!add_step(m, header))
+            return false;
+    }
+    for (uint8_t *d = first; d; d = ect_datagram_next(d)) {
+        if (!plan_datagram(m, d))
+            return false;
+    }
+    return true;
+}
+
+void ect_planner_see(ect_planner_t *planner, const uint8_t *frame, size_t length)
+{
+    uint8_t copy[ECT_PLAN_FRAME];
+    if (length > sizeof copy)
+        return;
+    memcpy(copy, frame, length);
+    if (!first_datagram(copy, length))
+        return;
+    ect_plan_sample_t *sample = &planner->samples[ect_plan_place(frame)];
+    sample->length = (uint16_t)length;
+    memcpy(sample->frame, copy, length);
+}
+
+void ect_planner_void(ect_planner_t *planner)
+{
+    for (unsigned int i = 0; i < ECT_PLANS; i++)
+        planner->table->plans[i].step_count = 0;
+}
+
+unsigned int ect_planner_make(ect_planner_t *planner, ect_chain_t *chain)
+{
+    maker_t m = {.chain = chain};
+    unsigned int made = 0;
+    ect_planner_void(planner);
+    if (!ect_chain_steady(chain, &m.steady))
+        return 0;
+    for (unsigned int i = 0; i < ECT_PLANS; i++) {
+        const ect_esc_t *clock = m.clock;
+        m.plan = &planner->table->plans[i];
+        if (planner->samples[i].length == 0)
+            continue;
+        if (plan_frame(&m, &planner->samples[i])) {
+            made++;
+        } else {
+            m.plan->step_count = 0;
+            m.clock = clock;
+        }
+    }
+    return made;
+}
+
+bool ect_plan_reply(const ect_plan_table_t *table, uint8_t *frame, size_t length, uint64_t now_ns)
+{
+    const frame_t bytes = {.bytes = frame, .length = length};
+    if (length < ECT_PLAN_HEAD || length > ECT_PLAN_FRAME)
+        return false;
+    const ect_plan_t *plan = &table->plans[ect_plan_place(frame)];
+    uint8_t head[ECT_PLAN_HEAD];
+    memcpy(head, frame, sizeof head);
+    if (!ect_steps_match(plan, &bytes, (uint32_t)length, head))
+        return false;
+    bool done = ect_steps_run(plan, &bytes, head, now_ns);
+    ECT_ASSERT(done);
+    return done;
+}

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Plans: replies to recurring frames, compiled from the chain, so that the kernel can give them (bus/kernel/kernel.h).
+ *
+ * The chain stays the only truth of what a frame means. A plan is a list of steps that turns a frame of one layout (the
+ * same datagrams with the same addresses and lengths) into the reply that the chain would give: bits of ECAT events and
+ * AL status, input images, the system time, working counters. A frame that a plan has replied to passes the chain
+ * later, with the time of its arrival, and there all else happens: outputs, watchdogs, events, clocks.
+ *
+ * A plan rests on the chain as it is when the plan is made, so it holds only as long as nothing but frames with plans
+ * happens to the chain. There is one rule of invalidation, with "no plan" as the default: whoever calls the chain in
+ * any way voids all plans before that (::ect_planner_void), passes the frames that plans have replied to, and makes the
+ * plans again when done (::ect_planner_make). FMMUs, SyncManagers, AL states, ports, faults, EEPROM and addresses need
+ * no list of their own.
+ *
+ * Plans are made for untagged EtherCAT frames of at most ECT_PLAN_FRAME bytes with the datagrams NOP, LRD, LWR, LRW
+ * (esc/cyclic.h states which images), BRD of AL status, and ARMW and FRMW of the system time of one reference clock
+ * that runs at the rate of the host's.
+ *
+ * Context: one thread. No heap, no clock.
+ */
+#ifndef ECT_BUS_KERNEL_PLAN_H
+#define ECT_BUS_KERNEL_PLAN_H
+
+#include "bus/chain/chain.h"
+#include "bus/kernel/steps.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
+/** A frame that has come, as an example of its layout. */
+typedef struct ect_plan_sample {
+    uint16_t length; /**< 0: none */
+    uint8_t frame[ECT_PLAN_FRAME];
+} ect_plan_sample_t;
+
+/** Plans of a chain and the frames that they are made for; zeroed: none. */
+typedef struct ect_planner {
+    ect_plan_table_t *table; /**< where the plans are; set by the caller, outlives the planner */
+    ect_plan_sample_t samples[ECT_PLANS];
+} ect_planner_t;
+
+/**
+ * Shows a frame that is about to pass the chain; the next ::ect_planner_make tries to make a plan for its layout, in
+ * the place of an earlier layout with the same ::ect_plan_place.
+ */
+void ect_planner_see(ect_planner_t *planner, const uint8_t *frame, size_t length);
+
+/** Makes all plans void. */
+void ect_planner_void(ect_planner_t *planner);
+
+/**
+ * Makes a plan for each layout seen, where the reply is certain.
+ * @return the number of plans
+ *
+ * Cost: a check of each ESC of the chain, and for each layout of the ESCs that take part.
+ */
+unsigned int ect_planner_make(ect_planner_t *planner, ect_chain_t *chain);
+
+/**
+ * Replies to a frame by its plan.
+ * @param[in,out] frame  changed only if there is a plan
+ * @param now_ns         time of arrival
+ * @return false: no plan; the frame has to pass the chain
+ */
+bool ect_plan_reply(const ect_plan_table_t *table, uint8_t *frame, size_t length, uint64_t now_ns);
+
+ECT_C_END
+
+#endif

@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The steps of a plan (bus/kernel/plan.h), and the interpreter that carries them out, in user space and in the kernel.
+ *
+ * A file that runs plans defines, before it includes this header, how the interpreter reaches a frame:
+ *
+ *     #define ECT_STEPS_FRAME                            type of a frame
+ *     #define ECT_STEPS_LOAD(frame, at, to, length)      copies bytes of the frame to `to`; 0: done
+ *     #define ECT_STEPS_STORE(frame, at, from, length)   copies bytes to the frame; 0: done
+ *
+ * Without them this header has the types only. Freestanding; every loop and every access has a constant bound, which
+ * the kernel's verifier checks.
+ */
+#ifndef ECT_BUS_KERNEL_STEPS_H
+#define ECT_BUS_KERNEL_STEPS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "wire/bytes.h"
+
+/** Plans of a chain, steps of a plan, bytes of a frame with one, bytes of its input images with room behind them. */
+enum { ECT_PLANS = 16, ECT_PLAN_STEPS = 64, ECT_PLAN_FRAME = 1514, ECT_PLAN_IMAGE = 4096 };
+
+/** The kinds of steps. `at` is an offset in the frame. */
+typedef enum ect_step_kind {
+    ECT_STEP_HEADER, /**< the 8 bytes at `at` must be `wide`, but for the second one: command, addresses, length */
+    ECT_STEP_OR,     /**< ORs `value` to `length` bytes, 1 or 2 */
+    ECT_STEP_ADD,    /**< adds `value` to 2 bytes */
+    ECT_STEP_COPY,   /**< copies `length` bytes of the image from `value` on */
+    ECT_STEP_TIME,   /**< stores `length` bytes, 4 to 8, of the time of arrival plus `wide` */
+} ect_step_kind_t;
+
+typedef struct ect_step {
+    uint16_t kind; /**< ::ect_step_kind_t */
+    uint16_t at;
+    uint16_t length;
+    uint16_t value;
+    uint64_t wide;
+} ect_step_t;
+
+/** The plan of one layout. */
+typedef struct ect_plan {
+    uint32_t step_count;  /**< 0: no plan. The headers come first */
+    uint32_t shortest;    /**< bytes of a frame up to its last working counter */
+    uint32_t source_bits; /**< ORed to the first byte of the source address */
+    uint8_t type[4];      /**< EtherType and EtherCAT header */
+    ect_step_t steps[ECT_PLAN_STEPS];
+    uint8_t image[ECT_PLAN_IMAGE];
+} ect_plan_t;
+
+/** Plans by place (::ect_plan_place). */
+typedef struct ect_plan_table {
+    ect_plan_t plans[ECT_PLANS];
+} ect_plan_table_t;
+
+/** Offsets in a frame: source address, EtherType, first datagram, and the end of its first 8 bytes. */
+enum { ECT_PLAN_SOURCE = 6, ECT_PLAN_TYPE = 12, ECT_PLAN_FIRST = 16, ECT_PLAN_HEAD = 24 };
+
+/** The place of a plan, by the first ECT_PLAN_HEAD bytes of the frame: command, address and length of the datagram. */
+static inline uint32_t ect_plan_place(const uint8_t *head)
+{
+    const uint8_t *d = head + ECT_PLAN_FIRST;
+    return (d[0] + 3u * d[2] + 5u * d[3] + 7u * d[4] + 11u * d[5] + 13u * d[6] + (d[2] >> 4)) % ECT_PLANS;
+}
+
+#endif
+
+#if defined(ECT_STEPS_FRAME) && !defined(ECT_STEPS_INTERPRETER)
+#define ECT_STEPS_INTERPRETER
+
+/* A header without the index, which a master may choose for each frame. */
+static inline uint64_t ect_step_header(const uint8_t *bytes)
+{
+    return ect_load_le64(bytes) & ~0xFF00ull;
+}
+
+/* Whether a frame of `length` bytes has the layout of a plan. Changes nothing. */
+static inline bool ect_steps_match(const ect_plan_t *plan, ECT_STEPS_FRAME frame, uint32_t length, const uint8_t *head)
+{
+    uint8_t header[8];
+    if (plan->step_count == 0 || plan->step_count > ECT_PLAN_STEPS || length < plan->shortest ||
+        ect_load_le32(head + ECT_PLAN_TYPE) != ect_load_le32(plan->type))
+        return false;
+    for (uint32_t i = 0; i < ECT_PLAN_STEPS && i < plan->step_count; i++) {
+        const ect_step_t *step = &plan->steps[i];
+        if (step->kind != ECT_STEP_HEADER)
+            return true;
+        if (ECT_STEPS_LOAD(frame, step->at, header, 8) != 0 || ect_step_header(header) != step->wide)
+            return false;
+    }
+    return true;
+}
+
+static inline bool ect_step_or(const ect_step_t *step, ECT_STEPS_FRAME frame)
+{
+    uint8_t bytes[2];
+    if (step->length == 1) {
+        if (ECT_STEPS_LOAD(frame, step->at, bytes, 1) != 0)
+            return false;
+        bytes[0] = (uint8_t)(bytes[0] | step->value);
+        return ECT_STEPS_STORE(frame, step->at, bytes, 1) == 0;
+    }
+    if (ECT_STEPS_LOAD(frame, step->at, bytes, 2) != 0)
+        return false;
+    ect_store_le16(bytes, (uint16_t)(ect_load_le16(bytes) | step->value));
+    return ECT_STEPS_STORE(frame, step->at, bytes, 2) == 0;
+}
+
+static inline bool ect_step_add(const ect_step_t *step, ECT_STEPS_FRAME frame)
+{
+    uint8_t bytes[2];
+    if (ECT_STEPS_LOAD(frame, step->at, bytes, 2) != 0)
+        return false;
+    ect_store_le16(bytes, (uint16_t)(ect_load_le16(bytes) + step->value));
+    return ECT_STEPS_STORE(frame, step->at, bytes, 2) == 0;
+}
+
+static inline bool ect_step_copy(const ect_plan_t *plan, const ect_step_t *step, ECT_STEPS_FRAME frame)
+{
+    uint32_t from = step->value, length = step->length;
+    if (from > ECT_PLAN_IMAGE - 2048 || length == 0 || length > ECT_PLAN_FRAME)
+        return false;
+    return ECT_STEPS_STORE(frame, step->at, plan->image + from, length) == 0;
+}
+
+static inline bool ect_step_time(const ect_step_t *step, ECT_STEPS_FRAME frame, uint64_t now_ns)
+{
+    uint32_t length = step->length;
+    uint8_t bytes[8];
+    ect_store_le64(bytes, now_ns + step->wide);
+    if (length < 4 || length > 8)
+        return false;
+    return ECT_STEPS_STORE(frame, step->at, bytes, length) == 0;
+}
+
+static inline bool ect_step_run(const ect_plan_t *plan, const ect_step_t *step, ECT_STEPS_FRAME frame, uint64_t now_ns)
+{
+    switch (step->kind) {
+    case ECT_STEP_HEADER:
+        return true;
+    case ECT_STEP_OR:
+        return ect_step_or(step, frame);
+    case ECT_STEP_ADD:
+        return ect_step_add(step, frame);
+    case ECT_STEP_COPY:
+        return ect_step_copy(plan, step, frame);
+    default:
+        return ect_step_time(step, frame, now_ns);
+    }
+}
+
+/* Turns a frame that matches into its reply. @return false: a step was out of bounds; the frame is of no use */
+static inline bool ect_steps_run(const ect_plan_t *plan, ECT_STEPS_FRAME frame, const uint8_t *head, uint64_t now_ns)
+{
+    uint8_t source = (uint8_t)(head[ECT_PLAN_SOURCE] | plan->source_bits);
+    if (ECT_STEPS_STORE(frame, ECT_PLAN_SOURCE, &source, 1) != 0)
+        return false;
+    for (uint32_t i = 0; i < ECT_PLAN_STEPS && i < plan->step_count; i++) {
+        if (!ect_step_run(plan, &plan->steps[i], frame, now_ns))
+            return false;
+    }
+    return true;
+}
+
+#endif

@@ -1,0 +1,358 @@
+/* SPDX-License-Identifier: MIT */
+/* Which frames get a plan, and which changes of the chain take it away. test_fast_chain compares the replies. */
+#include "bus/kernel/plan.h"
+
+#include <string.h>
+
+#include "devices/eclink/eclink.h"
+#include "support/testdev.h"
+#include "support/wire.h"
+
+enum { FMMU_OUT = 0, FMMU_IN = 1, OUTPUTS = 0x1200, INPUTS = 0x1300, SLAVES = 2 };
+
+typedef struct rig {
+    wire_t w;
+    ect_planner_t planner;
+} rig_t;
+
+static ect_plan_table_t table;
+static const uint8_t zeros[128];
+
+static void open_rig(rig_t *r)
+{
+    const ect_device_t *const devices[SLAVES] = {&testdev, &testdev};
+    memset(r, 0, sizeof *r);
+    wire_open(&r->w, devices, SLAVES);
+    for (size_t i = 0; i < SLAVES; i++) {
+        wire_go(&r->w, i, 8);
+        wire_set_fmmu(&r->w, i, FMMU_OUT, (uint32_t)(0x100 + 6 * i), 3, 0, 7, OUTPUTS, 0, 2);
+        wire_set_fmmu(&r->w, i, FMMU_IN, (uint32_t)(0x103 + 6 * i), 3, 0, 7, INPUTS, 0, 1);
+        (void)wire_read16(&r->w, i, ECT_REG_AL_STATUS);
+    }
+    uint8_t status[2] = {0};
+    (void)wire_send(&r->w, BRD, 0, ECT_REG_AL_STATUS, status, 2);
+    r->planner.table = &table;
+    r->w.manual_poll = true;
+}
+
+static void build_cyclic(rig_t *r)
+{
+    const uint8_t data[6 * SLAVES] = {1, 2, 3, 0, 0, 0, 4, 5, 6, 0, 0, 0};
+    uint8_t time[8] = {0};
+    wire_build(&r->w, LRW, 0x100, 0, data, sizeof data);
+    wire_append(&r->w, BRD, 0, ECT_REG_AL_STATUS, time, 2);
+    wire_append(&r->w, FRMW, WIRE_STATION, ECT_REG_DC_SYSTEM_TIME, time, 8);
+}
+
+/* @return whether the frame in the wire's buffer gets a plan */
+static bool gets_plan(rig_t *r)
+{
+    memset(r->planner.samples, 0, sizeof r->planner.samples);
+    ect_planner_see(&r->planner, r->w.frame, r->w.frame_length);
+    return ect_planner_make(&r->planner, r->w.chain) == 1;
+}
+
+/* Any number of replies, which the chain gives too when it sees the frames later. */
+static void replies_ahead_of_the_chain(void **state)
+{
+    enum { AHEAD = 20 };
+    uint8_t replies[AHEAD][200];
+    rig_t r;
+    (void)state;
+    open_rig(&r);
+    build_cyclic(&r);
+    assert_true(gets_plan(&r));
+    uint64_t start_ns = r.w.now_ns;
+    for (unsigned int i = 0; i < AHEAD; i++) {
+        memcpy(replies[i], r.w.frame, r.w.frame_length);
+        replies[i][17] = (uint8_t)i; /* the index is the master's */
+        assert_true(ect_plan_reply(&table, replies[i], r.w.frame_length, start_ns + i * MS));
+    }
+    ect_planner_void(&r.planner);
+    uint8_t frame[200];
+    memcpy(frame, r.w.frame, sizeof frame);
+    for (unsigned int i = 0; i < AHEAD; i++) {
+        memcpy(r.w.frame, frame, sizeof frame);
+        r.w.frame[17] = (uint8_t)i;
+        r.w.now_ns = start_ns + i * MS;
+        assert_true(wire_transmit(&r.w));
+        assert_memory_equal(r.w.frame, replies[i], r.w.frame_length);
+        assert_int_equal(wire_wkc(&r.w, 0), 3 * SLAVES);
+        assert_int_equal(wire_wkc(&r.w, 1), SLAVES);
+    }
+    assert_false(ect_plan_reply(&table, frame, r.w.frame_length, r.w.now_ns));
+    wire_close(&r.w);
+}
+
+/* --- frames without a plan ---------------------------------------------------------------------------------------- */
+
+static void no_change(rig_t *r)
+{
+    (void)r;
+}
+
+static void a_mailbox(rig_t *r)
+{
+    wire_build(&r->w, FPRD, WIRE_STATION, 0x1080, zeros, 128);
+}
+
+static void a_register(rig_t *r)
+{
+    wire_build(&r->w, BRD, 0, ECT_REG_DL_STATUS, zeros, 2);
+}
+
+static void long_status(rig_t *r)
+{
+    wire_build(&r->w, BRD, 0, ECT_REG_AL_STATUS, zeros, 4);
+}
+
+static void half_an_image(rig_t *r)
+{
+    const uint8_t data[2] = {0};
+    wire_build(&r->w, LRW, 0x100, 0, data, sizeof data);
+}
+
+static void nothing_in_it(rig_t *r)
+{
+    wire_build(&r->w, NOP, 0, 0, zeros, 0);
+}
+
+static void no_clock(rig_t *r)
+{
+    const uint8_t data[8] = {0};
+    wire_build(&r->w, FRMW, 0x5555, ECT_REG_DC_SYSTEM_TIME, data, sizeof data);
+}
+
+static void short_time(rig_t *r)
+{
+    const uint8_t data[2] = {0};
+    wire_build(&r->w, FRMW, WIRE_STATION, ECT_REG_DC_SYSTEM_TIME, data, sizeof data);
+}
+
+static void two_clocks(rig_t *r)
+{
+    const uint8_t data[8] = {0};
+    wire_build(&r->w, FRMW, WIRE_STATION, ECT_REG_DC_SYSTEM_TIME, data, sizeof data);
+    wire_append(&r->w, FRMW, WIRE_STATION + 1, ECT_REG_DC_SYSTEM_TIME, data, sizeof data);
+}
+
+static void too_many(rig_t *r)
+{
+    const uint8_t data[1] = {0};
+    wire_build(&r->w, NOP, 0, 0, data, sizeof data);
+    for (unsigned int i = 0; i < ECT_PLAN_STEPS; i++)
+        wire_append(&r->w, NOP, 0, 0, data, sizeof data);
+}
+
+static void many_counters(rig_t *r)
+{
+    const uint8_t data[2] = {0};
+    wire_build(&r->w, BRD, 0, ECT_REG_AL_STATUS, data, 2);
+    for (unsigned int i = 0; i < ECT_PLAN_STEPS / 3; i++)
+        wire_append(&r->w, BRD, 0, ECT_REG_AL_STATUS, data, 2);
+}
+
+static void a_tag(rig_t *r)
+{
+    build_cyclic(r);
+    memmove(r->w.frame + 16, r->w.frame + 12, r->w.frame_length - 12);
+    memcpy(r->w.frame + 12, "\x81\x00\x00\x01", 4);
+    r->w.frame_length += 4;
+}
+
+static void too_long(rig_t *r)
+{
+    build_cyclic(r);
+    r->w.frame_length = ECT_PLAN_FRAME + 1;
+}
+
+/* --- changes ------------------------------------------------------------------------------------------------------ */
+
+static void fmmu_moves(rig_t *r)
+{
+    wire_set_fmmu(&r->w, 1, FMMU_IN, 0x109, 3, 0, 7, INPUTS + 1, 0, 1);
+}
+
+static void fmmu_of_bits(rig_t *r)
+{
+    wire_set_fmmu(&r->w, 1, FMMU_IN, 0x109, 3, 1, 7, INPUTS, 0, 1);
+}
+
+static void fmmu_reads_outputs(rig_t *r)
+{
+    wire_set_fmmu(&r->w, 1, FMMU_IN, 0x109, 3, 0, 7, OUTPUTS, 0, 1);
+}
+
+static void sm_is_off(rig_t *r)
+{
+    wire_set_sm(&r->w, 0, 3, INPUTS, 0, 0x20);
+}
+
+static void sm_restarts(rig_t *r)
+{
+    wire_set_sm(&r->w, 0, 3, INPUTS, 0, 0x20);
+    wire_set_sm(&r->w, 0, 3, INPUTS, 3, 0x20); /* its slave has written nothing yet */
+}
+
+static void sm_has_events(rig_t *r)
+{
+    wire_set_sm(&r->w, 0, 2, OUTPUTS, 0, 0x74);
+    wire_set_sm(&r->w, 0, 2, OUTPUTS, 3, 0x74);
+}
+
+static void sm_reaches_into_another(rig_t *r)
+{
+    wire_set_sm(&r->w, 0, 2, OUTPUTS, 0, 0x64);
+    wire_set_sm(&r->w, 0, 2, INPUTS - 6, 0, 0x64);
+    wire_set_sm(&r->w, 0, 2, INPUTS - 6, 3, 0x64);
+    wire_set_fmmu(&r->w, 0, FMMU_OUT, 0x100, 3, 0, 7, INPUTS - 6, 0, 2);
+}
+
+static void sm_is_locked(rig_t *r)
+{
+    const uint8_t locked = 1;
+    (void)ect_esc_pdi_write(ect_chain_esc(r->w.chain, 0), ECT_REG_SM + 8 * 2 + ECT_SM_PDI_CONTROL, &locked, 1);
+}
+
+static void status_is_new(rig_t *r)
+{
+    (void)wire_write16(&r->w, 0, ECT_REG_AL_CONTROL, 4);
+    wire_poll(&r->w);
+}
+
+static void clock_is_trimmed(rig_t *r)
+{
+    ect_esc_set_drift(ect_chain_esc(r->w.chain, 0), 5000);
+}
+
+static void cable_is_out(rig_t *r)
+{
+    ect_chain_set_link(r->w.chain, ECT_END_IN, false);
+}
+
+static void goes_through(rig_t *r)
+{
+    ect_chain_set_link(r->w.chain, ECT_END_OUT, true);
+    (void)wire_write8(&r->w, SLAVES - 1, ECT_REG_DL_CONTROL + 1, 0x08); /* port 1 is open */
+}
+
+static void loop_for_a_second(rig_t *r)
+{
+    const uint8_t closed[] = {0x03, 0x0C};
+    (void)wire_write(&r->w, 1, ECT_REG_DL_CONTROL, closed, 2);
+}
+
+static void pdi_is_watched(rig_t *r)
+{
+    ect_esc_watch_pdi(ect_chain_esc(r->w.chain, 1), true);
+}
+
+static void writes_are_protected(rig_t *r)
+{
+    (void)wire_write8(&r->w, 1, ECT_REG_WRITE_PROTECTION, 1);
+}
+
+static bool let_pass(void *ctx, ect_crossing_t *crossing)
+{
+    (void)ctx;
+    (void)crossing;
+    return true;
+}
+
+static void a_fault_waits(rig_t *r)
+{
+    ect_chain_guard(r->w.chain, let_pass, NULL);
+}
+
+static void no_plan(void **state)
+{
+    static const struct {
+        const char *title;
+        void (*frame)(rig_t *r);
+        void (*change)(rig_t *r);
+        bool plan;
+    } rows[] = {
+        {"process data, AL status, system time", build_cyclic, no_change, true},
+        {"a mailbox", a_mailbox, no_change, false},
+        {"another register", a_register, no_change, false},
+        {"AL status and its code", long_status, no_change, false},
+        {"a part of an image", half_an_image, no_change, false},
+        {"a datagram without data", nothing_in_it, no_change, false},
+        {"the time of no slave", no_clock, no_change, false},
+        {"two bytes of the time", short_time, no_change, false},
+        {"the times of two clocks", two_clocks, no_change, false},
+        {"more datagrams than steps", too_many, no_change, false},
+        {"more counters than steps", many_counters, no_change, false},
+        {"a tag", a_tag, no_change, false},
+        {"a frame longer than Ethernet's", too_long, no_change, false},
+        {"an FMMU maps other bytes", build_cyclic, fmmu_moves, false},
+        {"an FMMU maps bits", build_cyclic, fmmu_of_bits, false},
+        {"an FMMU reads outputs", build_cyclic, fmmu_reads_outputs, false},
+        {"a SyncManager is off", build_cyclic, sm_is_off, false},
+        {"a SyncManager has no image yet", build_cyclic, sm_restarts, false},
+        {"a SyncManager has ECAT events", build_cyclic, sm_has_events, false},
+        {"buffers of two SyncManagers overlap", build_cyclic, sm_reaches_into_another, false},
+        {"the slave has locked a SyncManager", build_cyclic, sm_is_locked, false},
+        {"an AL status is new", build_cyclic, status_is_new, false},
+        {"the reference clock is fast", build_cyclic, clock_is_trimmed, false},
+        {"no cable is plugged in", build_cyclic, cable_is_out, false},
+        {"frames leave at the other end", build_cyclic, goes_through, false},
+        {"a loop is closed for a second", build_cyclic, loop_for_a_second, false},
+        {"the watchdog of the PDI runs", build_cyclic, pdi_is_watched, false},
+        {"writes are protected", build_cyclic, writes_are_protected, false},
+        {"a fault waits for the next frame", build_cyclic, a_fault_waits, false},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        rig_t r;
+        open_rig(&r);
+        rows[i].change(&r);
+        rows[i].frame(&r);
+        bool got = gets_plan(&r);
+        if (got != rows[i].plan)
+            fail_msg("%s: expected %s", rows[i].title, rows[i].plan ? "a plan" : "none");
+        wire_close(&r.w);
+    }
+}
+
+/* A frame gets a reply only if it has the layout of the plan. */
+static void other_layouts(void **state)
+{
+    static const struct {
+        const char *title;
+        unsigned int at;
+        bool same;
+    } rows[] = {{"destination", 0, true},    {"EtherType", 12, false},     {"kind of EtherCAT frame", 15, false},
+                {"command", 16, false},      {"index", 17, true},          {"address", 18, false},
+                {"high address", 20, false}, {"length", 22, false},        {"ECAT events", 24, true},
+                {"data", 26, true},          {"second command", 40, false}};
+    rig_t r;
+    (void)state;
+    open_rig(&r);
+    build_cyclic(&r);
+    assert_true(gets_plan(&r));
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t frame[200];
+        memcpy(frame, r.w.frame, r.w.frame_length);
+        frame[rows[i].at] ^= 0x20;
+        if (ect_plan_reply(&table, frame, r.w.frame_length, r.w.now_ns) != rows[i].same)
+            fail_msg("another %s: expected %s", rows[i].title, rows[i].same ? "a reply" : "none");
+    }
+    uint8_t frame[200];
+    memcpy(frame, r.w.frame, r.w.frame_length);
+    assert_false(ect_plan_reply(&table, frame, r.w.frame_length - 1, r.w.now_ns));
+    assert_false(ect_plan_reply(&table, frame, ECT_PLAN_HEAD - 1, r.w.now_ns));
+    assert_memory_equal(frame, r.w.frame, r.w.frame_length);
+    wire_close(&r.w);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        {"CF-002: a plan replies as the chain does when it sees the frames later", replies_ahead_of_the_chain, NULL,
+         NULL, NULL},
+        {"frames and changes of a chain without a plan", no_plan, NULL, NULL, NULL},
+        {"a plan replies to frames of its layout only", other_layouts, NULL, NULL, NULL},
+    };
+    return cmocka_run_group_tests_name("plans", tests, NULL, NULL);
+}
