@@ -35,7 +35,7 @@ clone_of --serial 4711 --alias 17 "$devices"
 check "a line a slave" 7 "$(wc -l <"$work/said")"
 check "alias of the last slave, and the serial number of any twin (CLN-013)" "alias=23 serial=1" "$("$ectwin" sii "esi:$(ls "$work"/one/07-*.xml)" -o "$work/sii" 2>/dev/null
   python3 -c "b=open('$work/sii','rb').read(); print(f'alias={b[8]} serial={int.from_bytes(b[28:32],\"little\")}')")"
-"$ectwin" with "$work/one/bus.yaml" -- "$conform" -i {} --slave 5 --only CF-095 >"$work/out" 2>&1
+on_virtual_time "$work/one/bus.yaml" -- "$conform" -i {} --slave 5 --only CF-095 >"$work/out" 2>&1
 check "the cloned sensor goes to OP (CF-095)" 1 "$(grep -c 'pass CF-095' "$work/out")"
 
 clone_of --set data1=1.5 --esc lan9252 fzm1
@@ -47,7 +47,7 @@ check "the tree of the bus (CLN-014)" "wire: ['2:1.3', '4:1.1']" "$(grep wire "$
 clone_of "esi:$esi/digital.xml#COUPLER,esi:$esi/digital.xml#DI4,esi:$esi/digital.xml#DO16,esi:$esi/analog.xml#AI2,esi:$esi/analog.xml#DRIVE,esi:$esi/modular.xml"
 
 rm -rf "$work/one"
-"$ectwin" with --fault 'eeprom nack slave 1' vr-bu-ect-map1,fzm1 -- "$ectwin" clone --preop -i {} -o "$work/one" >"$work/said" 2>"$work/err"
+on_virtual_time --fault 'eeprom nack slave 1' vr-bu-ect-map1,fzm1 -- "$ectwin" clone --preop -i {} -o "$work/one" >"$work/said" 2>"$work/err"
 check "a slave whose EEPROM cannot be read: exit code" 3 $?
 check "a slave whose EEPROM cannot be read: its line" 1 "$(grep -c '^ectwin clone: slave 1: EEPROM: ' "$work/err")"
 check "a slave whose EEPROM cannot be read: the others are cloned" "02-fzm1.xml bus.yaml" "$(ls "$work/one" | xargs)"
@@ -55,7 +55,7 @@ check "a slave whose EEPROM cannot be read: the bus file reports it" "# Without 
   "$(grep Without "$work/one/bus.yaml")"
 check "a slave whose EEPROM cannot be read: the bus file can be run" 0 "$("$ectwin" check "$work/one/bus.yaml" >/dev/null 2>&1; echo $?)"
 
-"$ectwin" with fzm1 -- "$ectwin" clone --preop -i {} -o "$work/one" >"$work/out" 2>"$work/err"
+on_virtual_time fzm1 -- "$ectwin" clone --preop -i {} -o "$work/one" >"$work/out" 2>"$work/err"
 check "a folder that is there: exit code" 2 $?
 check "a folder that is there" "ectwin clone: '$work/one': File exists: name a folder that is not there yet" "$(grep clone: "$work/err")"
 # Consent, notes and blanks.
@@ -144,10 +144,11 @@ s = socket.socket(socket.AF_PACKET, socket.SOCK_RAW)
 s.bind((sys.argv[1], 3))
 while True:
     s.send(bytes.fromhex("ffffffffffff02000000000188a40e10070000003001020000000000").ljust(60, b"\0"))
+    open(sys.argv[2], "w").close()
     time.sleep(0.01)
 END
 rm -rf "$work/one"
-printf '%s\n' "python3 '$work/master.py' \"\$1\" & master=\$!" "sleep 1" \
+printf '%s\n' "python3 '$work/master.py' \"\$1\" '$work/sends' & master=\$!" "until [ -e '$work/sends' ]; do sleep 0.01; done" \
   "'$ectwin' clone --preop -i \"\$1\" -o '$work/one' 2>'$work/err'; echo \$? \$(ls '$work/one' 2>/dev/null | wc -l) >'$work/refused'" \
   "'$ectwin' clone --preop --beside-master -i \"\$1\" -o '$work/one' >/dev/null 2>&1; echo \$? >'$work/beside'" \
   "kill \$master" >"$work/beside.sh"
