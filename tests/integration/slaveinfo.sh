@@ -6,16 +6,19 @@ set -u
 ectwin=$1
 slaveinfo=$2
 failed=0
+export ASAN_OPTIONS=detect_leaks=0
+
+with() { "$ectwin" with --in-process --virtual-time "$@"; }
 
 expect() { # DEVICE WHAT EXPECTED ACTUAL
   [ "$3" = "$4" ] && return 0
-  printf 'FAILED %s: %s: expected %s, got %s\n  alone: %s with %s -- %s {} -sdo\n' "$1" "$2" "$3" "$4" "$ectwin" "$1" "$slaveinfo"
+  printf 'FAILED %s: %s: expected %s, got %s\n  alone: %s with --in-process --virtual-time %s -- %s {} -sdo\n' "$1" "$2" "$3" "$4" "$ectwin" "$1" "$slaveinfo"
   failed=1
 }
 
 while read -r device input output entries name; do
-  map=$("$ectwin" with "$device" -- "$slaveinfo" {} -map 2>/dev/null)
-  sdo=$("$ectwin" with "$device" -- "$slaveinfo" {} -sdo 2>/dev/null)
+  map=$(with "$device" -- "$slaveinfo" {} -map 2>/dev/null)
+  sdo=$(with "$device" -- "$slaveinfo" {} -sdo 2>/dev/null)
   expect "$device" "input size" "$((input * 8))bits" "$(sed -n 's/ Input size: //p' <<<"$map")"
   expect "$device" "output size" "$((output * 8))bits" "$(sed -n 's/ Output size: //p' <<<"$map")"
   expect "$device" "state" 4 "$(sed -n 's/ State: //p' <<<"$map")"
