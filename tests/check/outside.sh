@@ -12,16 +12,6 @@ trap 'rm -rf "$work"' EXIT
 # shellcheck source=tests/support/check.sh
 . "$(dirname "$0")/../support/check.sh"
 
-# map_of ARGUMENT...: the output of slaveinfo, which gives a frame 2 ms: on a busy machine that takes longer it runs again.
-map_of() {
-  local map
-  for _ in 1 2 3; do
-    map=$("$@" -- "$slaveinfo" '{}' -map 2>/dev/null)
-    grep -q ' State: 4' <<<"$map" && break
-  done
-  echo "$map"
-}
-
 quietly() { "$@" >"$work/log" 2>&1 || { cat "$work/log"; echo "FAILED $*"; exit 1; }; }
 
 # project SOURCE NAME ARGUMENT...: configured and built below NAME
@@ -42,7 +32,7 @@ heater=$work/device/ectwin-heater
 check "list" "fzm1 heater" "$("$heater" list | awk '{print $1}' | grep -E '^(fzm1|heater)$' | xargs)"
 check "list: bytes" "3/2" "$("$heater" list | awk '$1 == "heater" {print $2}')"
 if [ -x "$slaveinfo" ]; then
-  map=$(map_of "$heater" with heater)
+  map=$(map_of "$heater" with heater -- "$slaveinfo" '{}' -map)
   check "with: SAFEOP" 4 "$(sed -n 's/ State: //p' <<<"$map")"
   check "with: sizes" "16bits 24bits" "$(sed -n 's/ \(Output\|Input\) size: //p' <<<"$map" | xargs)"
   check "with: entries" "Set point Temperature Power" "$(sed -n 's/^  \[0x.*0x.. [A-Z0-9]* *//p' <<<"$map" | xargs)"
@@ -78,7 +68,7 @@ quietly ${CC:-cc} -std=c11 $flags -I"$work/soes" -I"$api" "$work"/soes/{main,app
   "$(pkg-config --variable=soes_hal ectwin-core)/esc_hw.c" $(pkg-config --cflags --libs ectwin-soes_hal) -o "$work/soes-by-pkg-config"
 for program in "$work/soes-by-cmake/my_firmware" "$work/soes-by-pkg-config"; do
   [ -x "$slaveinfo" ] || continue
-  map=$(map_of "$heater" with --external "$program")
+  map=$(map_of "$heater" with --external "$program" -- "$slaveinfo" '{}' -map)
   check "$program: SAFEOP" 4 "$(sed -n 's/ State: //p' <<<"$map")"
   check "$program: sizes" "24bits 24bits" "$(sed -n 's/ \(Output\|Input\) size: //p' <<<"$map" | xargs)"
 done

@@ -24,7 +24,7 @@ a_master_finds_them() {
   local map
   [ -x "$slaveinfo" ] || return 0
   for program in "$twin" "$own_loop"; do
-    map=$(with "$program" "$slaveinfo" '{}' -map)
+    map=$(map_of with "$program" "$slaveinfo" '{}' -map)
     check "$program: SAFEOP" 4 "$(sed -n 's/ State: //p' <<<"$map")"
     check "$program: name" "test device" "$(sed -n 's/^ Name://p' <<<"$map" | head -1)"
     check "$program: sizes" "24bits 24bits" "$(sed -n 's/ \(Output\|Input\) size: //p' <<<"$map" | xargs)"

@@ -12,6 +12,17 @@ check() { # TITLE EXPECTED ACTUAL
   failed=1
 }
 
+# map_of COMMAND...: the output of a COMMAND that runs SOEM's `slaveinfo IFACE -map`. It gives a frame 2 ms: until a busy machine lets one slave
+# reach SAFEOP, it runs again, ten times at most.
+map_of() {
+  local map
+  for _ in 1 2 3 4 5 6 7 8 9 10; do
+    map=$("$@" 2>/dev/null)
+    grep -q ' State: 4' <<<"$map" && break
+  done
+  echo "$map"
+}
+
 # run_cases CASE...: ends the script after these functions, or after the one that $only names: with 0, with 1 after a failure. Each runs in a
 # process, a folder $work and a runtime folder of its own, $at_a_time (4) side by side, because most of them wait.
 run_cases() {
