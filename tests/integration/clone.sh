@@ -137,6 +137,7 @@ check "--esi-dir without the file" "0 8 ectwin clone: slave 1: no SDO informatio
   "$status $(grep -o '[0-9]* objects' "$work/said" | cut -d' ' -f1) $(grep '^ectwin clone' "$work/err")"
 unset device
 
+# A busy machine may keep replies from the clone for so long that it gives a slave up (3): then it is made again.
 # Another master, a frame each 10 ms, with a socket for all protocols: one for EtherCAT alone is refused when the interface is opened.
 cat >"$work/master.py" <<'END'
 import socket, sys, time
@@ -148,9 +149,10 @@ while True:
     time.sleep(0.01)
 END
 rm -rf "$work/one"
-printf '%s\n' "python3 '$work/master.py' \"\$1\" '$work/sends' & master=\$!" "until [ -e '$work/sends' ]; do sleep 0.01; done" \
+printf '%s\n' "python3 '$work/master.py' \"\$1\" '$work/sends' & master=\$!" "until [ -e '$work/sends' ] || ! kill -0 \$master; do sleep 0.01; done" \
   "'$ectwin' clone --preop -i \"\$1\" -o '$work/one' 2>'$work/err'; echo \$? \$(ls '$work/one' 2>/dev/null | wc -l) >'$work/refused'" \
-  "'$ectwin' clone --preop --beside-master -i \"\$1\" -o '$work/one' >/dev/null 2>&1; echo \$? >'$work/beside'" \
+  "for n in 1 2 3 4 5; do" "'$ectwin' clone --preop --beside-master -i \"\$1\" -o '$work/beside'\$n >/dev/null 2>&1" \
+  "status=\$?; [ \$status = 3 ] || break" "done; echo \$status >'$work/beside'" \
   "kill \$master" >"$work/beside.sh"
 "$ectwin" with fzm1 -- sh "$work/beside.sh" {} >"$work/out" 2>&1
 check "a master at work: exit code, and no folder (CLN-003)" "2 0" "$(cat "$work/refused")"
