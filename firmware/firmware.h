@@ -11,7 +11,11 @@
 #include "ecat_slv.h"
 #include "seams/device.h"
 
-/** The device: as it is described, or with what the board adds (update.h). Constant from the first call on. */
+/** The device as it is described (plain.c), or with updates (update.c). Constant from the first call on. */
+const ect_device_t *firmware_described(void);
+
+/** The device of the firmware: firmware_described, with a network address (network.c) or without one (no_network.c).
+ * Constant from the first call on. */
 const ect_device_t *firmware_device(void);
 
 /** A number of the firmware's configuration does not fit its device: ::board_fault. */

@@ -3,7 +3,7 @@
 #include FIRMWARE_DEVICE_HEADER
 #include "firmware.h"
 
-const ect_device_t *firmware_device(void)
+const ect_device_t *firmware_described(void)
 {
     return &FIRMWARE_DEVICE;
 }

@@ -129,7 +129,7 @@ static void lay_out_boot(void)
 }
 
 /* The same at each call; the firmware and the EEPROM call it once each. */
-const ect_device_t *firmware_device(void)
+const ect_device_t *firmware_described(void)
 {
     const size_t aligned = sizeof(max_align_t);
     size_t count = 0;

@@ -82,7 +82,7 @@ def sources(header):
     unused = {"application.c", "describe.c", "esc_coe.c", "esc_eep.c", "esc_foe.c", # an object list's
               "signals.c", "modbus.c"} # the plant, and what it names
     return [path for path in found if path.name not in unused] + [ROOT / "firmware" / name for name in
-                                                                  ("main.c", "on_ectwin/device.c", "plain.c", "hal.c", "fault.c",
+                                                                  ("main.c", "on_ectwin/device.c", "plain.c", "no_network.c", "hal.c", "fault.c",
                                                                   "boards/mmio/board.c",
                                                                   "boards/mmio/no_storage.c")]
 
