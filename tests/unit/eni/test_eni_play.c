@@ -281,12 +281,24 @@ static void a_mailbox_that_is_too_short_for_CoE_is_named(void **state)
 typedef struct postbox {
     uint8_t last[2];
     unsigned int mails, repeated;
-    size_t longest; /* of the mails, with their headers */
+    unsigned int emergencies; /* before each reply */
+    unsigned int left;        /* of them */
+    size_t longest;           /* of the mails, with their headers */
 } postbox_t;
 
 static bool postbox_exchange(void *ctx, uint8_t *frame, size_t length)
 {
-    enum { COMMAND = 16, ADP = 18, LENGTH = 22, DATA = 26, FPWR = 5, STATION = 1001, COE = 3, RESPONSE = 0x30 };
+    enum {
+        COMMAND = 16,
+        ADP = 18,
+        LENGTH = 22,
+        DATA = 26,
+        FPWR = 5,
+        STATION = 1001,
+        COE = 3,
+        RESPONSE = 0x30,
+        EMERGENCY = 0x10
+    };
     postbox_t *p = ctx;
     uint8_t *mail = frame + DATA, *last = &p->last[frame[ADP] - (STATION & 0xFF)];
     (void)length;
@@ -296,10 +308,12 @@ static bool postbox_exchange(void *ctx, uint8_t *frame, size_t length)
         p->repeated += *last == counter;
         p->longest = size > p->longest ? size : p->longest;
         p->mails++;
+        p->left = p->emergencies;
         *last = counter;
     } else {
         mail[5] = COE;
-        mail[7] = RESPONSE;
+        mail[7] = p->left > 0 ? EMERGENCY : RESPONSE;
+        p->left -= p->left > 0;
     }
     mail[frame[LENGTH]] = 1;
     return true;
@@ -324,6 +338,26 @@ static void each_slave_gets_mails_with_counters_of_its_own(void **state)
     assert_int_equal(postbox.mails, 8);
     assert_int_equal(postbox.repeated, 0);
     ect_eni_close(eni);
+}
+
+/* 64 are skipped; the next mail is taken for the reply, whatever it is. */
+static void emergencies_before_a_reply_are_skipped(void **state)
+{
+    static const char text[] =
+        ENI_HEAD ENI_SLAVE("<PhysAddr>1001</PhysAddr>", BOXES(UPLOAD("IP") UPLOAD("IP"))) ENI_TAIL;
+    static const unsigned int rows[][2] = {{0, 0}, {1, 0}, {64, 0}, {66, 1}}; /* emergencies, those left in the box */
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        postbox_t postbox = {.emergencies = rows[i][0]};
+        const ect_eni_wire_t wire = {
+            .ctx = &postbox, .exchange = postbox_exchange, .wait = fake_wait, .report = fake_report};
+        ect_eni_t *eni = eni_of("emergencies", text);
+        ect_eni_player_t player = {.eni = eni, .wire = &wire};
+        assert_true(ect_eni_play(&player, ECT_ENI_PREOP));
+        assert_int_equal(postbox.mails, 2);
+        assert_int_equal(postbox.left, rows[i][1]);
+        ect_eni_close(eni);
+    }
 }
 
 /* Bytes in the first mail, and in each segment: what is left of 64 behind the headers. */
@@ -369,6 +403,7 @@ int main(void)
         cmocka_unit_test(ENI_005_every_comparison_of_Validate_decides_with_mask_and_sign),
         cmocka_unit_test(ENI_022_a_command_is_repeated_until_its_Timeout_and_a_minute_at_most),
         cmocka_unit_test(each_slave_gets_mails_with_counters_of_its_own),
+        cmocka_unit_test(emergencies_before_a_reply_are_skipped),
         cmocka_unit_test(ENI_015_a_long_value_is_sent_in_mails_that_fit_the_mailbox),
         cmocka_unit_test(a_wire_without_replies_is_named),
         cmocka_unit_test(a_mailbox_that_is_too_short_for_CoE_is_named),

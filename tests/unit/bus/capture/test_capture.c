@@ -222,17 +222,17 @@ static void full_buffer(void **state)
     assert_null(option(&b, 20 + FRAME, ECT_PCAPNG_DROPPED, &length));
 }
 
-static void limit(void **state)
+/* Frames of several lengths, so that few places of the file are ends of blocks; `burst` of them between two flushes. */
+static void limit_with(rig_t *r, uint64_t burst)
 {
-    rig_t *r = *state;
     block_t b;
     enum { COUNT = 5000 };
     ect_capture_config_t config = config_of(r);
     config.most = ECT_CAPTURE_SMALLEST;
     begin(r, &config);
     for (uint64_t i = 1; i <= COUNT; i++) {
-        assert_true(add(r, i, FRAME));
-        if (i % 50 == 0) {
+        assert_true(add(r, i, FRAME + i * 7 % 50));
+        if (i % burst == 0) {
             ect_capture_flush(r->capture);
             read_back(r);
             assert_in_range(r->size, 1, ECT_CAPTURE_SMALLEST);
@@ -248,6 +248,17 @@ static void limit(void **state)
         assert_int_equal(ect_load_le32(b.body + 8), COUNT - kept + 1 + i);
     }
     assert_true(find(r, ECT_PCAPNG_STATISTICS, 0, &b));
+}
+
+static void limit(void **state)
+{
+    limit_with(*state, 50);
+}
+
+/* More than the eighth of the limit that one write takes. */
+static void limit_and_backlog(void **state)
+{
+    limit_with(*state, 250);
 }
 
 static void sections(void **state)
@@ -372,11 +383,16 @@ static void refused(void **state)
     };
     char message[ECT_CAPTURE_MESSAGE];
     ect_capture_config_t config = config_of(r);
+    const int before = open("/dev/null", O_RDONLY);
+    close(before);
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         config.path = wrong[i].path;
         assert_null(ect_capture_open(&config, message));
         assert_string_equal(message, wrong[i].message);
     }
+    const int after = open("/dev/null", O_RDONLY);
+    close(after);
+    assert_int_equal(after, before); /* no descriptor is left open */
 }
 
 static void taken(void **state)
@@ -431,6 +447,7 @@ int main(void)
         CASE("a comment after the last frame ends the section", comment_at_the_end),
         CASE("a full buffer drops frames, and the next frame has their number", full_buffer),
         CASE("at the limit the older half goes; heads and newest frames stay", limit),
+        CASE("a backlog is written in pieces that the limit takes", limit_and_backlog),
         CASE("with append each capture is a section of its own; without it the file is emptied", sections),
         CASE("a thread writes what is added, all of it", thread),
         CASE("each flush wakes the thread", flush_wakes_the_thread),

@@ -546,6 +546,33 @@ static void client_that_does_not_read(void **state)
     close_bench(&b);
 }
 
+/* Who does not read its replies is closed for want of requests; the next client in its place is served. */
+static void place_of_a_client_that_did_not_read(void **state)
+{
+    uint8_t request[16];
+    size_t sent = 0;
+    const int room = 4096;
+    bench_t b;
+    (void)state;
+    open_bench(&b);
+    wire_advance(&b.wire, 125 * MS);
+    int fd = connect_client(&b);
+    assert_int_equal(setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &room, sizeof room), 0);
+    size_t size = bytes_of("12 34 00 00 00 06 01 04 00 00 00 21", request);
+    while (write(fd, request, size) == (ssize_t)size) {
+        (void)serve(&b);
+        assert_true(++sent < ROOM);
+    }
+    wire_advance(&b.wire, IDLE_S * 1000ull * MS);
+    (void)serve(&b);
+    assert_true(ect_modbus_server_due(b.server) == ECT_NEVER);
+    int next = connect_client(&b);
+    expect(&b, next, "in its place", READ, VALUE);
+    close(next);
+    close(fd);
+    close_bench(&b);
+}
+
 static void no_client_waits_for_long(void **state)
 {
     int flood[3];
@@ -928,6 +955,8 @@ int main(int argc, char **argv)
         TEST("Attack: who sends no request for 60 s is closed, half requests do not count", idle_clients_are_closed),
         TEST("Attack: a client that does not read its replies waits until it does, and loses none",
              client_that_does_not_read),
+        TEST("Attack: the place of a client that did not read its replies for 60 s is free, and the next one is served",
+             place_of_a_client_that_did_not_read),
         TEST("Attack: three that flood do not keep the fourth waiting", no_client_waits_for_long),
         TEST("Attack: no descriptor is left: the server looks again after a second", no_descriptor_left),
         TEST("Attack: gone before the answer", closed_before_the_reply),

@@ -198,6 +198,15 @@ static void not_to_be_read(void **state)
         ect_endless_sent(&endless, frame, length);
         assert_false(ect_endless_received(&endless, frame, length, 0));
     }
+    uint8_t udp[FRAME + 28] = {0}; /* the same behind headers of IP and UDP: one byte less than its datagram takes */
+    memcpy(udp, frame, 14);
+    udp[12] = 0x08;
+    udp[13] = 0x00;
+    memcpy(udp + 14 + 28, frame + 14, FRAME - 14);
+    for (unsigned int i = 0; i < 3 * ECT_ENDLESS_MOST; i++) {
+        ect_endless_sent(&endless, udp, 28 + 16 + 10 + 2 + 1);
+        assert_false(ect_endless_received(&endless, udp, 28 + 16 + 10 + 2 + 1, 0));
+    }
     frame[12] = 0x08;
     for (unsigned int i = 0; i < 3 * ECT_ENDLESS_MOST; i++) {
         ect_endless_sent(&endless, frame, FRAME);

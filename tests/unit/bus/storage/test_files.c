@@ -87,11 +87,15 @@ static int tear_down(void **state)
     return rmdir(folder); /* fails if something was left behind */
 }
 
+static char said[100]; /* text of the reply to the last open */
+
 static uint32_t open_name(const char *name, size_t length, bool write)
 {
-    const char *text = NULL;
+    const char *text = "";
     const ect_foe_file_t wish = {.name = name, .length = (uint16_t)length, .write = write, .state = ECT_STATE_PREOP};
-    return foe->open(foe, NULL, &wish, &text);
+    const uint32_t code = foe->open(foe, NULL, &wish, &text);
+    (void)snprintf(said, sizeof said, "%s", text);
+    return code;
 }
 
 static uint32_t write_piece(uint32_t offset, const char *text, bool last)
@@ -138,6 +142,8 @@ static void names(void **state)
             fail_msg("%s: expected 0x%X to read and 0x%X to write, got 0x%X and 0x%X", table[i].what, table[i].read,
                      table[i].write, read, write);
     }
+    (void)open_name("../data", 7, false);
+    assert_string_equal(said, "not a name of a file here");
     expect_content(outside, "not yours");
     expect_content(in("data"), "hello");
     expect_content(in("new"), "nothing");
@@ -249,6 +255,25 @@ static void refused_devices(void **state)
     assert_non_null(strstr(message, "cannot open the folder '/no/such/folder'"));
 }
 
+/* All descriptors of a folder, and of a file that is open in it, are closed with it. */
+static void closes_its_descriptors(void **state)
+{
+    char message[ECT_FILES_MESSAGE];
+    (void)state;
+    const int before = open("/dev/null", O_RDONLY);
+    (void)close(before);
+    ect_files_t *more = ect_files_open(folder, &testdev, 0, message);
+    assert_non_null(more);
+    const ect_foe_t *its = entry_of(ect_files_device(more));
+    const ect_foe_file_t wish = {.name = "data", .length = 4, .state = ECT_STATE_PREOP};
+    const char *text = NULL;
+    assert_int_equal(its->open(its, NULL, &wish, &text), ECT_FOE_OK);
+    ect_files_close(more);
+    const int after = open("/dev/null", O_RDONLY);
+    (void)close(after);
+    assert_int_equal(after, before);
+}
+
 /* The twin as a master finds it: protocol in the SII, mailboxes for BOOT, a password. */
 static void over_the_wire(void **state)
 {
@@ -285,6 +310,7 @@ int main(void)
         TEST("Attack: links that come up meanwhile are not followed", meanwhile),
         TEST("Files: a device has at most 16 protocols of its own beside FoE", most_protocols_of_a_device),
         TEST("Files: a device without a mailbox, or with files of its own, is refused with a line", refused_devices),
+        TEST("Files: the descriptors of a folder are closed with it", closes_its_descriptors),
         TEST("Files: a twin offers them in every state, BOOT among them, to who knows the password", over_the_wire),
     };
     return cmocka_run_group_tests_name("files", tests, NULL, NULL);
