@@ -546,7 +546,8 @@ static void client_that_does_not_read(void **state)
     close_bench(&b);
 }
 
-/* Who does not read its replies is closed for want of requests; the next client in its place is served. */
+/* A client that does not read its replies is closed after 60 s without a request; the next one in its place is served.
+ */
 static void place_of_a_client_that_did_not_read(void **state)
 {
     uint8_t request[16];
