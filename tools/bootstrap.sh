@@ -7,7 +7,7 @@
 #         to see it run
 #   bench run, and what tools/dev/bench/run.py measures with: valgrind, iproute2, util-linux
 #   package run, and what tools/package.sh builds packages with
-#   test  all but what measures, and what the tests need: CMocka, clang for the fuzz targets, gcovr, and from PyPI
+#   test  all but what measures, and what the tests need: CMocka, clang for the fuzz targets, gcovr, iperf3, and from PyPI
 #         pymodbus, and the sources of SOEM for examples/fuzz-master; Chromium with its driver, which the panel's page is tested in
 #
 # Debian and Ubuntu packages, as root or through sudo. SOEM: one that is installed (find_package) is taken when our programs
@@ -22,7 +22,7 @@ board_packages="binutils gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-u
   gcc-arm-linux-gnueabihf libc6-dev-armhf-cross qemu-system-arm iproute2 python3"
 package_packages="dpkg-dev file git python3 python3-pip python3-venv ca-certificates"
 bench_packages="valgrind iproute2 util-linux python3"
-test_packages="libcmocka-dev clang gcovr libxml2-utils doxygen"
+test_packages="libcmocka-dev clang gcovr libxml2-utils doxygen iperf3"
 browser_packages="chromium chromium-driver" # Ubuntu has them as snaps alone
 lint_packages="clang-format-19 clang-tidy-19" # one version everywhere, for each finds something else; not every release has it
 
@@ -49,7 +49,7 @@ as_root() {
 # A package counts as there when dpkg lists it, or when the command it is for comes from elsewhere.
 is_there() {
   case "$1" in
-    gcc | cmake | clang | clang-format-19 | clang-tidy-19 | doxygen | gcovr | python3) command -v "$1" >/dev/null && return 0 ;;
+    gcc | cmake | clang | clang-format-19 | clang-tidy-19 | doxygen | gcovr | iperf3 | python3) command -v "$1" >/dev/null && return 0 ;;
     ninja-build) command -v ninja >/dev/null && return 0 ;;
     binutils) command -v objdump >/dev/null && return 0 ;;
     pkg-config) command -v pkg-config >/dev/null && return 0 ;;

@@ -2,11 +2,15 @@
 # SPDX-License-Identifier: MIT
 """Networks behind twins with EoE: a TAP, a socket and the responder, through the bridging master of examples/eoe.
 
-usage: eoe.py ECTWIN BRIDGE GATEWAY.xml [CASE] [BYTES]      BYTES: of a download (default 1000000)
+usage: eoe.py ECTWIN BRIDGE GATEWAY.xml [CASE] [BYTES]
+
+CASE: refusals, tap, echo, unix (default: these), iperf3, tshark. BYTES: of the download from the server behind the twin
+(default 10000000) and of that to it; a fifth goes each way by iperf3. Exits with 77 where a case lacks its program.
 """
 import json
 import os
 import re
+import shutil
 import socket
 import struct
 import subprocess
@@ -15,7 +19,8 @@ import tempfile
 import time
 import urllib.request
 
-ADDRESS, OURS = "192.168.10.20", "192.168.10.1"
+ADDRESS, OURS, NET = "192.168.10.20", "192.168.10.1", "192.168.10.0/24"
+SKIPPED = 77
 TYPE = 0x88B5  # for local experiments
 failed = False
 
@@ -47,6 +52,17 @@ class Bridge:
         return self.end
 
 
+def narrow(tap, words=run):
+    """Half a queue of the twin is the most that a TCP sender has under way: a master that the machine stops for seconds loses nothing."""
+    words("ip", "route", "change", NET, "dev", tap, "window", "40000")
+
+
+def dropped(words=()):
+    """@return frames that the TAPs of a network have dropped"""
+    text = subprocess.run([*words, "ip", "-s", "-j", "link"], stdout=subprocess.PIPE, check=True, text=True).stdout
+    return sum(link["stats64"][way]["dropped"] for link in json.loads(text) for way in ("rx", "tx") if link["ifname"] in ("eoe0", "tap0"))
+
+
 class Inner:
     """A network of its own behind the twin's TAP, with the address."""
 
@@ -56,6 +72,7 @@ class Inner:
         run("ip", "link", "set", "tap0", "netns", str(self.process.pid))
         for words in (["link", "set", "lo", "up"], ["addr", "add", ADDRESS + "/24", "dev", "tap0"], ["link", "set", "tap0", "up"]):
             self.run("ip", *words)
+        narrow("tap0", self.run)
 
     def words(self, *words):
         return ["nsenter", "-n", "-t", str(self.process.pid), *words]
@@ -153,23 +170,68 @@ def signals(ectwin):
     return {name: int(value) for name, value in re.findall(r"eoe\.(\w+)=(\d+)", text)}
 
 
-def inside_tap(ectwin, program, size):
+def both(program, *options):
+    """Both networks, with the bridge between them"""
     inner = Inner()
-    bridge = Bridge(program, "--sdo")
+    bridge = Bridge(program, *options)
     run("ip", "addr", "add", OURS + "/24", "dev", "eoe0")
-    lost = signals(ectwin)["dropped"]  # before the twin was in PREOP
+    narrow("eoe0")
+    return inner, bridge
+
+
+def inside_tap(ectwin, program, size):
+    inner, bridge = both(program, "--sdo")
+    lost, before = signals(ectwin)["dropped"], dropped() + dropped(inner.words())  # before the twin was in PREOP
     check("EOE-013 ping of 1400 bytes, 20 times", 20, ping(20, 1400))
     check("datagrams of 1400 bytes, there and back", 500, datagrams(inner, 500, 1400))
     from_twin, to_twin, rate_from, rate_to = downloads(inner, size)
     check("a file of the server behind the twin", True, from_twin)
     check("a file of the server before the twin", True, to_twin)
     now = signals(ectwin)
+    check("no frame is lost in the TAPs", before, dropped() + dropped(inner.words()))
     end = bridge.stop()
     check("no frame is lost in the twin", lost, now["dropped"])
     check("no frame is broken in the master", 0, end["broken"])
     check("EOE-052 an SDO is answered within four mails", True, end["sdos"] > 10 and end["most_mails"] <= 4)
     print(f"{rate_from:.2f} MB/s from the twin, {rate_to:.2f} MB/s to it; {end}", file=sys.stderr)
     inner.stop()
+
+
+def iperf3_client(*options):
+    """@return the report's end: sent and received bytes, retransmitted segments"""
+    done = subprocess.run(["iperf3", "-J", "-c", ADDRESS, *options], stdout=subprocess.PIPE, check=True, text=True)
+    return json.loads(done.stdout)["end"]
+
+
+def inside_iperf3(ectwin, program, size):
+    inner, bridge = both(program)
+    server = subprocess.Popen(inner.words("iperf3", "-s", "--forceflush"), stdout=subprocess.PIPE, text=True)
+    while "listening" not in server.stdout.readline():
+        pass
+    lost, before = signals(ectwin)["dropped"], dropped() + dropped(inner.words())
+    for title, options in (("to the twin", []), ("from the twin", ["-R"])):
+        end = iperf3_client("-n", str(size // 5), *options)
+        sent, received = end["sum_sent"], end["sum_received"]
+        check(f"iperf3 {title}: all bytes are sent, and most have arrived at its end", (True, True),
+              (sent["bytes"] >= size // 5, received["bytes"] >= size // 10))
+        check(f"iperf3 {title}: at most one segment of ten is sent again, which a stopped machine may cause", True,
+              sent["retransmits"] * 1448 * 10 <= sent["bytes"] + 10 * 40000)
+        print(f"iperf3 {title}: {sent['bytes']} bytes, {received['bits_per_second'] / 8e6:.2f} MB/s, {sent['retransmits']} sent again",
+              file=sys.stderr)
+    check("iperf3: no frame is lost in the twin", lost, signals(ectwin)["dropped"])
+    check("iperf3: no frame is lost in the TAPs", before, dropped() + dropped(inner.words()))
+    check("iperf3: no frame is broken in the master", 0, bridge.stop()["broken"])
+    server.kill()
+    server.wait()
+    inner.stop()
+
+
+def inside_ping(_, program, __):
+    bridge = Bridge(program, "--address", ADDRESS)
+    run("ip", "addr", "add", OURS + "/24", "dev", "eoe0")
+    for size in (900, 1400):
+        check(f"ping of {size} bytes, 5 times", 5, ping(5, size))
+    bridge.stop()
 
 
 def inside_echo(ectwin, program, _):
@@ -218,7 +280,7 @@ def inside_unix(ectwin, program, _):
 
 def inside(case, options, env=None):
     words = [ectwin, "with", *options, "esi:" + gateway, "--", sys.argv[0], "--inside", case, *sys.argv[1:4], str(size)]
-    done = subprocess.run(words, env={**os.environ, "XDG_RUNTIME_DIR": work, **(env or {})}, timeout=250)
+    done = subprocess.run(words, env={**os.environ, "XDG_RUNTIME_DIR": work, **(env or {})}, timeout=350)
     check(case + ": exit status", 0, done.returncode)
 
 
@@ -233,6 +295,29 @@ def echo():
 def unix():
     inside("unix", ["--eoe", f"unix:{work}/port"], {"EOE_SOCKET": f"{work}/port"})
     check("the socket is removed", False, os.path.exists(work + "/port"))
+
+
+def iperf3():
+    inside("iperf3", ["--eoe", "tap0"])
+
+
+def lines_of(path, select, *options):
+    done = subprocess.run(["tshark", "-r", path, "-Y", select, *options], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=True, text=True)
+    return done.stdout.splitlines()
+
+
+def tshark():
+    """Wireshark as an independent judge. It does not assemble frames, so it can judge the content of whole ones only; and it knows one of
+    the two layouts of set IP, of which the bridge's SOEM writes the other."""
+    path = f"{work}/run.pcapng"
+    inside("ping", ["--eoe", "echo", "--pcap", path])
+    fragment, whole = "ecat_mailbox.eoe.type == 0", "ecat_mailbox.eoe.fragno == 0 && ecat_mailbox.eoe.last == 1"
+    check("EOE-022 fragments: each to the slave is there twice, each of the slave once", True,
+          len(lines_of(path, fragment)) >= 5 * 3 + 5 * 2 * 3)
+    check("whole frames with a ping and its echo", True, len(lines_of(path, f"{whole} && icmp")) >= 5 * 3)
+    check("nothing is wrong with whole frames", [], lines_of(path, f"{whole} && (_ws.malformed || _ws.expert.severity == error)"))
+    check("nothing is wrong with EoE", [], lines_of(path, 'ecat_mailbox.eoe.type != 2 && _ws.expert.message contains "EoE"'))
+    check("the packed set IP is: Wireshark judges", True, len(lines_of(path, '_ws.expert.message contains "EoE"')) > 0)
 
 
 def refusals():
@@ -271,12 +356,15 @@ if sys.argv[1] == "--inside":
     sys.exit(failed)
 if not os.access("/dev/net/tun", os.R_OK | os.W_OK):
     print("/dev/net/tun is missing or not open to this user: no TAP can be made")
-    sys.exit(77)
+    sys.exit(SKIPPED)
 ectwin, bridge_program, gateway = sys.argv[1:4]
 only = sys.argv[4] if len(sys.argv) > 4 else ""
-size = int(sys.argv[5]) if len(sys.argv) > 5 else 1000000
+size = int(sys.argv[5]) if len(sys.argv) > 5 else 10000000
+if only in ("iperf3", "tshark") and not shutil.which(only):
+    print(f"skipped: there is no {only} here: apt install {only}")
+    sys.exit(SKIPPED)
 with tempfile.TemporaryDirectory() as work:
-    for case in (refusals, tap, echo, unix):
-        if only in ("", case.__name__):
+    for case in (refusals, tap, echo, unix, iperf3, tshark):
+        if only == case.__name__ or (not only and case not in (iperf3, tshark)):
             case()
 sys.exit(failed)
