@@ -15,6 +15,7 @@
 #include "csv/csv.h"
 #include "grow.h"
 #include "network.h"
+#include "panel_args.h"
 #include "products.h"
 #include "sii_file.h"
 #include "text/argument.h"
@@ -50,6 +51,7 @@ enum {
     KEY_MODBUS,
     KEY_UDP,
     KEY_NAME,
+    KEY_PANEL,
     KEY_PCAP,
     KEY_PCAP_SIZE,
     KEY_RECORD,
@@ -96,6 +98,7 @@ static const struct argp_option options[] = {
      "Serve one base unit over Modbus TCP, too, at this address (default address 127.0.0.1; port 0: any free port)", 1},
     {"name", KEY_NAME, "NAME", 0,
      "Name of these twins for 'ectwin ps' and for the option -s of other commands (default: the process id)", 1},
+    {"panel", KEY_PANEL, "TWIN[,TWIN...]", 0, "'ectwin panel' opens with the fronts of these twins, in this order", 1},
     {"module", KEY_MODULE, "[N:]SLOT=IDENT", 0,
      "ModuleIdent of the module in a slot of twin N (default 1), a modular device of an ESI file. May be repeated", 1},
     {"behaviour", KEY_BEHAVIOUR, "[N:]KIND", 0,
@@ -563,6 +566,9 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
             argp_error(state, "--name '%s': %s", text, ect_endpoint_unfit(text));
         args->about.name = text;
         return 0;
+    case KEY_PANEL:
+        args->about.panel = text;
+        return 0;
     case KEY_BREAK:
         choose_defect(args, state, text);
         return 0;
@@ -906,7 +912,8 @@ static bool apply_all(const twin_args_t *args, ect_chain_t *chain, const char *w
 static bool connect_all(const twin_args_t *args, ect_chain_t *chain, const char *who)
 {
     char message[CONNECT_MESSAGE];
-    if (connect_args_apply(chain, args->connections, args->connection_count, message))
+    if (connect_args_apply(chain, args->connections, args->connection_count, message) &&
+        panel_args_check(chain, args->about.panel, message))
         return true;
     twin_args_report(args, who, "%s", message);
     return false;

@@ -265,6 +265,33 @@ static void add_options(reader_t *r, const yaml_node_t *node, const char *key, u
         add_option(r, node_of(r, *i), key, option, n);
 }
 
+/* Appends twins, separated by commas, to a word, and takes the word over. */
+static char *append_twins(reader_t *r, char *word, const yaml_node_t *node, const char *key, const char *between)
+{
+    const char *text = scalar(r, node, key);
+    const char *rest = text;
+    check_twin(r, node, rest, ",", &rest);
+    while (*rest == ',')
+        check_twin(r, node, rest + 1, ",", &rest);
+    char *longer = print(r, "%s%s%s", word ? word : "", between, text);
+    free(word);
+    return longer;
+}
+
+/* Twins, or a list of them, as one value. */
+static void add_twins(reader_t *r, const yaml_node_t *node, const char *key)
+{
+    char *word = print(r, "--%s=", key);
+    if (node->type != YAML_SEQUENCE_NODE) {
+        add_word(r, append_twins(r, word, node, key, ""));
+        return;
+    }
+    const yaml_node_item_t *first = node->data.sequence.items.start;
+    for (const yaml_node_item_t *i = first; i < node->data.sequence.items.top && !r->mistake.failed; i++)
+        word = append_twins(r, word, node_of(r, *i), key, i == first ? "" : ",");
+    add_word(r, word);
+}
+
 /* Alias and serial number count up from one twin to the next, as on the command line. */
 static void add_counted(reader_t *r, const yaml_node_t *node, const char *key, const entry_t *entry)
 {
@@ -415,6 +442,8 @@ static void take_key(void *ctx, const char *key, const yaml_node_t *name, const 
         ect_yaml_fail(&r->yaml, value,
                       "'%.60s' is no key of a bus: ectwin, twins, or a long option of 'ectwin run' without its --",
                       key);
+    else if (strcmp(key, "panel") == 0)
+        add_twins(r, value, key);
     else if ((option & ECT_BUS_OPTION_VALUE) != 0)
         add_options(r, value, key, option, 0);
     else

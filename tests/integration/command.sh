@@ -122,6 +122,9 @@ start_values_and_memory() {
     check "with: --connect $connection is refused" 1 $?
     check "with: the line has the connection" yes "$(grep -qF -- "--connect $connection: " "$work/err" && echo yes)"
   done
+  "$ectwin" with --panel 1,2,arm fzm1,fzm1 -- true 2>"$work/err"
+  check "with: --panel with a name that no twin has is refused" 1 $?
+  check "with: the line has the name" yes "$(grep -qF -- "--panel: 'arm' is no twin" "$work/err" && echo yes)"
   for setting in data1 nosuch=1 node_address=10 2:data1=1; do
     "$ectwin" with --set $setting fzm1 -- true 2>"$work/err"
     check "with: --set $setting is refused" 1 $?

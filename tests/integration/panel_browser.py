@@ -227,6 +227,24 @@ def recordings(browser, folder):
     browser.click('[data-signal="data1"] .trace')
 
 
+def machine(browser, url):
+    """A bus file with `panel:` opens as one page of fronts."""
+    file = pathlib.Path(__file__).resolve().parents[2] / "examples" / "machine" / "machine.yaml"
+    titles = "return [...document.querySelectorAll('.front-of h2')].map((title) => title.textContent)"
+    with bus(file, [MASTER, "{}"]):
+        browser.open("about:blank")
+        browser.open(url)
+        check("the machine is in OP", True, reaches(browser, "OP,OP,OP,OP"))
+        check("its fronts are in the order of the file", ["1 axis Drive", "2 ranger Distance sensor", "3 camera Vision sensor", "4 operator Base unit",
+                                                          "4 operator Remote units"], browser.run(titles))
+        browser.wait("return document.querySelector('.distance output').textContent !== ''")
+        browser.command("Emulation.setDeviceMetricsOverride", width=1400, height=2300, deviceScaleFactor=1, mobile=False)
+        browser.picture("machine.png", "light")
+        browser.command("Emulation.clearDeviceMetricsOverride")
+        browser.click("main header > button")
+        check("one button leads to the selected twin", ["Drive"], browser.wait(f"const t = (() => {{ {titles} }})(); return t.length === 1 && t"))
+
+
 def scenario(browser, url, folder):
     script = pathlib.Path(folder, "steps.txt")
     script.write_text("at 1ms drop 1%\nat 2ms off\nat 36000s off\n")
@@ -381,6 +399,7 @@ def main():
                     widths(browser)
                 remotes(browser, url, folder)
                 sensor(browser, url)
+                machine(browser, url)
                 scenario(browser, url, folder)
                 hostile_names(browser, url, folder)
             view_only(browser)

@@ -117,10 +117,17 @@ function presetsOf(slave) {
   return sets.map(([title, names]) => [title, names.map(has).filter((signal) => signal?.range)]).filter(([, found]) => found.length >= 3);
 }
 
-/** The fronts of the selected twin, or of all. */
+/** The twins that the bus arranges (--panel), as numbers. */
+function arrangementOf(about, slaves) {
+  if (!about.panel) return null;
+  return String(about.panel).split(",").map((part) => slaves.find((slave) => slave.name === part)?.number ?? Number(part));
+}
+
+/** The fronts of the selected twin, of all, or of those that the bus arranges. */
 function showFronts() {
   const { parts } = view;
-  const twins = view.signals.slaves().filter((slave) => parts.all || slave.number === view.slave);
+  const twins = view.signals.slaves().filter((slave) => (parts.all ? !parts.arranged || parts.arranged.includes(slave.number) : slave.number === view.slave));
+  if (parts.all && parts.arranged) twins.sort((a, b) => parts.arranged.indexOf(a.number) - parts.arranged.indexOf(b.number));
   parts.endFronts?.();
   parts.endFronts = collect(() => parts.fronts.replaceChildren(...twins.flatMap((twin) => frontsOf(context, twin.number).map((front) => section(
     parts.all ? `${twin.number} ${twin.name} ${front.title}` : front.title, front.wide ? "front-of wide" : "front-of", front.make())))));
@@ -152,11 +159,12 @@ function showBus() {
     signals: make("div"), presets: make("span", { class: "presets" }), twinTitle: make("h2", {}, "Signals"), about: make("p", { class: "about" }),
   };
   parts.fronts = make("div", { class: "fronts" });
-  parts.all = false;
+  parts.arranged = arrangementOf(about, slaves);
+  parts.all = parts.arranged !== null;
   view.endRecorder?.();
   let recorder = null;
   view.endRecorder = collect(() => { recorder = makeRecorder(context, parts.plot); });
-  parts.allButton = make("button", { type: "button", "aria-pressed": "false", on: { click: () => { parts.all = !parts.all; showFronts(); } } }, "Fronts of all twins");
+  parts.allButton = make("button", { type: "button", "aria-pressed": "false", on: { click: () => { parts.all = !parts.all; showFronts(); } } }, parts.arranged ? "Fronts of the machine" : "Fronts of all twins");
   figures.Scenario.element.hidden = true;
   view.parts = parts;
   view.last = null;

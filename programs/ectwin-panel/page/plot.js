@@ -15,7 +15,7 @@ class Trace {
     this.traced = false;
     this.watcher = (changed, now) => { if (!this.traced) this.add(now, Number(changed.value)); };
     signal.watchers.push(this.watcher);
-    this.add(performance.now(), Number(signal.value));
+    if (signal.value !== null) this.add(performance.now(), Number(signal.value));
     this.endTrace = tracer.add(signal, (time, value) => {
       this.traced = true;
       this.add(time, value);

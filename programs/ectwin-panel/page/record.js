@@ -40,9 +40,9 @@ class Recording {
     this.names = signals.map((signal) => nameIn(context.signals, signal));
     this.changes = [];
     const start = performance.now();
-    signals.forEach((signal, column) => this.changes.push({ time: start, column, value: signal.value }));
+    signals.forEach((signal, column) => { if (signal.value !== null) this.changes.push({ time: start, column, value: signal.value }); });
     this.ends = signals.map((signal, column) => context.tracer.add(signal, (time, value) => {
-      const last = this.changes.at(-1).time;
+      const last = this.changes.at(-1)?.time ?? start;
       if (time >= start && this.changes.length < MOST) this.changes.push({ time: Math.max(time, last), column, value });
     }));
   }

@@ -17,6 +17,7 @@ ECT_C_BEGIN
 typedef struct ect_about {
     const char *name;             /**< given by the user */
     const char *devices;          /**< as they were named at the start */
+    const char *panel;            /**< twins whose fronts the panel shows: names or numbers, separated by commas */
     const char *words;            /**< folder of the start, then its command line: texts, each with its terminator */
     size_t words_length;          /**< bytes of `words` */
     const char *ifaces[ECT_ENDS]; /**< by end: the interface of the master, or the one on which the twins answer */

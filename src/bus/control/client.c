@@ -401,6 +401,7 @@ static const char *reply_about(ect_client_t *client, const ect_chain_t *chain)
     ect_line_begin(&line);
     put_text(&line, "name", client->about->name);
     put_text(&line, "devices", client->about->devices);
+    put_text(&line, "panel", client->about->panel);
     put_text(&line, "iface", client->about->ifaces[ECT_END_IN]);
     put_text(&line, "iface2", client->about->ifaces[ECT_END_OUT]);
     ect_line_number(&line, "slaves", ect_chain_count(chain));

@@ -25,6 +25,7 @@ static unsigned int find(void *ctx, const char *name)
         {"busy-poll", ECT_BUS_OPTION_FLAG},
         {"fault", ECT_BUS_OPTION_VALUE},
         {"connect", ECT_BUS_OPTION_VALUE},
+        {"panel", ECT_BUS_OPTION_VALUE},
         {"store", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_PATH},
         {"eoe", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_SOCKET | ECT_BUS_OPTION_OF_TWIN},
         {"play", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_PATH | ECT_BUS_OPTION_OF_TWIN},
@@ -108,6 +109,10 @@ static void a_file_stands_for_the_words_of_a_command_line(void **state)
          "--connect=5.in=axis.out axis=pmctendo-dd5,cam=fzm1*3,esi:/m/d/e.xml#T"},
         {"names in faults", BUS("fault: at 2s hang slave cam3 until 3s\n" TWO),
          "--fault=at 2s hang slave cam3 until 3s axis=pmctendo-dd5,cam=fzm1*3,esi:/m/d/e.xml#T"},
+        {"twins of the panel", BUS("panel: cam2,axis,3\n" TWO),
+         "--panel=cam2,axis,3 axis=pmctendo-dd5,cam=fzm1*3,esi:/m/d/e.xml#T"},
+        {"twins of the panel, as a list", BUS("panel: [cam2, axis, 3]\n" TWO),
+         "--panel=cam2,axis,3 axis=pmctendo-dd5,cam=fzm1*3,esi:/m/d/e.xml#T"},
         {"comments and quotes", BUS("# a bus\ntwins:\n- device: \"fzm1\" # one\n"), "fzm1"},
     };
     (void)state;
@@ -164,6 +169,9 @@ static void a_wrong_file_is_refused_with_its_line(void **state)
         {BUS("busy-poll: yes\n" ONE), "/m/bus.yaml:2: 'busy-poll' takes true or false"},
         {BUS("seed: {a: 1}\n" ONE), "/m/bus.yaml:2: 'seed' takes one value"},
         {BUS("connect: arm.x=1.y\n" ONE), "/m/bus.yaml:2: there is no twin with the name 'arm'"},
+        {BUS("panel: 1,arm\n" ONE), "/m/bus.yaml:2: there is no twin with the name 'arm'"},
+        {BUS("panel:\n- 1\n- arm\n" ONE), "/m/bus.yaml:4: there is no twin with the name 'arm'"},
+        {BUS("panel: {a: b}\n" ONE), "/m/bus.yaml:2: 'panel' takes one value"},
         {BUS("connect: \"a\\n\\eb.x=1.y\"\n" ONE), "/m/bus.yaml:2: there is no twin with the name 'a??b'"},
         {BUS("fault: hang slave cam4\n" TWO), "/m/bus.yaml:2: there is no twin with the name 'cam4'"},
         {BUS(ONE "  set: [a]\n"), "/m/bus.yaml:4: set: 'key: value' lines are missing"},

@@ -120,8 +120,10 @@ static void statistics_are_in_the_reply(void **state)
 
 static void about_the_twins(void **state)
 {
-    static const ect_about_t named = {
-        .name = "bench", .devices = "fzm1,fzm1", .ifaces = {[ECT_END_IN] = "ecat0", [ECT_END_OUT] = "ecat1"}};
+    static const ect_about_t named = {.name = "bench",
+                                      .devices = "fzm1,fzm1",
+                                      .panel = "2,1",
+                                      .ifaces = {[ECT_END_IN] = "ecat0", [ECT_END_OUT] = "ecat1"}};
     static const ect_about_t plain = {.devices = "fzm1"};
     bench_t b;
     (void)state;
@@ -129,7 +131,8 @@ static void about_the_twins(void **state)
     expect_part(&b, "{\"op\":\"about\"}\n", "{\"ok\":false,\"message\":\"this chain has no description\"}");
     ect_control_describe(b.control, &named);
     expect_answer(&b, "{\"op\":\"about\"}\n",
-                  "{\"name\":\"bench\",\"devices\":\"fzm1,fzm1\",\"iface\":\"ecat0\",\"iface2\":\"ecat1\",\"slaves\":2,"
+                  "{\"name\":\"bench\",\"devices\":\"fzm1,fzm1\",\"panel\":\"2,1\",\"iface\":\"ecat0\",\"iface2\":"
+                  "\"ecat1\",\"slaves\":2,"
                   "\"lowest\":1,\"highest\":1,\"errors\":0}\n" OK);
     ect_control_describe(b.control, &plain);
     expect_answer(&b, "{\"op\":\"set\",\"slave\":2,\"name\":\"ecat.plug_in\",\"value\":0}\n", OK);
