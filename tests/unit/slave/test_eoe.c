@@ -309,6 +309,52 @@ static void broken_frames(void **state)
     }
 }
 
+/* Every later fragment of the dropped frame, right or wrong, is part of it: none is counted, and none opens a frame. */
+static void rest_is_swallowed(void **state)
+{
+    static const piece_t rest[] = {{2, 6, 5, 192, 96, 0}, {1, 3, 5, 96, 96, 0},     {3, 9, 6, 288, 95, 0},
+                                   {63, 63, 5, 0, 0, 0},  {4, 12, 5, 384, 8, LAST}, {1, 3, 5, 96, 104, LAST}};
+    (void)state;
+    send_piece(&(piece_t){0, 13, 5, 0, 96, 0});
+    send_piece(&(piece_t){2, 3, 5, 96, 96, 0}); /* a wrong number */
+    for (size_t i = 0; i < sizeof rest / sizeof rest[0]; i++) {
+        send_piece(&rest[i]);
+        expect_taken("EOE-005: the rest of the frame", 0, 1, 0);
+    }
+    send_frame(60, 118, 6);
+    expect_taken("EOE-005: the next frame", 1, 1, 60);
+}
+
+static void stamp_counts_in_the_size(void **state)
+{
+    (void)state;
+    send_piece(&(piece_t){0, 3, 1, 0, 96, LAST | STAMPED}); /* 92 bytes and the stamp are three units */
+    expect_taken("EOE-023: the announced size has room for the stamp", 1, 0, 92);
+    send_piece(&(piece_t){0, 3, 2, 0, 98, LAST | STAMPED}); /* 94 bytes are three units, but not with the stamp */
+    expect_taken("EOE-023: the announced size has none", 1, 1, 92);
+}
+
+/* The master is the switch: a device judges no destination, and returns no frame. */
+static void any_destination(void **state)
+{
+    static const struct {
+        const char *what;
+        uint8_t to[6];
+    } rows[] = {{"EOE-055: to all", {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF}},
+                {"EOE-055: to a group", {1, 0, 0x5E, 0, 0, 0xFB}},
+                {"EOE-055: to another station", {2, 9, 9, 9, 9, 9}}};
+    (void)state;
+    for (unsigned int i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t data[HEADER + 60] = {0, LAST};
+        ect_store_le16(data + 2, (uint16_t)(2 << 6 | i << 12));
+        memcpy(data + HEADER, rows[i].to, sizeof rows[i].to);
+        send_data(data, sizeof data);
+        expect_nothing(rows[i].what);
+        if (net()->taken_count != i + 1 || memcmp(net()->taken, rows[i].to, sizeof rows[i].to) != 0)
+            fail_msg("%s: expected a frame, got %u in all", rows[i].what, net()->taken_count);
+    }
+}
+
 static void frame_without_an_end(void **state)
 {
     (void)state;
@@ -415,18 +461,41 @@ static void frame_numbers(void **state)
     }
 }
 
+/* All of the first frame, then all of the second one, though a frame of the master comes in between. */
+static void one_frame_at_a_time(void **state)
+{
+    uint8_t data[ROOM];
+    (void)state;
+    net()->queue[0] = net()->queue[1] = 200;
+    net()->queued = 2;
+    wake();
+    wire_poll(&w);
+    for (unsigned int mail = 0; mail < 4; mail++) {
+        if (mail == 1) { /* its own mail is fetched first, so the next one waits already */
+            uint8_t frame[HEADER + 60] = {0, LAST, 2 << 6 & 0xFF};
+            assert_int_equal(wire_mail_request(&w, 0, ECT_MAILBOX_TYPE_EOE, frame, sizeof frame), 1);
+        }
+        assert_true(receive(data) > HEADER);
+        assert_int_equal(data[2] & 0x3F, mail % 2);
+        assert_int_equal(data[3] >> 4, 1 + mail / 2);
+        assert_int_equal(data[1] & LAST, mail % 2 == 1);
+    }
+    expect_nothing("EOE-025: after both");
+    assert_int_equal(net()->taken_count, 1);
+}
+
 static void frames_that_cannot_be_sent(void **state)
 {
-    static const uint16_t lengths[] = {13, 1519, 60};
+    static const uint16_t lengths[] = {13, 1519, 2016, 2017, UINT16_MAX, 60};
     uint8_t data[ROOM];
     (void)state;
     memcpy(net()->queue, lengths, sizeof lengths);
-    net()->queued = 3;
+    net()->queued = sizeof lengths / sizeof lengths[0];
     wake();
     wire_poll(&w);
     assert_int_equal(receive(data), HEADER + 60);
     expect_nothing("after the only good frame");
-    assert_int_equal(net()->eoe.dropped, 2);
+    assert_int_equal(net()->eoe.dropped, net()->queued - 1);
 }
 
 /* EOE-052, EOE-053: with a queue of frames that never ends, each request is answered by the next mail. */
@@ -603,19 +672,26 @@ int main(void)
         {"EOE-009 EOE-012 EOE-013: frames of each length arrive whole", frames_of_each_length, setup, teardown, NULL},
         {"EOE-013: 1515 bytes without a VLAN tag are dropped", tag_makes_room, setup, teardown, NULL},
         {"EOE-002..011 EOE-015: a wrong fragment costs its frame alone", broken_frames, setup, teardown, NULL},
+        {"EOE-005: after a wrong fragment the rest of the frame is swallowed", rest_is_swallowed, setup, teardown,
+         NULL},
+        {"EOE-023: the announced size includes the time stamp", stamp_counts_in_the_size, setup, teardown, NULL},
+        {"EOE-055: frames to all, to groups and to other stations reach the device, none returns", any_destination,
+         setup, teardown, NULL},
         {"EOE-017: a frame without an end does not disturb the next", frame_without_an_end, setup, teardown, NULL},
         {"EOE-016: a frame for which the device has no room is dropped", host_without_room, setup, teardown, NULL},
         {"EOE-051: INIT to PREOP forgets frames that are not complete", restart_forgets_pieces, setup, teardown, NULL},
         {"EOE-020 EOE-022 EOE-V6..V12: fragments of the device", frames_of_the_device, setup, teardown, NULL},
         {"EOE-024 EOE-026: frame numbers count modulo 16, fragments name the port", frame_numbers, setup, teardown,
          NULL},
-        {"EOE-013: frames that the device must not send are dropped", frames_that_cannot_be_sent, setup, teardown,
-         NULL},
+        {"EOE-025: fragments of two frames of the device are not mixed", one_frame_at_a_time, setup, teardown, NULL},
+        {"EOE-013 EOE-027: frames that the device must not send are dropped", frames_that_cannot_be_sent, setup,
+         teardown, NULL},
         {"EOE-052 EOE-053: an endless queue of frames delays no reply", other_mail_comes_between, setup, teardown,
          NULL},
         {"EOE-053: 0 to 600 announcements while a frame is under way do not stop it", announcements_are_not_forgotten,
          setup, teardown, NULL},
-        {"EOE-030 EOE-031 EOE-036 EOE-040 EOE-V1..V4: the address in both layouts", settings, setup, teardown, NULL},
+        {"EOE-030 EOE-031 EOE-036 EOE-040 EOE-V1 EOE-V2 EOE-V3 EOE-V4: the address in both layouts", settings, setup,
+         teardown, NULL},
         {"EOE-034: names of 1 to 32 bytes", names, setup, teardown, NULL},
         {"EOE-032..039 EOE-V5: refusals change nothing", refusals, setup, teardown, NULL},
         {"EOE-038: replies of a master are ignored", ignored_types, setup, teardown, NULL},
