@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The sections in the order of the checklist. A new section needs its file and its line here. */
+/* The sections in the order of the checklist. A new section needs a file and a line here. */
 #include "catalogue.h"
 
 extern const cf_section_t cf_datalink;
@@ -30,7 +30,7 @@ const char *cf_need_text(uint32_t bit)
         "the slave has no Complete Access",
         "the slave has no FoE",
         "the slave has no EoE",
-        "the SII names no bootstrap mailbox, or no FoE",
+        "the SII contains no bootstrap mailbox, or no FoE",
         "the chip has no distributed clocks",
         "the slave has no outputs",
         "the slave has no inputs",
@@ -39,10 +39,10 @@ const char *cf_need_text(uint32_t bit)
         "there is no other slave on the segment",
         "the chip has no APRW, FPRW, BRW",
         "the chip has no LRW",
-        "there is no EEPROM that can be read",
+        "the EEPROM cannot be read",
         "needs --destructive: it writes the EEPROM",
         "no ESI file was given (--esi FILE)",
-        "needs real time, which an emulated slave does not keep (--emulated)",
+        "needs real time, which an emulated slave does not have (--emulated)",
     };
     for (unsigned int n = 0; n < CF_NEEDS_COUNT; n++) {
         if ((bit & (1u << n)) != 0)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** @file All sections of the checklist, in its order. */
+/** @file All sections, in the order of the checklist. */
 #ifndef ECTWIN_CONFORM_CATALOGUE_H
 #define ECTWIN_CONFORM_CATALOGUE_H
 
@@ -8,7 +8,7 @@
 extern const cf_section_t *const cf_catalogue[];
 extern const size_t cf_catalogue_count;
 
-/** Why a slave without that bit (one of `needs`) cannot be judged, constant text. */
+/** @param bit  one bit of `needs` @return the reason for skipping a case with this need, constant text */
 const char *cf_need_text(uint32_t bit);
 
 #endif

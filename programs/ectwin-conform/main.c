@@ -85,10 +85,11 @@ static bool find_slave(cf_run_t *run, const cf_options_t *options)
     if (f->slaves >= options->slave)
         return probe(run);
     if (f->slaves == 0)
-        fprintf(stderr, "ectwin-conform: no slave answers on '%s': is it powered, and its IN port on this cable?\n",
+        fprintf(stderr,
+                "ectwin-conform: no slave replies on '%s': switch it on, and connect its IN port to this cable\n",
                 options->iface);
     else
-        fprintf(stderr, "ectwin-conform: there is no slave %lu: %u answer on '%s'\n", options->slave, f->slaves,
+        fprintf(stderr, "ectwin-conform: there is no slave %lu: %u replied on '%s'\n", options->slave, f->slaves,
                 options->iface);
     return false;
 }
@@ -171,7 +172,7 @@ static int examine(const cf_options_t *options, cf_run_t *run)
     return report(options, run);
 }
 
-/* The run as the options describe it. */
+/* Initialises the run from the options. */
 static void set_up(cf_run_t *run, const cf_options_t *options, cf_esi_t *esi)
 {
     run->c.engine = &run->engine;
@@ -281,7 +282,7 @@ static void add_quoted(char *line, const char *word)
     add(line, "'");
 }
 
-/* The command line as a shell takes it. */
+/* The command line, quoted for a shell. */
 static void join(char line[COMMAND], int argc, char **argv)
 {
     line[0] = 0;
@@ -294,7 +295,7 @@ static void join(char line[COMMAND], int argc, char **argv)
     }
 }
 
-/* A full disk is no success, for --help and --list either. A reader that closed the pipe has read enough. */
+/* Reports lost output (a full disk) as a failure, of --help and --list too. EPIPE is none: the reader needs no more. */
 static void check_output(void)
 {
     errno = 0;
@@ -305,7 +306,7 @@ static void check_output(void)
     _exit(EXIT_NOTHING);
 }
 
-/* Short output, as --help and --list, is written at its end, where the cause of a failure is known. */
+/* Buffers short output, as --help and --list, until the end, where a failure is reported. */
 static void keep_output_together(void)
 {
     static char room[16384];
@@ -323,7 +324,7 @@ static int restart_with_twins(const cf_options_t *options, int argc, char **argv
     char **words = calloc(FIRST + (size_t)argc + 3, sizeof *words);
     ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
     if (!words || length <= 0) {
-        fprintf(stderr, "ectwin-conform: cannot start again: %s\n", strerror(errno));
+        fprintf(stderr, "ectwin-conform: cannot restart itself: %s\n", strerror(errno));
         return EXIT_NOTHING;
     }
     snprintf(ectwin, sizeof ectwin, "%.*sectwin", (int)(strrchr(self, '/') - self + 1), self);

@@ -48,7 +48,7 @@ static const struct argp_option options_[] = {
      "Compare the slave with its ESI file; without #TYPE, with the device of its product code and revision", 0},
     {"schema", OPTION_SCHEMA, "FILE.xsd", 0, "Validate the ESI file of --esi against the ETG's EtherCATInfo.xsd", 0},
     {"only", OPTION_ONLY, "IDS", 0, "Run only the cases that match these patterns: CF-033,CF-04*", 0},
-    {"skip", OPTION_SKIP, "IDS", 0, "Leave out the cases that match these patterns: CF-033,CF-04*", 0},
+    {"skip", OPTION_SKIP, "IDS", 0, "Skip the cases that match these patterns: CF-033,CF-04*", 0},
     {"list", OPTION_LIST, NULL, 0, "List the selected cases and exit", 0},
     {"format", OPTION_FORMAT, "FORMAT", 0, "Format of the report: text (default), json, junit or html", 0},
     {"output", 'o', "FILE", 0, "Write the report to FILE (default: standard output)", 0},
@@ -56,11 +56,11 @@ static const struct argp_option options_[] = {
     {"firmware", OPTION_FIRMWARE, "VERSION", 0, "Firmware version of the slave for the HTML and JSON report", 0},
     {"pcap", OPTION_PCAP, "FILE", 0, "Record all frames to FILE (pcapng, for Wireshark)", 0},
     {"destructive", OPTION_DESTRUCTIVE, NULL, 0,
-     "Run the cases that write the EEPROM or a file, too; they restore the previous content", 0},
+     "Run the cases that write the EEPROM or a file too; they restore the previous content", 0},
     {"power", OPTION_POWER, "COMMAND", 0,
      "Shell command that switches the slave off and on, for cases that need a power cycle", 0},
     {"plug", OPTION_PLUG, "COMMAND", 0,
-     "Shell command that pulls the slave's plug at the side of the PC and puts it back, for CF-096", 0},
+     "Shell command that pulls and reinserts the slave's plug on the PC's side, for CF-096", 0},
     {"file", OPTION_FILE, "NAME", 0,
      "Name of a file that CF-084 reads by FoE, and with --destructive also writes and restores", 0},
     {"password", OPTION_PASSWORD, "N", 0, "FoE password of the file of --file, 1..4294967295 (default: none)", 0},
@@ -142,14 +142,14 @@ static void check(struct argp_state *state, const cf_options_t *options)
     if (!options->iface && !options->in_process && !options->list)
         argp_error(state, "name the interface with -i IFACE; 'ip -br link' lists all interfaces");
     if (options->iface && options->in_process)
-        argp_error(state, "-i is a slave on a network and --in-process a twin without one: leave one of them out");
+        argp_error(state, "-i and --in-process exclude each other: give one of them");
     if (cf_options_count(options) == 0)
-        argp_error(state, "no case is left to run: --list shows their ids");
+        argp_error(state, "no case is selected: --list without --only and --skip shows all ids");
     if (options->schema && !options->esi)
         argp_error(state, "--schema validates an ESI file: name it with --esi FILE");
 }
 
-/* Options that store their text. @return the place, NULL: another kind of option */
+/* @return where an option stores its text; NULL: another kind of option */
 static const char **text_option(cf_options_t *options, int key)
 {
     const struct {

@@ -19,7 +19,7 @@ typedef struct cf_options {
 
 /** Reads the command line. Prints a message and exits with EXIT_USAGE on an error, with 0 after --help or --version. */
 void cf_options_parse(cf_options_t *options, int argc, char **argv);
-/** @return whether the options select that case */
+/** @return whether the options select a case */
 bool cf_options_select(const cf_options_t *options, const cf_case_t *entry);
 /** @return number of cases that the options select */
 size_t cf_options_count(const cf_options_t *options);

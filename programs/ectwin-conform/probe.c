@@ -21,8 +21,8 @@ enum {
 };
 enum { GENERAL_COE = 5, COE_INFO = 0x02, COE_COMPLETE = 0x20, ASSIGNMENTS = 0x1C10, SCAN_MS = 500 };
 
-/* No slave keeps a state of another master. The second request is for device emulation, which shows the acknowledge as
- * an error; software behind a chip has had no time to read the first request and sees only the second. */
+/* Ends the states set by another master. The second request is for device emulation, which copies the acknowledge bit
+ * to the error flag; a slave's software has had no time to read the first request, and reads only the second. */
 static void all_to_init(cf_t *c)
 {
     static const uint8_t requests[] = {CF_INIT | ECT_AL_ACKNOWLEDGE, CF_INIT};
@@ -37,16 +37,16 @@ uint16_t cf_scan(cf_t *c)
 {
     uint8_t byte[2] = {0};
     all_to_init(c);
-    cf_datagram_t look = {.command = CF_BRD, .address = CF_AT(0, ECT_REG_TYPE), .length = 1, .data = byte};
-    if (!cf_port_exchange(c->engine->port, &look, 1, SCAN_MS))
+    cf_datagram_t scan = {.command = CF_BRD, .address = CF_AT(0, ECT_REG_TYPE), .length = 1, .data = byte};
+    if (!cf_port_exchange(c->engine->port, &scan, 1, SCAN_MS))
         return 0;
-    for (uint16_t n = 0; n < look.wkc; n++) {
+    for (uint16_t n = 0; n < scan.wkc; n++) {
         ect_store_le16(byte, (uint16_t)(CF_STATION + n));
         cf_datagram_t name = {
             .command = CF_APWR, .address = CF_AT((uint16_t)-n, ECT_REG_STATION_ADDRESS), .length = 2, .data = byte};
         (void)cf_port_exchange(c->engine->port, &name, 1, SCAN_MS);
     }
-    return look.wkc;
+    return scan.wkc;
 }
 
 static void read_chip(cf_t *c)
@@ -78,7 +78,7 @@ static uint16_t word(const cf_facts_t *f, unsigned int n)
     return f->sii_size >= 2 * (size_t)n + 2 ? ect_load_le16(f->sii + 2 * (size_t)n) : 0;
 }
 
-/* Up to the end mark: the rest of a large EEPROM costs time and adds nothing. */
+/* Reads only up to the end mark: the rest of a large EEPROM contains no data. */
 static void read_image(cf_t *c)
 {
     cf_facts_t *f = &c->facts;
@@ -104,7 +104,7 @@ static void take_protocols(cf_t *c)
     f->has |= (f->protocols & CF_PROTO_FOE) != 0 ? CF_FOE : 0;
     f->has |= (f->protocols & CF_PROTO_EOE) != 0 ? CF_EOE : 0;
     if (f->boot.out_size > 0 && f->boot.in_size > 0 && (f->has & CF_FOE) != 0)
-        f->has |= CF_BOOTSTRAP; /* many images have the sizes alone; BOOT is for files */
+        f->has |= CF_BOOTSTRAP; /* sizes alone do not prove BOOT: many images have them; BOOT needs FoE */
 }
 
 static void take_head(cf_t *c)
@@ -130,7 +130,8 @@ static void take_sm(cf_facts_t *f, unsigned int n, const uint8_t *entry)
                          .control = entry[4],
                          .enable = entry[6],
                          .type = entry[7]};
-    if (f->sm[n].type == 0 && f->sm[n].start != 0) { /* images from before the type byte: control implies it */
+    if (f->sm[n].type == 0 &&
+        f->sm[n].start != 0) { /* older images are without a type: it follows from the control byte */
         bool mailbox = (entry[4] & ECT_SM_CONTROL_MODE) == ECT_SM_CONTROL_MAILBOX;
         bool writes = (entry[4] & ECT_SM_CONTROL_DIRECTION) == ECT_SM_CONTROL_ECAT_WRITES;
         f->sm[n].type = (uint8_t)((mailbox ? ECT_SM_MAILBOX_OUT : ECT_SM_OUTPUTS) + (writes ? 0 : 1));
@@ -179,7 +180,7 @@ static void take_categories(cf_t *c)
     }
 }
 
-/* Bits that one block of PDOs assigns to a SyncManager. */
+/* @return bits of a SyncManager in one category of PDOs */
 static size_t block_bits(const uint8_t *data, size_t length, unsigned int sm)
 {
     size_t at = 0, bits = 0;
@@ -192,7 +193,7 @@ static size_t block_bits(const uint8_t *data, size_t length, unsigned int sm)
     return bits;
 }
 
-/* Bits that the PDO categories assign to a SyncManager. */
+/* @return bits of a SyncManager in all categories of PDOs */
 static size_t sii_bits(const cf_t *c, uint16_t category, unsigned int sm)
 {
     size_t length, bits = 0;
@@ -204,7 +205,7 @@ static size_t sii_bits(const cf_t *c, uint16_t category, unsigned int sm)
 
 /* --- CoE ---------------------------------------------------------------------------------------------------------- */
 
-/* Sum over the PDOs that an assignment names. */
+/* Sum over the PDOs of an assignment. */
 typedef struct mapped {
     size_t bits;
     unsigned int named, found;
@@ -231,7 +232,7 @@ static void add_entry(void *ctx, const ect_reader_object_t *object, const ect_re
         m->named++;
 }
 
-/* Bits that the assignment of a SyncManager adds up to; false: it cannot be read. */
+/* Adds up the bits of a SyncManager's assignment. @return false: unreadable */
 static bool coe_bits(cf_t *c, unsigned int sm, size_t *bits)
 {
     mapped_t m = {.whole = true};
@@ -276,9 +277,9 @@ static void try_services(cf_t *c)
     if ((f->coe_details & COE_COMPLETE) != 0 || cf_upload(c, 0x1018, 0, true, data, &size) == 0)
         f->has |= CF_COMPLETE;
     cf_send_coe(c, CF_COE_INFO, request, sizeof request);
-    bool answered = cf_receive_mail(c, &mail, CF_MAIL_MS) && mail.type == CF_MBX_COE && mail.length >= 6 &&
-                    (mail.data[2] & 0x7F) == 2;
-    if ((f->coe_details & COE_INFO) != 0 || answered)
+    bool replied = cf_receive_mail(c, &mail, CF_MAIL_MS) && mail.type == CF_MBX_COE && mail.length >= 6 &&
+                   (mail.data[2] & 0x7F) == 2;
+    if ((f->coe_details & COE_INFO) != 0 || replied)
         f->has |= CF_SDO_INFO;
     size = sizeof data - 1;
     if (f->name[0] == 0 && cf_upload(c, 0x1008, 0, false, data, &size) == 0)

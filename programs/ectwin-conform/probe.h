@@ -7,7 +7,7 @@
 
 /** Counts the slaves of the segment and sets their station addresses. @return number of slaves; 0 none */
 uint16_t cf_scan(cf_t *c);
-/** Fills the facts and the mailbox. Leaves by the engine's jump when the slave cannot be read. */
+/** Fills c->facts and c->mailbox. Leaves by longjmp, as a step does, when the slave cannot be read. */
 void cf_probe(cf_t *c);
 
 #endif

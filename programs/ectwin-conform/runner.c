@@ -8,7 +8,7 @@
 
 #include "catalogue.h"
 
-/* Items of evidence that are kept: the end of a case that passed, enough to see the cause of any other verdict. */
+/* Items of evidence to keep: KEEP_PASSED for a pass, KEEP_OTHERS, enough to find the cause, for another verdict. */
 enum { KEEP_PASSED = 24, KEEP_OTHERS = 120, RESTORE_MS = 40000, AGAIN_MS = 1500, UNKNOWN_PROTOCOL = 9 };
 
 static void arm(cf_engine_t *e, uint32_t ms, bool running)
@@ -25,7 +25,7 @@ static bool guarded(cf_t *c, void (*run)(cf_t *c), uint32_t ms, bool running)
     arm(e, ms, running);
     e->verdict = CF_PASS;
     e->reason[0] = 0;
-    e->looking = false;
+    e->in_idle = false;
     c->random = e->seed;
     cf_while_waiting(c, NULL, NULL);
     if (setjmp(e->leave) != 0) {
@@ -49,20 +49,20 @@ static void append(cf_evidence_t *to, cf_evidence_t *more)
     free(more->items);
 }
 
-/* Restores the slave. A failure of this is the failure of the case, unless it has one already. */
+/* Restores the slave. If this fails, the case fails, unless it has already failed. */
 static void restore(cf_t *c, cf_result_t *result)
 {
     cf_engine_t *e = c->engine;
     cf_record_begin(result->entry->id, "afterwards: back to INIT");
     bool back = guarded(c, cf_put_back, RESTORE_MS, false);
     cf_forget_changes(e);
-    e->lame = !back;
+    e->stuck = !back;
     cf_evidence_t evidence = cf_record_end(KEEP_OTHERS);
     if (back || result->verdict == CF_INTERRUPTED || result->verdict == CF_FAIL) {
         cf_evidence_free(&evidence);
         return;
     }
-    snprintf(result->reason, sizeof result->reason, "afterwards the slave is not as before: %.300s", e->reason);
+    snprintf(result->reason, sizeof result->reason, "the slave cannot be restored: %.300s", e->reason);
     result->verdict = CF_FAIL;
     result->frame = e->frame;
     append(&result->evidence, &evidence);
@@ -75,7 +75,7 @@ static uint32_t missing(const cf_t *c, const cf_case_t *entry)
     return entry->needs & ~(has | CF_ON_REQUEST);
 }
 
-/* The minimum that a case relies on: INIT, PREOP, one mail and its reply. */
+/* The minimum for a case: INIT, PREOP, one mail and its reply. */
 static void canary(cf_t *c)
 {
     uint32_t code;
@@ -93,8 +93,8 @@ static void canary(cf_t *c)
     cf_known_state(c);
 }
 
-/* Two tries: one frame that a busy machine loses is no verdict. With --power a slave that fails both is switched off
- * and on. A slave that failed for the case before gets one short try. */
+/* Tries twice, because a busy machine may lose a frame. With --power a slave that fails both tries is switched off and
+ * on. A slave that failed before the previous case gets one short try. */
 static bool canary_passes(cf_run_t *run)
 {
     cf_t *c = &run->c;
@@ -109,7 +109,7 @@ static bool canary_passes(cf_run_t *run)
     return c->power && guarded(c, cf_power_cycle, RESTORE_MS, true) && guarded(c, canary, RESTORE_MS, true);
 }
 
-/* A slave that passes the canary once must pass before each case; one that never does is judged case by case. */
+/* A slave that has passed the canary once must pass it before each case; any other slave is judged case by case. */
 static bool prepare(cf_run_t *run)
 {
     cf_engine_t *e = run->c.engine;
@@ -133,7 +133,7 @@ static bool prepare(cf_run_t *run)
     return false;
 }
 
-/* @return whether to restore the slave afterwards: not after a failed preparation */
+/* @return whether the slave must be restored; false: the preparation failed */
 static bool judge(cf_run_t *run, cf_result_t *result)
 {
     cf_t *c = &run->c;

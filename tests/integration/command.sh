@@ -33,7 +33,7 @@ with_passes_status_and_interface() {
     "$("$ectwin" with vr-bu-ect-map1 -- sh -c 'echo {}-{} $ECTWIN_IFACE' 2>/dev/null)"
   check "with: the ready line is on standard error" '{"event":"ready","iface":"ecat0","slaves":2}' \
     "$("$ectwin" with vr-bu-ect-map1,vr-bu-ect-map3 -- true 2>&1 >/dev/null)"
-  check "with: a command that does not exist" 127 "$("$ectwin" with vr-bu-ect-map1 -- /no/such/command 2>/dev/null; echo $?)"
+  check "with: an unknown command" 127 "$("$ectwin" with vr-bu-ect-map1 -- /no/such/command 2>/dev/null; echo $?)"
   check "with: a command that is killed" 137 "$("$ectwin" with vr-bu-ect-map1 -- sh -c 'kill -KILL $$' 2>/dev/null; echo $?)"
 }
 

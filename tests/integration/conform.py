@@ -290,14 +290,14 @@ def address_goes_back(ectwin, conform):
     first, _, second = done.stdout.partition("{")
     contains("CF-E03", "1 fail", first)
     case = next(c for c in json.loads("{" + second)["cases"] if c["id"] == "CF-085")
-    expect("CF-085", ("pass", "it has no address: the arrival of frames cannot be judged"), (case["verdict"], case["reason"]))
+    expect("CF-085", ("pass", "the slave has no address: the arrival of frames cannot be judged"), (case["verdict"], case["reason"]))
 
 
 def exit_codes(ectwin, conform):
     """0 with all passed, 2 without a slave or an interface, 64 for wrong usage, each with a line that names the remedy"""
     done = call_over_network(ectwin, conform, ["fzm1"], ["--only", "CF-001"])
     expect("a good run", (0, '{"event":"ready","iface":"ecat0","slaves":1}\n'), (done.returncode, done.stderr))
-    for arguments, code, text in ((["--slave", "3"], 2, "there is no slave 3: 1 answer on 'ecat0'"),
+    for arguments, code, text in ((["--slave", "3"], 2, "there is no slave 3: 1 replied on 'ecat0'"),
                                   (["--only", "CF-777"], 64, "no case is left to run"),
                                   (["--slave", "x"], 64, "--slave takes a number from 1"), (["--format", "pdf"], 64, "--format is"),
                                   (["-o", "/no/such/file", "--only", "CF-001"], 2, "cannot write '/no/such/file'"),
@@ -543,7 +543,7 @@ def files(ectwin, conform):
         path = pathlib.Path(folder) / "data"
         path.write_bytes(b"as before" * 100)
         before = path.stat().st_mtime_ns
-        for arguments, reason in (([], "refusals; --file names a file to read"),
+        for arguments, reason in (([], "refusals only; name a file to read with --file"),
                                   (["--file", "data"], "900 bytes read; written with --destructive only")):
             done = call(ectwin, conform, ["--files", folder, "fzm1"], [*arguments, "--only", "CF-084", "--format", "json"])
             expect("verdict", [("pass", reason)], [(c["verdict"], c["reason"]) for c in json.loads(done.stdout)["cases"]])
@@ -599,7 +599,7 @@ def dead_slave(ectwin, conform):
     expect("cases with a verdict", planned, len(cases))
     expect("the first case, alive", "pass", cases[0]["verdict"])
     last = [c for c in cases if c["verdict"] != "skip"][-1]
-    contains("reason of the last case", "no answer", last["reason"])
+    contains("reason of the last case", "no reply", last["reason"])
 
 
 def command(ectwin, conform, only):

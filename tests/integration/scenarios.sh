@@ -112,7 +112,7 @@ mistakes_are_found_before_the_run() {
   check "a line without sense" 1 $?
   check "... by its number" yes "$(grep -q "script.txt line 2: expected 'expect NAME=VALUE'" "$work/err" && echo yes)"
   "$ectwin" with --in-process --scenario "$work/none.txt" fzm1 -- true 2>"$work/err"
-  check "a file that does not exist" 2 $?
+  check "a non-existent file" 2 $?
 }
 
 # A master on the virtual clock: its time passes when the watch that it starts has begun, and before the commands behind it.

@@ -13,7 +13,7 @@ static uint64_t end_ns(const cf_t *c)
 
 /* --- stress ------------------------------------------------------------------------------------------------------- */
 
-/* A constant object: any other value is the reply to another request. */
+/* A constant object; another value would be the reply to another request. */
 typedef struct constant {
     uint16_t index;
     uint8_t sub;
@@ -24,7 +24,7 @@ typedef struct constant {
 typedef struct stress {
     constant_t constants[CONSTANTS_MOST];
     size_t count;
-    uint8_t state; /* in which process data are judged; 0: during a change */
+    uint8_t state; /* AL state in which process data are judged; 0: during a transition */
     unsigned long cycles, transfers, changes;
 } stress_t;
 
@@ -80,7 +80,7 @@ static void change(cf_t *c, stress_t *s, uint8_t state)
     s->changes++;
 }
 
-/* A change of state between a request and its reply loses neither. */
+/* Requests a transition between a mail and its reply; both must complete. */
 static void change_with_a_mail(cf_t *c, stress_t *s)
 {
     const constant_t *k = any(c, s);
@@ -95,7 +95,7 @@ static void change_with_a_mail(cf_t *c, stress_t *s)
 
 static void stress(cf_t *c)
 {
-    static stress_t s; /* too large for a stack that is left by longjmp to stay readable */
+    static stress_t s; /* static: too large for the stack */
     s = (stress_t){.count = 0};
     cf_go(c, CF_PREOP);
     read_constants(c, &s);
@@ -140,7 +140,7 @@ static void fill(cf_t *c, uint8_t *bytes, size_t length)
         bytes[i] = (uint8_t)cf_random(c, 256);
 }
 
-/* Requests with lasting effects become harmless: downloads, files, IP addresses, writes of other protocols. */
+/* Makes requests with lasting effects harmless: downloads, files, IP addresses, writes of other protocols. */
 static void disarm(const cf_t *c, uint8_t *mail)
 {
     switch (mail[5] & 0x0F) {
@@ -159,7 +159,7 @@ static void disarm(const cf_t *c, uint8_t *mail)
     }
 }
 
-/* A valid header lets a malformed content reach the protocol. */
+/* Writes a valid header, so that malformed content reaches the protocol. */
 static void likely_header(cf_t *c, uint8_t *mail)
 {
     ect_store_le16(mail, (uint16_t)(cf_random(c, 3) == 0 ? cf_random(c, 12) : 10));
@@ -169,7 +169,7 @@ static void likely_header(cf_t *c, uint8_t *mail)
     ect_store_le16(mail + 6, (uint16_t)(cf_random(c, 3) == 0 ? cf_random(c, 16) << 12 : CF_COE_REQUEST << 12));
 }
 
-/* A mail that may be wrong anywhere, without a lasting effect. */
+/* Sends a mail of random bytes, without a lasting effect. */
 static void random_mail(cf_t *c)
 {
     uint8_t mail[CF_MAX_MAIL] = {0};
@@ -180,7 +180,7 @@ static void random_mail(cf_t *c)
     (void)cf_write(c, c->mailbox.out_start, mail, c->mailbox.out_size);
 }
 
-/* Reads anywhere, of any length and command; writes only where nothing lasts: FMMUs, SyncManagers, RAM. */
+/* Sends reads with any command, address and length, and writes without lasting effect: FMMUs, SyncManagers, RAM. */
 static void random_datagrams(cf_t *c)
 {
     static const uint8_t reads[] = {CF_NOP, CF_APRD, CF_FPRD, CF_BRD, CF_LRD, 15, 99, 255};
@@ -202,8 +202,7 @@ static void random_datagrams(cf_t *c)
     cf_exchange(c, d, count);
 }
 
-/* A frame of reads with random lengths and flags. No misreading of its bytes makes a write.
- */
+/* Sends a frame of reads with random lengths and flags. However a slave parses it, it contains no write. */
 static void random_frame(cf_t *c)
 {
     static const uint8_t harmless[] = {0x00, 0x01, 0x04, 0x07, 0x0A, 0x80, 0xFF};
@@ -212,7 +211,7 @@ static void random_frame(cf_t *c)
     for (size_t i = ETHERNET; i < length; i++)
         frame[i] = harmless[cf_random(c, sizeof harmless)];
     frame[ETHERNET + 1] = (uint8_t)(cf_random(c, 4) == 0 ? cf_random(c, 256) : 0x10);
-    frame[ETHERNET + 3] = 0xEE; /* an index that no exchange waits for */
+    frame[ETHERNET + 3] = 0xEE; /* an index unused by exchanges */
     (void)cf_raw_frame(c, frame, length, NULL);
 }
 
@@ -231,7 +230,7 @@ uint64_t cf_start_up(cf_t *c)
     cf_go(c, CF_OP);
     if ((c->facts.has & CF_COE) != 0)
         vendor = cf_upload_number(c, 0x1018, 1);
-    cf_put8(c, ECT_REG_SII_CONFIG, 1); /* the EEPROM belongs to the slave: no request writes it */
+    cf_put8(c, ECT_REG_SII_CONFIG, 1); /* assigned to the slave, the EEPROM cannot be written by a request */
     return vendor;
 }
 
@@ -274,7 +273,7 @@ unsigned long cf_fuzz_rounds(cf_t *c, unsigned int rounds, unsigned int each)
 static void fuzz(cf_t *c)
 {
     unsigned long thrown = cf_fuzz_rounds(c, 0, ROUND);
-    cf_note(c, "%lu mails, frames and requests, a good start-up after each %d", thrown, (int)ROUND);
+    cf_note(c, "%lu mails, frames and requests, with a successful start-up after each %d", thrown, (int)ROUND);
 }
 
 /* --- timing ------------------------------------------------------------------------------------------------------- */
@@ -287,7 +286,7 @@ static void measure_frames(cf_t *c)
     for (int i = 0; i < FRAMES; i++) {
         uint64_t start = cf_now_ns();
         (void)cf_read(c, ECT_REG_TYPE, &byte, 1);
-        cf_measure(c, "a frame there and back", cf_now_ns() - start);
+        cf_measure(c, "round trip of a frame", cf_now_ns() - start);
     }
 }
 
@@ -322,7 +321,7 @@ static void measure_mails(cf_t *c)
             (void)cf_upload_number(c, 0x1000, 0);
         } else {
             cf_mail_t mail;
-            cf_send_mail(c, 9, "", 0); /* refused, which takes time as well */
+            cf_send_mail(c, 9, "", 0); /* refused; the time of a refusal is measured too */
             cf_receive(c, CF_MBX_ERROR, &mail);
         }
         cf_measure(c, "a mailbox request and its reply", cf_now_ns() - start);
@@ -338,7 +337,7 @@ static int input_sm(const cf_t *c)
     return -1;
 }
 
-/* From a frame with outputs to the next write of an input buffer. */
+/* Measures the time from a frame with outputs to the next input buffer. */
 static void measure_inputs(cf_t *c)
 {
     const int in = input_sm(c);
@@ -365,15 +364,15 @@ static void timing(cf_t *c)
     cf_go(c, CF_INIT);
     measure_changes(c);
     measure_inputs(c);
-    cf_note(c, "measured by this PC, its own delays included");
+    cf_note(c, "measured by this PC, including its own delays");
 }
 
 static const cf_case_t cases[] = {
-    {"STRESS", "SDO transfers, process data and state changes at once: no reply is lost or mixed up", 'F',
+    {"STRESS", "During concurrent SDO transfers, process data and state changes no reply is lost or confused", 'F',
      CF_STRESS | CF_COE, LIMIT_MS, stress},
     {"FUZZ", "After malformed mails and frames the slave replies as before", 'F', CF_FUZZ, LIMIT_MS, fuzz},
-    {"TIMING", "Times of frames, mails, state changes and process data", 'T', CF_TIMING | CF_APPLICATION, 120000,
-     timing},
+    {"TIMING", "Times of frames, mails, state changes and process data are measured", 'T', CF_TIMING | CF_APPLICATION,
+     120000, timing},
 };
 
 CF_SECTION(cf_beyond, 'K', "Beyond the checklist", cases);

@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: MIT */
-/** @file Larger steps that more than one section takes. */
+/** @file Larger steps, shared by several sections. */
 #ifndef ECTWIN_CONFORM_BEYOND_H
 #define ECTWIN_CONFORM_BEYOND_H
 
 #include "steps/case.h"
 
 /**
- * Throws malformed mails, frames and requests at the slave, of which none orders what lasts; a standard start-up after
- * each round must succeed. Rounds end early when the case's seconds are over and `rounds` is 0.
+ * Sends malformed mails, frames and requests without lasting effects. After each round a standard start-up must
+ * succeed. With `rounds` 0, the last round may be shorter.
  * @param rounds  0: for the seconds of --fuzz
- * @param each    how much is thrown before a start-up
- * @return how much was thrown
+ * @param each    number of mails, frames and requests in a round
+ * @return number of mails, frames and requests sent
  */
 unsigned long cf_fuzz_rounds(cf_t *c, unsigned int rounds, unsigned int each);
 
 /**
- * Takes the slave to OP as a master does; the EEPROM then belongs to the slave, so no malformed request writes it.
+ * Takes the slave to OP as a master does, and assigns the EEPROM to the slave, so no malformed request writes it.
  * @return vendor id, 0 without CoE
  */
 uint64_t cf_start_up(cf_t *c);
@@ -28,7 +28,7 @@ unsigned long cf_sweep(cf_t *c);
 
 /** CF-085: Ethernet over EtherCAT. */
 void cf_ethernet(cf_t *c);
-/** CF-E01, CF-E05: IP parameters; those that are cut. */
+/** CF-E01, CF-E05: IP parameters, complete and truncated. */
 void cf_eoe_parameters(cf_t *c);
 void cf_eoe_short_parameters(cf_t *c);
 /** CF-E02: frames of each length, in both directions. */
@@ -49,7 +49,7 @@ void cf_eoe_pings(cf_t *c);
 void cf_eoe_random(cf_t *c);
 /** CF-E11: EoE in the SII and in the ESI file. */
 void cf_eoe_described(cf_t *c);
-/** CF-E12: types, ports and mails that no service has. */
+/** CF-E12: unknown types, ports and mails. */
 void cf_eoe_unsupported(cf_t *c);
 
 #endif

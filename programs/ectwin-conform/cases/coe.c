@@ -17,7 +17,7 @@ enum {
     NO_SUBINDEX = 0x06090011,
 };
 
-/* One upload at a time; too large for a stack. */
+/* Buffer of the present upload, too large for the stack. */
 static uint8_t value[PLENTY];
 
 /* --- objects ------------------------------------------------------------------------------------------------------ */
@@ -29,7 +29,7 @@ static void must_exist(cf_t *c, uint16_t index, uint8_t sub)
         cf_fail(c, "%04Xh:%02X: expected to exist, got abort 0x%08X", index, sub, code);
 }
 
-/* Whether the SII names a clock mode, which 1C32h and 1C33h have to describe. */
+/* @return whether the SII has a DC mode, which then requires 1C32h and 1C33h */
 static bool claims_sync(const cf_t *c)
 {
     size_t length;
@@ -84,7 +84,7 @@ static void check_count(cf_t *c, const coe_object_t *o)
         return;
     size_t size = sizeof value;
     uint32_t code = cf_upload(c, o->index, (uint8_t)(o->most + 1), false, value, &size);
-    cf_expect_that(c, code == NO_SUBINDEX, "%04Xh:%02X, behind the last: expected abort 0x06090011, got 0x%08X",
+    cf_expect_that(c, code == NO_SUBINDEX, "%04Xh:%02X, after the last: expected abort 0x06090011, got 0x%08X",
                    o->index, o->most + 1u, code);
 }
 
@@ -109,7 +109,7 @@ static void check_size(cf_t *c, const coe_object_t *o)
         uint32_t code = cf_upload(c, o->index, (uint8_t)sub, false, value, &size);
         entries_seen++;
         if (code != 0)
-            continue; /* may be momentary; whether it is there at all is another case */
+            continue; /* may be temporary; another case checks the existence */
         bool text = e.type >= COE_VISIBLE_STRING && e.type <= COE_UNICODE_STRING;
         size_t bytes = (e.bits + 7u) / 8;
         cf_expect_that(c, size == bytes || (text && size <= bytes) || e.bits == 0,
@@ -118,7 +118,7 @@ static void check_size(cf_t *c, const coe_object_t *o)
     }
 }
 
-/* The size bits of a reply, byte by byte. */
+/* Checks the size bits of an expedited reply. */
 static void check_expedited(cf_t *c)
 {
     cf_mail_t mail;
@@ -150,7 +150,7 @@ typedef struct found {
 } found_t;
 static found_t writable, write_only;
 
-/* A number without an effect when written: not a command, not a mapping, not a count. */
+/* @return whether writing the entry has no effect: no command, no mapping, no count */
 static bool is_plain_number(const coe_object_t *o, unsigned int sub, const coe_entry_t *e)
 {
     bool mapping = o->index >= 0x1600 && o->index < 0x1C40, count = sub == 0 && o->code != COE_VAR;
@@ -171,7 +171,7 @@ static void find_entries(cf_t *c, const coe_object_t *o)
 {
     coe_entry_t e;
     if (o->index == 0x1010 || o->index == 0x1011 || o->index == 0x10F3)
-        return; /* these act */
+        return; /* writing has an effect */
     for (unsigned int sub = 0; sub <= o->most && (writable.index == 0 || write_only.index == 0); sub++) {
         if (coe_entry(c, o, (uint8_t)sub, &e) && (e.access & COE_WRITE_PREOP) != 0)
             take_entry(o, sub, &e);
@@ -203,7 +203,7 @@ static uint16_t missing_index(cf_t *c)
         if (try_upload(c, candidates[i], 0) != 0)
             return candidates[i];
     }
-    cf_skip(c, "every index that was tried exists");
+    cf_skip(c, "all tested indices exist");
 }
 
 static void refusals(cf_t *c)
@@ -212,8 +212,8 @@ static void refusals(cf_t *c)
     writable = write_only = (found_t){0};
     cf_go(c, CF_PREOP);
     uint16_t none = missing_index(c);
-    cf_expect(c, "abort of an upload of an index that does not exist", NO_OBJECT, try_upload(c, none, 0));
-    cf_expect(c, "abort of a download to it", NO_OBJECT, cf_download(c, none, 0, false, data, 4));
+    cf_expect(c, "abort of an upload of a non-existent index", NO_OBJECT, try_upload(c, none, 0));
+    cf_expect(c, "abort of a download to a non-existent index", NO_OBJECT, cf_download(c, none, 0, false, data, 4));
     cf_expect(c, "abort of an upload of 1018h:05", NO_SUBINDEX, try_upload(c, 0x1018, 5));
     cf_expect(c, "abort of a download to 1018h:05", NO_SUBINDEX, cf_download(c, 0x1018, 5, false, data, 4));
     cf_expect(c, "abort of a download to 1000h, which is read-only", READ_ONLY,
@@ -222,10 +222,10 @@ static void refusals(cf_t *c)
     if ((c->facts.has & CF_SDO_INFO) != 0)
         (void)coe_walk(c, find_entries);
     if (write_only.index != 0)
-        cf_expect(c, "abort of an upload of what is write-only", WRITE_ONLY,
+        cf_expect(c, "abort of an upload of a write-only entry", WRITE_ONLY,
                   try_upload(c, write_only.index, write_only.sub));
     if (writable.index == 0) {
-        cf_note(c, "without wrong lengths: no writable number was found");
+        cf_note(c, "wrong lengths not tested: no writable number was found");
         return;
     }
     wrong_length(c, writable.bytes + 4);
@@ -262,7 +262,7 @@ static void good_upload(cf_t *c)
     cf_expect(c, "the next transfer, 1018h:01", c->facts.vendor, cf_upload_number(c, 0x1018, 1));
 }
 
-/* Starts an upload in segments. @return false: no object is that long */
+/* Starts a segmented upload. @return false: no object is long enough */
 static bool begin_segments(cf_t *c)
 {
     cf_mail_t mail;
@@ -281,16 +281,16 @@ static void toggles(cf_t *c)
         cf_note(c, "without segments: no object is longer than the mailbox");
         return;
     }
-    cf_step(c, "the first segment asked for with the toggle of the second");
+    cf_step(c, "a request for the first segment with the toggle bit of the second");
     cf_send_sdo(c, 0x70, 0, 0, 0);
     cf_receive_coe(c, &mail);
     cf_expect(c, "SDO command after a wrong toggle", 0x80, mail.data[2]);
     cf_expect(c, "abort code after a wrong toggle", TOGGLE_ERROR, ect_load_le32(mail.data + 6));
-    cf_step(c, "the master aborts in the middle");
-    cf_expect_that(c, begin_segments(c), "upload of %04Xh:%02X: expected in segments, got at once", longest.index,
+    cf_step(c, "the master aborts a transfer");
+    cf_expect_that(c, begin_segments(c), "upload of %04Xh:%02X: expected in segments, got in one reply", longest.index,
                    longest.sub);
     cf_send_sdo(c, 0x80, longest.index, longest.sub, 0x08000000);
-    cf_step(c, "the next segment of the transfer that the master aborted");
+    cf_step(c, "a request for the next segment of the aborted transfer");
     cf_send_sdo(c, 0x60, 0, 0, 0);
     cf_receive_coe(c, &mail);
     cf_expect(c, "SDO command after a segment request for an aborted transfer", 0x80, mail.data[2]);
@@ -302,29 +302,29 @@ static void protocol(cf_t *c)
     uint8_t data[8] = {0x40, 0x18, 0x10, 1};
     cf_mail_t mail;
     cf_go(c, CF_PREOP);
-    cf_step(c, "an SDO command that does not exist");
+    cf_step(c, "an unknown SDO command");
     cf_send_sdo(c, 0xE0, 0x1018, 1, 0);
     cf_expect_abort(c, 0x1018, 1, UNKNOWN_COMMAND);
     good_upload(c);
-    cf_step(c, "a segment of a transfer that was not begun");
+    cf_step(c, "a segment without a transfer");
     cf_send_sdo(c, 0x60, 0, 0, 0);
     cf_receive_coe(c, &mail);
     cf_expect(c, "SDO command after a segment without a transfer", 0x80, mail.data[2]);
     good_upload(c);
-    cf_step(c, "a CoE service that does not exist");
+    cf_step(c, "an unknown CoE service");
     cf_send_coe(c, 15, data, sizeof data);
     if (cf_receive_mail(c, &mail, 200))
         cf_expect_that(c, mail.type == CF_MBX_ERROR || mail.data[2] == 0x80,
-                       "a service that does not exist: expected an error, got mailbox type %u", mail.type);
+                       "an unknown CoE service: expected an error, got mailbox type %u", mail.type);
     good_upload(c);
     toggles(c);
 }
 
 /* --- complete access ---------------------------------------------------------------------------------------------- */
 
-/* The content of a complete upload: sub-index 0 as 16 bits, then each entry, without bit types. @return bytes,
- * 0: not of whole bytes, or an entry that cannot be read alone */
-static size_t put_together(cf_t *c, const coe_object_t *o, uint8_t *all)
+/* Assembles the content of a Complete Access upload from single uploads: sub-index 0 as 16 bits, then each entry.
+ * @return bytes; 0: entries of less than a byte, or an unreadable entry */
+static size_t assemble(cf_t *c, const coe_object_t *o, uint8_t *all)
 {
     size_t used = 2;
     uint8_t count = (uint8_t)cf_upload_number(c, o->index, 0);
@@ -345,17 +345,17 @@ static size_t put_together(cf_t *c, const coe_object_t *o, uint8_t *all)
 static unsigned int compared;
 static uint8_t before[PLENTY], after[PLENTY];
 
-/* Bytes that were the same before and after; inputs and counters may have changed meanwhile. */
+/* Compares only bytes that were equal before and after: inputs and counters may change meanwhile. */
 static void compare(cf_t *c, const coe_object_t *o, const uint8_t *got, size_t first, size_t bytes)
 {
     for (size_t i = first; i < bytes; i++) {
         if (before[i] == after[i] && got[i - first] != before[i])
-            cf_fail(c, "complete upload of %04Xh: byte %zu: expected 0x%02X as entry by entry, got 0x%02X", o->index,
-                    i - first, before[i], got[i - first]);
+            cf_fail(c, "complete upload of %04Xh: byte %zu: expected 0x%02X as in a single upload, got 0x%02X",
+                    o->index, i - first, before[i], got[i - first]);
     }
 }
 
-/* Objects without gaps, and without messages that may arrive in between. */
+/* @return whether an object has no gaps, and no messages that may arrive meanwhile */
 static bool comparable(const coe_object_t *o)
 {
     return o->code != COE_VAR && o->index >= 0x1018 && o->index != 0x10F3 && o->index != 0x1C32 && o->index != 0x1C33;
@@ -375,13 +375,13 @@ static void check_complete(cf_t *c, const coe_object_t *o)
     static uint8_t from_1[PLENTY];
     if (!comparable(o) || compared >= COE_OBJECTS_MOST / 8)
         return;
-    size_t bytes = put_together(c, o, before);
+    size_t bytes = assemble(c, o, before);
     if (bytes == 0)
         return;
     complete_upload(c, o->index, 0, value, bytes);
-    if (bytes > 2) /* without entries there is no sub-index 1 to begin at */
+    if (bytes > 2) /* there is a sub-index 1 */
         complete_upload(c, o->index, 1, from_1, bytes - 2);
-    if (put_together(c, o, after) != bytes)
+    if (assemble(c, o, after) != bytes)
         return;
     compare(c, o, value, 0, bytes);
     compare(c, o, from_1, 2, bytes);
@@ -395,20 +395,21 @@ static void complete(cf_t *c)
     compared = 0;
     cf_go(c, CF_PREOP);
     (void)coe_walk(c, check_complete);
-    cf_step(c, "from sub-index 2, of a read-only object, of one that does not exist");
+    cf_step(c, "from sub-index 2, of a read-only object, of a non-existent object");
     uint32_t code = cf_upload(c, 0x1018, 2, true, value, &size);
     cf_expect_that(c, code != 0, "complete upload from sub-index 2: expected an abort, got %zu bytes", size);
     code = cf_download(c, 0x1018, 0, true, data, 18);
-    cf_expect_that(c, code != 0, "complete download to 1018h, read-only: expected an abort, got an answer");
+    cf_expect_that(c, code != 0, "complete download to 1018h, read-only: expected an abort, got a response");
     size = sizeof value;
-    cf_expect(c, "abort of a complete upload of an index that does not exist", NO_OBJECT,
+    cf_expect(c, "abort of a complete upload of a non-existent index", NO_OBJECT,
               cf_upload(c, missing_index(c), 0, true, value, &size));
     cf_note(c, "%u objects", compared);
 }
 
 static const cf_case_t cases[] = {
     {"CF-067", "The mandatory objects exist", 'F', CF_COE, 0, mandatory},
-    {"CF-068", "Sub-index 0 counts the entries; behind the last is abort 0x06090011", 'F', CF_COE, 60000, counts},
+    {"CF-068", "Sub-index 0 counts the entries; after the last one the abort code is 0x06090011", 'F', CF_COE, 60000,
+     counts},
     {"CF-069", "Uploads have the sizes of their descriptions, expedited, normal and in segments", 'F',
      CF_COE | CF_SDO_INFO, 60000, uploads},
     {"CF-070", "Wrong lengths, rights, indices and sub-indices are refused with their codes", 'F', CF_COE, 60000,
@@ -416,7 +417,7 @@ static const cf_case_t cases[] = {
     {"CF-071", "An abort is command 0x80 in service 2 with index, sub-index and code", 'R', CF_COE, 0, aborts},
     {"CF-072", "Wrong toggles, commands and services are refused, and the next transfer works", 'R', CF_COE, 60000,
      protocol},
-    {"CF-073", "Complete Access equals the entries read one by one", 'F', CF_COE | CF_COMPLETE, 60000, complete},
+    {"CF-073", "Complete Access returns the same values as single uploads", 'F', CF_COE | CF_COMPLETE, 60000, complete},
 };
 
 CF_SECTION(cf_coe, 'G', "CoE: objects and transfers", cases);

@@ -16,7 +16,7 @@ enum {
 enum { MISSING_PDO = 0x17F3, EMERGENCY_BYTES = 10, EMERGENCY_MS = 500, PARALLEL = 500 };
 enum { DIAGNOSIS = 0x10F3, STORE = 0x1010, RESTORE = 0x1011, SYNC_OUT = 0x1C32, SYNC_IN = 0x1C33, TICKS_10MS = 100 };
 
-/* The last upload; too large for a stack. */
+/* Buffer of the last upload, too large for the stack. */
 static uint8_t value[65536];
 
 static uint16_t missing_index(cf_t *c)
@@ -27,12 +27,12 @@ static uint16_t missing_index(cf_t *c)
         if (!cf_object_exists(c, candidates[i], 0, &code))
             return candidates[i];
     }
-    cf_skip(c, "every index that was tried exists");
+    cf_skip(c, "all tested indices exist");
 }
 
 /* --- mapping ------------------------------------------------------------------------------------------------------ */
 
-/* The first process-data SyncManager's assignment object. */
+/* @return the PDO assignment object of the first process data SyncManager */
 static uint16_t assignment(cf_t *c)
 {
     uint32_t code;
@@ -41,7 +41,7 @@ static uint16_t assignment(cf_t *c)
         if (c->facts.sm[n].type >= ECT_SM_OUTPUTS && c->facts.sm[n].length > 0 && cf_object_exists(c, index, 1, &code))
             return index;
     }
-    cf_skip(c, "the slave has no process data that CoE assigns");
+    cf_skip(c, "the slave has no process data assigned by CoE");
 }
 
 static uint32_t write8(cf_t *c, uint16_t index, uint8_t sub, uint8_t byte)
@@ -65,10 +65,10 @@ static uint32_t write32(cf_t *c, uint16_t index, uint8_t sub, uint32_t number)
 
 static void expect_abort(cf_t *c, const char *what, uint32_t code)
 {
-    cf_expect_that(c, code != 0, "%s: expected an abort, got an answer", what);
+    cf_expect_that(c, code != 0, "%s: expected an abort, got a response", what);
 }
 
-/* One that cannot be changed must refuse every write. @return whether it is fixed */
+/* A fixed assignment or mapping must refuse every write. @return whether the object is fixed */
 static bool fixed(cf_t *c, uint16_t index, uint8_t count)
 {
     uint32_t code = write8(c, index, 0, 0);
@@ -77,12 +77,12 @@ static bool fixed(cf_t *c, uint16_t index, uint8_t count)
     cf_expect_that(c, code == READ_ONLY || code == NO_SUBINDEX_WRITE || code == WRONG_STATE,
                    "count of %04Xh, which is fixed: expected abort 0x06010002, 3 or 0x08000022, got 0x%08X", index,
                    code);
-    expect_abort(c, "an entry of an assignment that is fixed", write16(c, index, 1, MISSING_PDO));
+    expect_abort(c, "an entry of a fixed assignment", write16(c, index, 1, MISSING_PDO));
     cf_expect_range(c, "entries afterwards", count, count, cf_upload_number(c, index, 0));
     return true;
 }
 
-/* Count 0, entries, count: the order of an assignment, and the writes to be refused on the way. */
+/* Writes an assignment in the order count 0, entries, count, with writes in between that must be refused. */
 static void remap(cf_t *c)
 {
     cf_go(c, CF_PREOP);
@@ -92,15 +92,15 @@ static void remap(cf_t *c)
     if (fixed(c, index, count)) {
         cf_note(c, "the assignment is fixed and refuses writes");
     } else {
-        cf_step(c, "a PDO that does not exist: refused at once or with the count");
+        cf_step(c, "a non-existent PDO: refused at once or with the count");
         uint32_t code = write16(c, index, 1, MISSING_PDO);
         code = code == 0 ? write8(c, index, 0, 1) : code;
-        expect_abort(c, "assigning a PDO that does not exist", code);
+        expect_abort(c, "assigning a non-existent PDO", code);
         cf_expect(c, "abort of the right PDO again", 0, write16(c, index, 1, first));
         cf_expect(c, "abort of the count", 0, write8(c, index, 0, count));
         expect_abort(c, "an entry while the count is not 0", write16(c, index, 1, first));
     }
-    cf_step(c, "SAFEOP with the mapping as it was; there nothing may be changed");
+    cf_step(c, "SAFEOP with the previous mapping, which cannot be changed there");
     cf_go(c, CF_SAFEOP);
     expect_abort(c, "the count of an assignment in SAFEOP", write8(c, index, 0, 0));
     cf_expect_range(c, "entries afterwards", count, count, cf_upload_number(c, index, 0));
@@ -114,13 +114,13 @@ static void too_large(cf_t *c)
     const uint32_t first = (uint32_t)cf_upload_number(c, pdo, 1);
     if (write8(c, pdo, 0, 0) != 0)
         cf_skip(c, "the mapping is fixed");
-    cf_step(c, "an entry of 255 bits of an object that is shorter: refused at once or with the count");
+    cf_step(c, "an entry of 255 bits of a shorter object: refused at once or with the count");
     uint32_t code = write32(c, pdo, 1, (first & 0xFFFFFF00u) | 0xFF);
     code = code == 0 ? write8(c, pdo, 0, 1) : code;
-    expect_abort(c, "an entry that is longer than its object", code);
-    cf_step(c, "what was there, and SAFEOP");
-    cf_expect(c, "abort of the entry as it was", 0, write32(c, pdo, 1, first));
-    cf_expect(c, "abort of the count as it was", 0, write8(c, pdo, 0, count));
+    expect_abort(c, "an entry longer than its object", code);
+    cf_step(c, "the previous mapping, and SAFEOP");
+    cf_expect(c, "abort of the previous entry", 0, write32(c, pdo, 1, first));
+    cf_expect(c, "abort of the previous count", 0, write8(c, pdo, 0, count));
     cf_go(c, CF_SAFEOP);
 }
 
@@ -143,7 +143,7 @@ static void lists(cf_t *c)
     cf_expect_range(c, "lengths in list 0", 5, 5, types);
     size_t count = cf_object_list(c, 1, all, COE_OBJECTS_MOST);
     cf_expect_range(c, "indices in list 1", lengths[0], lengths[0], count);
-    for (size_t i = 1; i < count; i++) { /* no clause asks for it; who searches by halves relies on it */
+    for (size_t i = 1; i < count; i++) { /* no clause requires ascending order, but a binary search does */
         if (all[i] < all[i - 1])
             cf_warn(c, "list 1: rising as a rule, got %04Xh behind %04Xh", all[i], all[i - 1]);
         cf_expect_that(c, all[i] != all[i - 1], "list 1: expected each index once, got %04Xh twice", all[i]);
@@ -179,10 +179,10 @@ static void information(cf_t *c)
     cf_go(c, CF_PREOP);
     lists(c);
     unsigned int objects = coe_walk(c, check_description);
-    cf_step(c, "what does not exist");
+    cf_step(c, "non-existent objects and entries");
     ect_store_le16(request, missing_index(c));
     cf_expect_that(c, cf_info(c, 3, request, 2, reply, sizeof reply, &code) < 0 && code == NO_OBJECT,
-                   "description of an index that does not exist: expected info error 0x06020000, got 0x%08X", code);
+                   "description of a non-existent index: expected info error 0x06020000, got 0x%08X", code);
     ect_store_le16(request, 0x1018);
     request[2] = 0x77;
     cf_expect_that(c, cf_info(c, 5, request, 4, reply, sizeof reply, &code) < 0 && code == NO_SUBINDEX,
@@ -194,7 +194,7 @@ static void as_in_file(cf_t *c)
 {
     const ect_esi_device_t *model = cf_esi_model(c);
     if (!model)
-        cf_skip(c, "the ESI file describes no device that can be: see CF-063");
+        cf_skip(c, "the ESI file describes an impossible device: see CF-063");
     if (model->dictionary.object_count == 0)
         cf_skip(c, "the ESI file has no dictionary%s%s", *model->dictionary_file ? ": it is in " : "",
                 model->dictionary_file);
@@ -228,17 +228,16 @@ static void by_state(cf_t *c)
     cf_go(c, CF_PREOP);
     (void)coe_walk(c, find_limited);
     if (in_preop_only.index == 0)
-        cf_skip(c, "no entry may be written in PREOP only");
+        cf_skip(c, "no entry is writable in PREOP only");
     cf_go(c, CF_SAFEOP);
     size_t size = 8;
     uint32_t code = cf_upload(c, in_preop_only.index, in_preop_only.sub, false, value, &size);
     cf_expect_that(c, code == 0, "upload of %04Xh:%02X in SAFEOP: expected data, got abort 0x%08X", in_preop_only.index,
                    in_preop_only.sub, code);
     code = cf_change(c, in_preop_only.index, in_preop_only.sub, value, size);
-    cf_expect_that(
-        c, code == WRONG_STATE || code == NO_SUBINDEX_WRITE || code == READ_ONLY,
-        "download to %04Xh:%02X in SAFEOP, where it may not be written: expected abort 0x08000022, got 0x%08X",
-        in_preop_only.index, in_preop_only.sub, code);
+    cf_expect_that(c, code == WRONG_STATE || code == NO_SUBINDEX_WRITE || code == READ_ONLY,
+                   "download to %04Xh:%02X in SAFEOP, writable in PREOP only: expected abort 0x08000022, got 0x%08X",
+                   in_preop_only.index, in_preop_only.sub, code);
     cf_note(c, "tried with %04Xh:%02X", in_preop_only.index, in_preop_only.sub);
 }
 
@@ -249,8 +248,7 @@ static bool is_emergency(const cf_mail_t *mail)
     return mail->type == CF_MBX_COE && mail->length >= 2 && ect_load_le16(mail->data) >> 12 == CF_COE_EMERGENCY;
 }
 
-/* Takes the outputs away, or sends a wrong request to a slave without outputs: most slaves with emergencies send one.
- */
+/* Stops the outputs, or sends an invalid request to a slave without outputs: most slaves then send an emergency. */
 static void provoke(cf_t *c)
 {
     if (c->facts.output_bytes > 0) {
@@ -279,7 +277,7 @@ static void emergencies(cf_t *c)
         seen++;
     }
     if (seen == 0)
-        cf_skip(c, "the slave sent no emergency for what a master can bring about");
+        cf_skip(c, "the slave sent no emergency for errors that a master can cause");
     cf_step(c, "none below PREOP");
     cf_go(c, CF_INIT);
     cf_set_mailbox(c, CF_PREOP);
@@ -327,8 +325,8 @@ static void store(cf_t *c)
         cf_note(c, "without storing: %s", c->destructive ? "there is no 1010h" : "only with --destructive");
         return;
     }
-    cf_step(c, "storing what is there anyway");
-    cf_expect(c, "abort of the signature", 0, cf_download(c, STORE, 1, false, save, sizeof save));
+    cf_step(c, "storing the present values");
+    cf_expect(c, "abort of a wrong signature", 0, cf_download(c, STORE, 1, false, save, sizeof save));
 }
 
 static void check_sync(cf_t *c, uint16_t index)
@@ -339,8 +337,8 @@ static void check_sync(cf_t *c, uint16_t index)
     cf_expect_that(c, good, "%04Xh:01, the type: expected one of the bits 0x%04X in :04, got 0x%04X", index, supported,
                    type);
     (void)cf_upload_number(c, index, 5);
-    expect_abort(c, "a synchronisation type that does not exist", write16(c, index, 1, 0x0F));
-    cf_expect(c, "the type after that", type, cf_upload_number(c, index, 1));
+    expect_abort(c, "an unsupported synchronisation type", write16(c, index, 1, 0x0F));
+    cf_expect(c, "the type after the refusal", type, cf_upload_number(c, index, 1));
     for (uint8_t sub = 0x0B; sub <= 0x0C; sub++) {
         if (!cf_object_exists(c, index, sub, &code))
             continue;
@@ -383,7 +381,7 @@ static void parallel(cf_t *c)
     for (unsigned int n = 0; n < PARALLEL; n++) {
         uint8_t sub = (uint8_t)(n % 4 + 1);
         cycle(c, &cycles);
-        cf_expect(c, "an entry of 1018h, while process data go on", expected[sub], cf_upload_number(c, 0x1018, sub));
+        cf_expect(c, "an entry of 1018h during process data", expected[sub], cf_upload_number(c, 0x1018, sub));
     }
     cf_expect(c, "AL status afterwards", CF_OP, cf_get16(c, ECT_REG_AL_STATUS) & 0x1F);
 }
@@ -396,14 +394,15 @@ static const cf_case_t cases[] = {
      information},
     {"CF-077", "The dictionary equals that of the ESI: objects, types, lengths, rights, names, defaults", 'S',
      CF_COE | CF_SDO_INFO | CF_ESI, 120000, as_in_file},
-    {"CF-078", "An entry that may be written in PREOP only is refused in SAFEOP", 'F', CF_COE | CF_SDO_INFO, 60000,
-     by_state},
-    {"CF-079", "An emergency has a valid code and form; the slave sends none below PREOP", 'F', CF_COE | CF_APPLICATION,
-     0, emergencies},
-    {"CF-080", "The diagnosis history names its newest message and takes the acknowledge", 'F', CF_COE, 0, diagnosis},
-    {"CF-081", "Store and restore take their signature only", 'F', CF_COE, 0, store},
+    {"CF-078", "A write to an entry that is writable in PREOP only is refused in SAFEOP", 'F', CF_COE | CF_SDO_INFO,
+     60000, by_state},
+    {"CF-079", "An emergency has a valid code and format; the slave sends none below PREOP", 'F',
+     CF_COE | CF_APPLICATION, 0, emergencies},
+    {"CF-080", "The diagnosis history reports the newest message and accepts the acknowledge", 'F', CF_COE, 0,
+     diagnosis},
+    {"CF-081", "Store and restore accept only their signature", 'F', CF_COE, 0, store},
     {"CF-082", "Supported synchronisation types are accepted, others refused", 'F', CF_COE, 0, synchronisation},
-    {"CF-083", "500 SDO transfers during process data: no reply is lost or mixed up", 'F', CF_COE | CF_APPLICATION,
+    {"CF-083", "In 500 SDO transfers during process data no reply is lost or confused", 'F', CF_COE | CF_APPLICATION,
      60000, parallel},
 };
 

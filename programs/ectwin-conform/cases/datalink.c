@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A. Data link and ESC registers. In INIT FMMU 0 is unused: its logical address serves as four bytes to write and read.
- */
+/* A. Data link and ESC registers. In INIT, FMMU 0 is unused: its logical start address serves as a scratch register. */
 #include <string.h>
 
 #include "steps/case.h"
@@ -21,7 +20,7 @@ static void read_only(cf_t *c, uint16_t address, size_t length, const char *what
     (void)cf_write(c, address, other, length);
     cf_get(c, address, after, length);
     if (memcmp(before, after, length) != 0)
-        (void)cf_write(c, address, before, length); /* the cases behind it see the chip as it was */
+        (void)cf_write(c, address, before, length); /* restores the register for the next cases */
     cf_expect_bytes(c, what, before, after, length);
 }
 
@@ -41,16 +40,16 @@ static void information(cf_t *c)
     cf_expect_range(c, "RAM in KB (0x0006)", 1, 60, f->ram_kb);
     cf_expect_that(c, (f->ports & 3) >= 2, "port descriptor (0x0007): expected a configured port 0, got 0x%02X",
                    f->ports);
-    cf_step(c, "writing what is read-only");
-    read_only(c, ECT_REG_TYPE, IDENTITY_BYTES, "chip information after it was written to");
-    cf_step(c, "the first FMMU and the first SyncManager that the chip has not");
+    cf_step(c, "writes to read-only registers");
+    read_only(c, ECT_REG_TYPE, IDENTITY_BYTES, "chip information after a write");
+    cf_step(c, "the first FMMU and the first SyncManager beyond those of the chip");
     if (fmmus < CF_MAX_FMMUS)
-        absent(c, CF_FMMU(fmmus), ECT_FMMU_SIZE, "a write to the FMMU behind the last");
+        absent(c, CF_FMMU(fmmus), ECT_FMMU_SIZE, "a write to the FMMU after the last");
     if (sms < CF_MAX_SMS)
-        absent(c, CF_SM(sms), ECT_SM_SIZE, "a write to the SyncManager behind the last");
+        absent(c, CF_SM(sms), ECT_SM_SIZE, "a write to the SyncManager after the last");
     uint8_t time[4];
     if ((f->features & 0x0004) != 0)
-        cf_expect_wkc(c, "a read of the system time, which the feature word promises", 1,
+        cf_expect_wkc(c, "a read of the system time, which the feature word announces", 1,
                       cf_read(c, ECT_REG_DC_SYSTEM_TIME, time, sizeof time));
 }
 
@@ -69,12 +68,12 @@ static void broadcast(cf_t *c)
     cf_expect_wkc(c, "the broadcast read", c->facts.slaves, d.wkc);
     cf_expect(c, "ADP after the broadcast read", c->facts.slaves, d.address & 0xFFFF);
     cf_expect_bytes(c, "the broadcast read", expected, all, sizeof all);
-    cf_step(c, "what the frame holds already stays: BRD is OR");
+    cf_step(c, "bits set in the frame remain set: BRD is an OR");
     memset(all, 0, sizeof all);
     all[IDENTITY_BYTES - 1] = 0x80;
     d = (cf_datagram_t){.command = CF_BRD, .address = CF_AT(5, ECT_REG_TYPE), .length = sizeof all, .data = all};
     cf_exchange(c, &d, 1);
-    cf_expect_bits(c, "the bit that was in the frame", 0x80, 0x80, all[IDENTITY_BYTES - 1]);
+    cf_expect_bits(c, "the bit set in the frame", 0x80, 0x80, all[IDENTITY_BYTES - 1]);
     cf_expect(c, "ADP, begun at 5", 5u + c->facts.slaves, d.address & 0xFFFF);
 }
 
@@ -89,15 +88,15 @@ static void by_position(cf_t *c)
         cf_expect(c, "station address of the slave at that position", CF_STATION + n, ect_load_le16(station));
         cf_expect(c, "ADP: every slave increments it", (uint16_t)(c->facts.slaves - n), d.address & 0xFFFF);
     }
-    cf_step(c, "a position behind the last slave");
+    cf_step(c, "a position after the last slave");
     uint8_t data[2] = {PATTERN, PATTERN};
-    cf_expect_wkc(c, "APRD behind the last slave", 0,
+    cf_expect_wkc(c, "APRD after the last slave", 0,
                   cf_command(c, CF_APRD, (uint16_t)-c->facts.slaves, ECT_REG_STATION_ADDRESS, data, 2));
     cf_expect(c, "data of a datagram without a receiver", 0xA5A5, ect_load_le16(data));
     cf_step(c, "APWR, then APRW");
     uint8_t value[4] = {1, 2, 3, 4};
     cf_expect_wkc(c, "APWR", 1, cf_command(c, CF_APWR, c->facts.ring, SCRATCH, value, 4));
-    cf_expect(c, "the register that APWR wrote", 0x04030201, cf_get32(c, SCRATCH));
+    cf_expect(c, "the register written by APWR", 0x04030201, cf_get32(c, SCRATCH));
     if ((c->facts.has & CF_RW) == 0)
         return;
     uint8_t next[4] = {5, 6, 7, 8};
@@ -111,14 +110,14 @@ static void by_alias(cf_t *c)
     uint16_t alias = cf_get16(c, ECT_REG_STATION_ALIAS);
     uint8_t data[4] = {PATTERN, PATTERN, PATTERN, PATTERN};
     if (alias == 0 || (alias >= CF_STATION && alias < CF_STATION + c->facts.slaves)) {
-        cf_note(c, "the alias is 0x%04X: addressing by it was not tried", alias);
+        cf_note(c, "the alias is 0x%04X: addressing by alias was not tested", alias);
         return;
     }
     cf_step(c, "the alias 0x%04X, not enabled, then enabled", alias);
-    cf_expect_wkc(c, "FPRD of the alias, which is not enabled", 0, cf_command(c, CF_FPRD, alias, SCRATCH, data, 4));
+    cf_expect_wkc(c, "FPRD of the alias before it is enabled", 0, cf_command(c, CF_FPRD, alias, SCRATCH, data, 4));
     cf_put8(c, ECT_REG_DL_CONTROL + 3, 1);
     cf_expect_wkc(c, "FPRD of the alias", 1, cf_command(c, CF_FPRD, alias, SCRATCH, data, 4));
-    cf_expect_wkc(c, "FPRD of the station address, beside the alias", 1, cf_read(c, SCRATCH, data, 4));
+    cf_expect_wkc(c, "FPRD of the station address with the alias enabled", 1, cf_read(c, SCRATCH, data, 4));
     cf_put8(c, ECT_REG_DL_CONTROL + 3, 0);
     cf_expect_wkc(c, "FPRD of the alias, disabled again", 0, cf_command(c, CF_FPRD, alias, SCRATCH, data, 4));
 }
@@ -129,9 +128,9 @@ static void by_station(cf_t *c)
     cf_expect_wkc(c, "FPRD of an unused address", 0, cf_command(c, CF_FPRD, NOBODY, SCRATCH, data, 4));
     cf_expect(c, "data of an FPRD without a receiver", 0xA5A5A5A5, ect_load_le32(data));
     cf_expect_wkc(c, "FPWR to an unused address", 0, cf_command(c, CF_FPWR, NOBODY, SCRATCH, data, 4));
-    cf_expect(c, "a register that was not written", 0, cf_get32(c, SCRATCH));
+    cf_expect(c, "an unwritten register", 0, cf_get32(c, SCRATCH));
     cf_put32(c, SCRATCH, 0x11223344);
-    cf_expect(c, "FPRD of what FPWR wrote", 0x11223344, cf_get32(c, SCRATCH));
+    cf_expect(c, "FPRD of the register written by FPWR", 0x11223344, cf_get32(c, SCRATCH));
     if ((c->facts.has & CF_RW) != 0) {
         cf_expect_wkc(c, "FPRW", 3, cf_command(c, CF_FPRW, c->facts.station, SCRATCH, data, 4));
         cf_expect(c, "what FPRW read", 0x11223344, ect_load_le32(data));
@@ -180,7 +179,8 @@ static void counters(cf_t *c)
 {
     cf_expect_wkc(c, "FPRD, begun at 5", 6, counted(c, CF_FPRD, SCRATCH, 5));
     cf_expect_wkc(c, "FPWR, begun at 5", 6, counted(c, CF_FPWR, SCRATCH, 5));
-    cf_expect_wkc(c, "FPRD over the end of the counter, begun at 0xFFFF", 0, counted(c, CF_FPRD, SCRATCH, 0xFFFF));
+    cf_expect_wkc(c, "FPRD with an initial working counter of 0xFFFF, which wraps", 0,
+                  counted(c, CF_FPRD, SCRATCH, 0xFFFF));
     cf_expect_wkc(c, "FPWR of a read-only register", 0, counted(c, CF_FPWR, ECT_REG_TYPE, 0));
     if ((c->facts.has & CF_RW) != 0) {
         cf_expect_wkc(c, "FPRW", 3, counted(c, CF_FPRW, SCRATCH, 0));
@@ -189,7 +189,7 @@ static void counters(cf_t *c)
     logical_counters(c);
 }
 
-/* Slaves before the reader write the value sent, slaves behind it the value read. */
+/* Slaves before the addressed one must contain the value sent, slaves after it the value read. */
 static void check_others(cf_t *c, uint32_t sent, uint32_t read)
 {
     for (uint16_t n = 0; n < c->facts.slaves; n++) {
@@ -200,7 +200,8 @@ static void check_others(cf_t *c, uint32_t sent, uint32_t read)
         uint16_t wkc = cf_command(c, CF_FPRD, station, SCRATCH, value, 4);
         (void)cf_command(c, CF_FPWR, station, SCRATCH, zeros, 4);
         if (wkc == 1)
-            cf_expect(c, n < c->facts.position ? "the register of a slave before" : "the register of a slave behind",
+            cf_expect(c,
+                      n < c->facts.position ? "the register of a previous slave" : "the register of a following slave",
                       n < c->facts.position ? sent : read, ect_load_le32(value));
     }
 }
@@ -219,8 +220,8 @@ static void multiple_write(cf_t *c)
         uint16_t adp = commands[i] == CF_ARMW ? c->facts.ring : c->facts.station;
         cf_put32(c, SCRATCH, 0x22222222);
         cf_expect_wkc(c, i == 0 ? "ARMW" : "FRMW", expected, cf_command(c, commands[i], adp, SCRATCH, data, 4));
-        cf_expect(c, "what the addressed slave put into the frame", 0x22222222, ect_load_le32(data));
-        cf_expect(c, "the addressed slave's register, which is only read", 0x22222222, cf_get32(c, SCRATCH));
+        cf_expect(c, "the value that the addressed slave wrote to the frame", 0x22222222, ect_load_le32(data));
+        cf_expect(c, "the addressed slave's register, which is read only", 0x22222222, cf_get32(c, SCRATCH));
         check_others(c, 0x01010101, 0x22222222);
     }
 }
@@ -236,9 +237,9 @@ static void no_operation(cf_t *c)
     cf_expect(c, "data of NOP", 0xA5A5A5A5, ect_load_le32(data));
     d = (cf_datagram_t){.command = 200, .address = CF_AT(0, SCRATCH), .length = 4, .data = data, .wkc = 7};
     cf_exchange(c, &d, 1);
-    cf_expect_wkc(c, "a command that does not exist, begun at 7", 7, d.wkc);
-    cf_expect(c, "data of a command that does not exist", 0xA5A5A5A5, ect_load_le32(data));
-    cf_expect(c, "a register that was not written", 0, cf_get32(c, SCRATCH));
+    cf_expect_wkc(c, "an unknown command, initial working counter 7", 7, d.wkc);
+    cf_expect(c, "data of an unknown command", 0xA5A5A5A5, ect_load_le32(data));
+    cf_expect(c, "an unwritten register", 0, cf_get32(c, SCRATCH));
 }
 
 /* --- ranges ------------------------------------------------------------------------------------------------------- */
@@ -247,31 +248,30 @@ static void missing_ranges(cf_t *c)
 {
     const uint32_t end = ECT_RAM + c->facts.ram_kb * 1024u;
     uint8_t data[CF_MAX_DATA];
-    cf_step(c, "over a thousand registers, offered or not");
+    cf_step(c, "over a thousand registers, existing or not");
     cf_expect_wkc(c, "a read of 0x0000 to 0x03FF", 1, cf_read(c, 0x0000, data, 1024));
     cf_expect_wkc(c, "a read from the registers into the RAM", 1, cf_read(c, 0x0FF0, data, 32));
     if (end >= 0x10000) {
-        cf_note(c, "the RAM fills the address space: there is nothing behind its end");
+        cf_note(c, "the RAM fills the address space: no address lies after its end");
         return;
     }
-    cf_step(c, "behind the end of the RAM, 0x%04X", end);
+    cf_step(c, "after the end of the RAM, 0x%04X", end);
     cf_expect_wkc(c, "a read across the end of the RAM", 1, cf_read(c, (uint16_t)(end - 4), data, 8));
-    cf_expect_wkc(c, "a read behind the end of the RAM", 0, cf_read(c, (uint16_t)end, data, 8));
-    cf_expect_wkc(c, "a write behind the end of the RAM", 0, cf_write(c, (uint16_t)end, data, 8));
+    cf_expect_wkc(c, "a read after the end of the RAM", 0, cf_read(c, (uint16_t)end, data, 8));
+    cf_expect_wkc(c, "a write after the end of the RAM", 0, cf_write(c, (uint16_t)end, data, 8));
     cf_expect(c, "station address afterwards", c->facts.station, cf_get16(c, ECT_REG_STATION_ADDRESS));
 }
 
 static void read_only_registers(cf_t *c)
 {
-    read_only(c, ECT_REG_DL_STATUS, 2, "DL status after it was written to");
-    read_only(c, ECT_REG_AL_STATUS, 2, "AL status after it was written to");
-    read_only(c, ECT_REG_AL_STATUS_CODE, 2, "AL status code after it was written to");
-    read_only(c, ECT_REG_PDI_CONTROL, 2, "PDI control after it was written to");
-    read_only(c, ECT_REG_STATION_ALIAS, 2, "station alias after it was written to");
+    read_only(c, ECT_REG_DL_STATUS, 2, "DL status after a write");
+    read_only(c, ECT_REG_AL_STATUS, 2, "AL status after a write");
+    read_only(c, ECT_REG_AL_STATUS_CODE, 2, "AL status code after a write");
+    read_only(c, ECT_REG_PDI_CONTROL, 2, "PDI control after a write");
+    read_only(c, ECT_REG_STATION_ALIAS, 2, "station alias after a write");
     for (unsigned int n = 0; n < c->facts.sms && n < 4; n++) {
-        read_only(c, (uint16_t)(CF_SM(n) + ECT_SM_STATUS), 1, "a SyncManager's status after it was written to");
-        read_only(c, (uint16_t)(CF_SM(n) + ECT_SM_PDI_CONTROL), 1,
-                  "a SyncManager's PDI control after it was written to");
+        read_only(c, (uint16_t)(CF_SM(n) + ECT_SM_STATUS), 1, "a SyncManager's status after a write");
+        read_only(c, (uint16_t)(CF_SM(n) + ECT_SM_PDI_CONTROL), 1, "a SyncManager's PDI control after a write");
     }
 }
 
@@ -298,7 +298,7 @@ static void cabling(cf_t *c)
         bool closed = (status & (LOOP_CLOSED << 2 * p)) != 0, talks = (status & (COMMUNICATION << 2 * p)) != 0;
         bool there = (c->facts.ports >> 2 * p & 3) >= 2;
         cf_expect_that(c, there || (closed && !talks),
-                       "port %u, which the descriptor 0x%02X has not: expected closed, got DL status 0x%04X", p,
+                       "port %u, absent from the descriptor 0x%02X: expected closed, got DL status 0x%04X", p,
                        c->facts.ports, status);
         cf_expect_that(c, !talks || (status & (LINK << p)) != 0 || (c->facts.ports >> 2 * p & 3) == 2,
                        "port %u communicates: expected a link, got DL status 0x%04X", p, status);
@@ -312,7 +312,7 @@ static void cabling(cf_t *c)
         cf_warn(c, "%u slaves in a tree have %u open ports, got %u", c->facts.slaves, expected, open);
 }
 
-/* A frame of one datagram, `claims` bytes long by its header, of which FRAME_MIN are sent. @return its length */
+/* Builds a frame of one datagram of FRAME_MIN bytes; its header claims `claims` bytes. @return length of the frame */
 static size_t odd_frame(uint8_t *frame, uint8_t type, uint16_t claims)
 {
     static const uint8_t ethernet[ETHERNET] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 1, 1, 1, 1, 1, 1, 0x88, 0xA4};
@@ -337,22 +337,23 @@ static void error_counters(cf_t *c)
     cf_put8(c, ECT_REG_PROCESSING_ERROR, 0xFF);
     cf_expect(c, "processing unit error counter after a write", 0, cf_get8(c, ECT_REG_PROCESSING_ERROR));
     if (c->facts.position > 0)
-        cf_skip(c, "bad frames reach the first slave only: it destroys them");
-    cf_step(c, "a datagram that is longer than its frame");
+        cf_skip(c, "only the first slave receives bad frames, which it destroys");
+    cf_step(c, "a datagram longer than its frame");
     size_t length = odd_frame(frame, 1, 1400);
     (void)cf_raw_frame(c, frame, length, NULL);
     uint8_t one = cf_get8(c, ECT_REG_PROCESSING_ERROR);
-    cf_expect_range(c, "processing unit errors after one such frame", 1, 2, one);
+    cf_expect_range(c, "processing unit errors after one bad frame", 1, 2, one);
     cf_step(c, "300 more");
     for (int i = 0; i < 300; i++)
         (void)cf_raw_frame(c, frame, length, NULL);
-    cf_expect_range(c, "processing unit errors after 300 more", 255, 255, cf_get8(c, ECT_REG_PROCESSING_ERROR));
+    cf_expect_range(c, "processing unit errors after 300 more bad frames", 255, 255,
+                    cf_get8(c, ECT_REG_PROCESSING_ERROR));
     cf_put8(c, ECT_REG_PROCESSING_ERROR, 0);
     cf_expect(c, "processing unit error counter after a write", 0, cf_get8(c, ECT_REG_PROCESSING_ERROR));
     (void)cf_write(c, ECT_REG_RX_ERROR, zeros, 1);
 }
 
-/* Ends the protection before it judges. @return whether the chip offers it */
+/* Tests the write protection, and ends it before the verdict. @return false: not supported by the chip */
 static bool protection(cf_t *c)
 {
     uint8_t on = 1, off = 0, any = 1, value[4] = {1, 0, 0, 0};
@@ -375,9 +376,9 @@ static bool protection(cf_t *c)
     return true;
 }
 
-/* Two letters of the three: the chip counts them, and a wrong third one ends it. A frame between two letters, such as
- * one that reads the progress, ends it as well, so each try starts from the beginning, after a wrong letter.
- * @return whether the chip offers it */
+/* Writes two letters of the reset sequence, whose progress the chip reports, and a wrong third one, which must abort
+ * the sequence. Any frame between two letters aborts it too, even a read of the progress, so each try starts with a
+ * wrong letter. @return false: not supported by the chip */
 static bool reset_sequence(cf_t *c)
 {
     uint8_t letters[4] = {'X', 'R', 'E', 'X'}, progress[3];
@@ -437,13 +438,13 @@ static void lengths(cf_t *c)
     cf_expect_wkc(c, "a datagram without data", 0, none.wkc);
 }
 
-/* Not processed: no reply, or the frame unchanged. */
+/* The frame must not be processed: it is lost, or returns unchanged. */
 static void not_processed(cf_t *c, const uint8_t *frame, size_t length, const char *what)
 {
     uint8_t reply[CF_MAX_FRAME];
     size_t got = cf_raw_frame(c, frame, length, reply);
     cf_expect_that(c, got == 0 || memcmp(reply + ETHERNET, frame + ETHERNET, length - ETHERNET) == 0,
-                   "%s: expected not to be processed, got an answer of %zu bytes", what, got);
+                   "%s: expected not to be processed, got a reply of %zu bytes", what, got);
 }
 
 static void frames(cf_t *c)
@@ -452,7 +453,7 @@ static void frames(cf_t *c)
     cf_step(c, "15 datagrams of 1 to 15 bytes");
     many_datagrams(c, 15);
     lengths(c);
-    cf_step(c, "a datagram that is longer than its frame");
+    cf_step(c, "a datagram longer than its frame");
     size_t length = odd_frame(frame, 1, 1400);
     not_processed(c, frame, length, "a datagram longer than its frame");
     cf_step(c, "EtherCAT type 4, network variables");
@@ -461,16 +462,16 @@ static void frames(cf_t *c)
     cf_expect(c, "station address afterwards", c->facts.station, cf_get16(c, ECT_REG_STATION_ADDRESS));
 }
 
-/* A frame that must pass; a busy machine may lose one of two. */
+/* The frame must return; a second try, because a busy machine may lose one frame. */
 static void must_pass(cf_t *c, const char *what, const uint8_t *frame, size_t length, uint8_t *reply)
 {
     size_t got = 0;
     for (int tries = 0; got == 0 && tries < 5; tries++)
         got = cf_raw_frame(c, frame, length, reply);
-    cf_expect_that(c, got >= ETHERNET + 18, "%s: expected to pass, got no answer", what);
+    cf_expect_that(c, got >= ETHERNET + 18, "%s: expected to return, got no reply", what);
 }
 
-/* The flag marks a frame in a cut-off part of a ring; with port 0 open no ESC sets or checks it. */
+/* The circulating flag is for an isolated part of a ring: with port 0 open, no ESC sets or checks it. */
 static void circulating(cf_t *c)
 {
     uint8_t frame[FRAME_MIN], reply[CF_MAX_FRAME] = {0};
@@ -478,10 +479,10 @@ static void circulating(cf_t *c)
     cf_step(c, "a frame with the circulating flag, port 0 open");
     frame[ETHERNET + 9] |= 0x40;
     must_pass(c, "a frame with the circulating flag", frame, length, reply);
-    cf_expect_bits(c, "the circulating flag of a frame that had it", 0x40, 0x40, reply[ETHERNET + 9]);
+    cf_expect_bits(c, "the circulating flag of a frame sent with the flag", 0x40, 0x40, reply[ETHERNET + 9]);
     frame[ETHERNET + 9] &= 0xBF;
     must_pass(c, "a plain frame", frame, length, reply);
-    cf_expect_bits(c, "the circulating flag of a frame that had it not", 0x40, 0, reply[ETHERNET + 9]);
+    cf_expect_bits(c, "the circulating flag of a frame sent without the flag", 0x40, 0, reply[ETHERNET + 9]);
     cf_note(c, "with port 0 open; what a closed port 0 does needs a ring");
 }
 
@@ -489,12 +490,12 @@ static void complete(cf_t *c)
 {
     for (size_t count = 1; count <= 15; count++)
         many_datagrams(c, count);
-    cf_note(c, "complete; how long a frame takes a PC cannot judge");
+    cf_note(c, "complete; the delay of a frame cannot be measured by a PC");
 }
 
 /* --- events ------------------------------------------------------------------------------------------------------- */
 
-/* The IRQ field of a datagram that reads no event away. */
+/* @return the IRQ field of a datagram that clears no event */
 static uint16_t irq_field(cf_t *c)
 {
     uint8_t type = 0;
@@ -508,7 +509,7 @@ static void event_mask(cf_t *c, uint16_t mask)
 {
     uint8_t zeros[2] = {0};
     (void)cf_command(c, CF_BWR, 0, ECT_REG_ECAT_EVENT_MASK, zeros,
-                     sizeof zeros); /* of all slaves: the field is an OR */
+                     sizeof zeros); /* of all slaves: the IRQ field is ORed */
     cf_put16(c, ECT_REG_ECAT_EVENT_MASK, mask);
 }
 
@@ -518,9 +519,9 @@ static void ecat_events(cf_t *c)
     cf_set_mailbox(c, CF_PREOP);
     event_mask(c, 0);
     cf_get(c, ECT_REG_AL_STATUS, status, sizeof status);
-    cf_expect_bits(c, "ECAT event (0x0210) after AL status was read", ECT_ECAT_EVENT_AL_STATUS, 0,
+    cf_expect_bits(c, "ECAT event (0x0210) after a read of AL status", ECT_ECAT_EVENT_AL_STATUS, 0,
                    cf_get16(c, ECT_REG_ECAT_EVENT));
-    cf_step(c, "PREOP, and AL status is not read: its event reports the change");
+    cf_step(c, "PREOP without reading AL status: the event reports the change");
     cf_put16(c, ECT_REG_AL_CONTROL, CF_PREOP);
     bool came =
         cf_wait_bits(c, ECT_REG_ECAT_EVENT, ECT_ECAT_EVENT_AL_STATUS, ECT_ECAT_EVENT_AL_STATUS, EVENT_MS, &last);
@@ -528,35 +529,37 @@ static void ecat_events(cf_t *c)
     cf_expect_bits(c, "IRQ field, event mask 0x0000", ECT_ECAT_EVENT_AL_STATUS, 0, irq_field(c));
     event_mask(c, ECT_ECAT_EVENT_AL_STATUS);
     cf_expect_bits(c, "IRQ field, event mask 0x0008", ECT_ECAT_EVENT_AL_STATUS, ECT_ECAT_EVENT_AL_STATUS, irq_field(c));
-    cf_step(c, "AL status is read: the event goes");
+    cf_step(c, "a read of AL status clears the event");
     cf_get(c, ECT_REG_AL_STATUS, status, sizeof status);
-    cf_expect_bits(c, "ECAT event (0x0210) after AL status was read", ECT_ECAT_EVENT_AL_STATUS, 0,
+    cf_expect_bits(c, "ECAT event (0x0210) after a read of AL status", ECT_ECAT_EVENT_AL_STATUS, 0,
                    cf_get16(c, ECT_REG_ECAT_EVENT));
-    cf_expect_bits(c, "IRQ field after AL status was read", ECT_ECAT_EVENT_AL_STATUS, 0, irq_field(c));
+    cf_expect_bits(c, "IRQ field after a read of AL status", ECT_ECAT_EVENT_AL_STATUS, 0, irq_field(c));
 }
 
 static const cf_case_t cases[] = {
     {"CF-001", "Type, FMMUs, SyncManagers, RAM and features are consistent and read-only", 'R', 0, 0, information},
-    {"CF-002", "BRD ORs the registers of all slaves; WKC and ADP count each of them", 'R', 0, 0, broadcast},
-    {"CF-003", "APRD, APWR, APRW act on the slave at their position; every slave increments ADP", 'R', 0, 0,
-     by_position},
-    {"CF-004", "FPRD, FPWR, FPRW act on the station address and the enabled alias, and on nothing else", 'R', 0, 0,
-     by_station},
-    {"CF-005", "Working counters: read 1, write 1, both 3, LRW 1 + 2; a part that fails adds nothing", 'R', 0, 0,
-     counters},
+    {"CF-002", "BRD ORs the registers of all slaves; each slave increments WKC and ADP", 'R', 0, 0, broadcast},
+    {"CF-003", "APRD, APWR, APRW address the slave by position; every slave increments ADP", 'R', 0, 0, by_position},
+    {"CF-004", "FPRD, FPWR, FPRW address the slave by station address and enabled alias only", 'R', 0, 0, by_station},
+    {"CF-005",
+     "The working counter increments by 1 for a read, 1 for a write, 3 for both, 1 + 2 for LRW; a failed part adds "
+     "nothing",
+     'R', 0, 0, counters},
     {"CF-006", "ARMW and FRMW: the addressed slave is read, all others are written", 'R', 0, 0, multiple_write},
-    {"CF-007", "NOP and unknown commands leave data, address and WKC as they are", 'R', 0, 0, no_operation},
-    {"CF-008", "Accesses to missing ranges do no harm; behind the end of the RAM WKC is 0", 'R', 0, 0, missing_ranges},
-    {"CF-009", "Read-only registers keep their values when they are written to", 'R', 0, 0, read_only_registers},
-    {"CF-010", "DL status fits the cabling", 'R', 0, 0, cabling},
-    {"CF-011", "Error counters count, stop at 255 and are cleared by a write", 'R', 0, 0, error_counters},
+    {"CF-007", "NOP and unknown commands leave data, address and WKC unchanged", 'R', 0, 0, no_operation},
+    {"CF-008", "Accesses to missing ranges have no effect; after the end of the RAM WKC is 0", 'R', 0, 0,
+     missing_ranges},
+    {"CF-009", "Read-only registers are unchanged by writes", 'R', 0, 0, read_only_registers},
+    {"CF-010", "DL status matches the cabling", 'R', 0, 0, cabling},
+    {"CF-011", "Error counters count up to 255 and are cleared by a write", 'R', 0, 0, error_counters},
     {"CF-012", "Write protection and reset sequence work as described", 'R', 0, 0, protection_and_reset},
-    {"CF-013", "Frames: several datagrams, odd, longest and no lengths; damaged and foreign frames are not processed",
+    {"CF-013",
+     "Frames with several datagrams, odd, maximum and zero lengths are processed, damaged and foreign frames are not",
      'R', 0, 0, frames},
     {"CF-014", "The circulating flag has no effect while port 0 is open", 'R', 0, 0, circulating},
     {"CF-015", "A frame of 1 to 15 datagrams returns complete", 'T', 0, 0, complete},
-    {"CF-097", "A change of AL status is an ECAT event: masked, in the IRQ field, and gone once AL status is read", 'R',
-     CF_APPLICATION, 0, ecat_events},
+    {"CF-097", "A change of AL status is an ECAT event, masked in the IRQ field, and cleared by a read of AL status",
+     'R', CF_APPLICATION, 0, ecat_events},
 };
 
 CF_SECTION(cf_datalink, 'A', "Data link and ESC registers", cases);

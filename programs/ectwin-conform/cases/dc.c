@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* I. Distributed clocks, as far as a master without a clock of its own can judge them. */
+/* I. Distributed clocks, within the accuracy of a master without a synchronised clock. */
 #include <string.h>
 
 #include "steps/case.h"
@@ -13,7 +13,7 @@ enum {
     GIGA = 1000000000
 };
 enum { SPEED_START = 0x1000, HELD_UP_NS = 100000000 };
-enum { STATUS_LOOKS = 20, SHIFT_NS = 300000, SOON_NS = 50000000, SLACK_NS = 1000000, ACTIVE_SYNC1 = 4 };
+enum { STATUS_READS = 20, SHIFT_NS = 300000, SOON_NS = 50000000, SLACK_NS = 1000000, ACTIVE_SYNC1 = 4 };
 
 static uint64_t system_time(cf_t *c)
 {
@@ -30,7 +30,7 @@ static uint32_t latch(cf_t *c, uint64_t *unit)
     return port;
 }
 
-/* The write that masters measure delays with addresses all slaves. */
+/* Latches by a broadcast write, as masters do for measuring delays. */
 static void latch_by_all(cf_t *c, uint32_t before)
 {
     uint8_t zeros[4] = {0};
@@ -42,7 +42,7 @@ static void latch_by_all(cf_t *c, uint32_t before)
                    passed / 1000);
 }
 
-/* 64 bits count from the start of the chip; the upper half is not 0 after 4.3 s. */
+/* The 64-bit receive time counts from the start of the chip; after 4.3 s the upper half is not 0. */
 static void wide_receive_time(cf_t *c)
 {
     uint64_t unit;
@@ -91,7 +91,7 @@ static void compare(cf_t *c, int64_t ahead_ns, bool local_later)
     uint8_t received[4];
     uint32_t difference;
     uint64_t begun;
-    do { /* again when the PC was held up in between */
+    do { /* repeated after a delay of the PC */
         begun = cf_now_ns();
         cf_put16(c, ECT_REG_DC_SPEED_START, SPEED_START); /* resets the filter */
         ect_store_le32(received, (uint32_t)(system_time(c) + (uint64_t)ahead_ns));
@@ -99,13 +99,14 @@ static void compare(cf_t *c, int64_t ahead_ns, bool local_later)
         difference = cf_get32(c, ECT_REG_DC_DIFFERENCE);
         cf_put16(c, ECT_REG_DC_SPEED_START, SPEED_START);
     } while (cf_now_ns() - begun > HELD_UP_NS);
-    cf_expect_bits(
-        c, local_later ? "sign of the difference (0x092C), the slave ahead" : "sign of the difference (0x092C), behind",
-        0x80000000u, local_later ? 0x80000000u : 0, difference);
+    cf_expect_bits(c,
+                   local_later ? "sign of the difference (0x092C) with the slave ahead"
+                               : "sign of the difference (0x092C) with the slave behind",
+                   0x80000000u, local_later ? 0x80000000u : 0, difference);
     cf_expect_range(c, "magnitude of the difference, ns", 1, 0x3FFFFFFF, difference & 0x7FFFFFFF);
 }
 
-/* A frame reads the time at which it passed the reference clock: the local time less the delay. */
+/* With a delay set, the system time read by a frame is the local time minus the delay. */
 static void delay(cf_t *c)
 {
     cf_step(c, "a propagation delay of 1 s");
@@ -126,7 +127,7 @@ static void offset_and_loop(cf_t *c)
 {
     const uint64_t offset = UINT64_C(3000000000);
     cf_put64(c, ECT_REG_DC_OFFSET, 0);
-    uint64_t begun = cf_now_ns(); /* first: what a PC loses between two frames must count */
+    uint64_t begun = cf_now_ns(); /* first, to include delays of the PC between two frames */
     uint64_t before = system_time(c);
     cf_put64(c, ECT_REG_DC_OFFSET, offset);
     uint64_t after = system_time(c), took = cf_now_ns() - begun;
@@ -136,10 +137,10 @@ static void offset_and_loop(cf_t *c)
                    "system time after an offset of 3 s: expected 3 s later, got %llu us",
                    (unsigned long long)((after - before) / 1000));
     delay(c);
-    cf_step(c, "a reference that is half a second ahead, then behind");
+    cf_step(c, "a reference time half a second ahead, then half a second behind");
     compare(c, 500000000, false);
     compare(c, -500000000, true);
-    cf_step(c, "FRMW of its own time: read, and not compared");
+    cf_step(c, "FRMW of the slave's own time: read, and not compared");
     uint8_t time[4] = {0};
     cf_expect_range(c, "WKC of FRMW of the system time: this slave, and others with clocks", 1, c->facts.slaves,
                     cf_command(c, CF_FRMW, c->facts.station, ECT_REG_DC_SYSTEM_TIME, time, sizeof time));
@@ -155,8 +156,8 @@ static void start(cf_t *c, uint64_t start_ns, uint32_t cycle_ns, uint8_t active)
     cf_put8(c, ECT_REG_DC_ACTIVATION, active);
 }
 
-/* Time and next SYNC0 of one frame. */
-static void look(cf_t *c, uint64_t *now, uint64_t *next)
+/* Reads system time and next SYNC0 by one frame. */
+static void read_times(cf_t *c, uint64_t *now, uint64_t *next)
 {
     uint8_t time[8] = {0}, pulse[8] = {0};
     cf_datagram_t d[2] = {{.command = CF_FPRD,
@@ -176,19 +177,18 @@ static void check_grid(cf_t *c, uint64_t start_ns)
 {
     uint64_t now, next;
     for (int i = 0; i < 10; i++) {
-        look(c, &now, &next);
+        read_times(c, &now, &next);
         cf_expect_that(c, next + CYCLE_NS > now && next <= now + 2 * CYCLE_NS,
                        "next SYNC0 (0x0990): expected within a cycle of 1 ms, got %lld us from now",
                        (long long)(int64_t)(next - now) / 1000);
         cf_expect_that(c, (next - start_ns) % CYCLE_NS == 0,
-                       "next SYNC0: expected whole cycles behind the start, got %llu ns beside",
+                       "next SYNC0: expected a multiple of the cycle after the start, got %llu ns more",
                        (unsigned long long)((next - start_ns) % CYCLE_NS));
         cf_sleep_ms(c, 1);
     }
 }
 
-/* Bit 0 of 0x098E shows a pulse of SYNC0; a pulse without a length stays until the slave's software reads the register.
- */
+/* Bit 0 of 0x098E is the state of SYNC0; with pulse length 0 it stays set until the slave's software acknowledges. */
 static void sync0_status(cf_t *c, bool runs)
 {
     uint8_t status = 0, length[2];
@@ -197,7 +197,7 @@ static void sync0_status(cf_t *c, bool runs)
         return;
     }
     cf_get(c, ECT_REG_DC_PULSE_LENGTH, length, sizeof length);
-    for (int i = 0; i < STATUS_LOOKS; i++) {
+    for (int i = 0; i < STATUS_READS; i++) {
         cf_sleep_ms(c, 1);
         status |= cf_get8(c, ECT_REG_DC_SYNC0_STATUS);
     }
@@ -206,7 +206,7 @@ static void sync0_status(cf_t *c, bool runs)
                    "SYNC0 status (0x098E) of unacknowledged pulses: expected 0x01, got 0x%02X", status);
 }
 
-/* SYNC1 follows SYNC0 after its cycle time, when that is shorter than the cycle of SYNC0. */
+/* SYNC1 follows SYNC0 by the SYNC1 cycle time if this is shorter than the SYNC0 cycle time. */
 static void sync1_shift(cf_t *c)
 {
     uint8_t first[8] = {0}, second[8] = {0};
@@ -218,7 +218,7 @@ static void sync1_shift(cf_t *c)
                            .address = CF_AT(c->facts.station, ECT_REG_DC_NEXT_SYNC1),
                            .length = sizeof second,
                            .data = second}};
-    cf_step(c, "SYNC1 behind SYNC0 by %d us", SHIFT_NS / 1000);
+    cf_step(c, "SYNC1 %d us after SYNC0", SHIFT_NS / 1000);
     uint64_t start_ns = system_time(c) + SOON_NS;
     cf_put32(c, ECT_REG_DC_SYNC1_CYCLE, SHIFT_NS);
     start(c, start_ns, CYCLE_NS, ACTIVE_SYNC0 | ACTIVE_SYNC1);
@@ -227,8 +227,8 @@ static void sync1_shift(cf_t *c)
     cf_exchange(c, d, 2);
     cf_put8(c, ECT_REG_DC_ACTIVATION, 0);
     uint64_t apart = (ect_load_le64(second) + 2 * CYCLE_NS - ect_load_le64(first)) % CYCLE_NS;
-    cf_expect_that(c, apart == SHIFT_NS, "next SYNC1 (0x0998) behind SYNC0: expected %d ns in the cycle, got %llu",
-                   SHIFT_NS, (unsigned long long)apart);
+    cf_expect_that(c, apart == SHIFT_NS, "next SYNC1 (0x0998) after SYNC0: expected %d ns, got %llu", SHIFT_NS,
+                   (unsigned long long)apart);
 }
 
 static void sync0(cf_t *c)
@@ -239,9 +239,9 @@ static void sync0(cf_t *c)
     sync0_status(c, false);
     cf_step(c, "SYNC0 every ms, from 200 ms ahead");
     start(c, start_ns, CYCLE_NS, ACTIVE_SYNC0);
-    look(c, &now, &next);
+    read_times(c, &now, &next);
     cf_expect_that(c, now >= start_ns || next == start_ns,
-                   "next SYNC0 before the start: expected the start time, got %lld us beside",
+                   "next SYNC0 before the start: expected the start time, got %lld us later",
                    (long long)(int64_t)(next - start_ns) / 1000);
     while (system_time(c) <= start_ns + CYCLE_NS)
         cf_sleep_ms(c, 1);
@@ -251,9 +251,9 @@ static void sync0(cf_t *c)
     start_ns = system_time(c) - DELAY_NS;
     start(c, start_ns, CYCLE_NS, ACTIVE_SYNC0);
     cf_sleep_ms(c, 5);
-    look(c, &now, &next);
+    read_times(c, &now, &next);
     cf_expect_that(c, next == start_ns || next < now || next > now + DELAY_NS,
-                   "SYNC0 with a start in the past: expected not to run, got the next one %lld us from now",
+                   "SYNC0 with a start in the past: expected not to run, got the next pulse %lld us from now",
                    (long long)(int64_t)(next - now) / 1000);
     cf_put8(c, ECT_REG_DC_ACTIVATION, 0);
     sync1_shift(c);
@@ -261,7 +261,7 @@ static void sync0(cf_t *c)
 
 static void jitter(cf_t *c)
 {
-    cf_skip(c, "a PC's clock cannot judge jitter; CF-043 judges the loss of SYNC0");
+    cf_skip(c, "jitter cannot be measured by a PC's clock; CF-043 covers the loss of SYNC0");
 }
 
 static void latches(cf_t *c)
@@ -269,7 +269,7 @@ static void latches(cf_t *c)
     cf_skip(c, "needs an edge at the latch pins of the board");
 }
 
-/* The first mode of the SII with SYNC0; skips the case when there is none. */
+/* @return the first DC mode of the SII with SYNC0; skips the case when there is none */
 static uint16_t sync_mode(cf_t *c)
 {
     size_t length;
@@ -279,7 +279,7 @@ static uint16_t sync_mode(cf_t *c)
         if ((activate & 0x0200) != 0)
             return activate;
     }
-    cf_skip(c, "the SII names no mode with SYNC0");
+    cf_skip(c, "the SII contains no mode with SYNC0");
 }
 
 static void cycle_refused(cf_t *c)
@@ -290,19 +290,19 @@ static void cycle_refused(cf_t *c)
     bool known = false;
     cf_go(c, CF_PREOP);
     cf_set_process_data(c);
-    cf_step(c, "SYNC0 every microsecond, for which no application has the time");
+    cf_step(c, "SYNC0 every microsecond, too fast for any application");
     cf_put8(c, ECT_REG_DC_ACTIVATION - 1, (uint8_t)activate);
     cf_put32(c, ECT_REG_DC_SYNC0_CYCLE, SHORT_CYCLE_NS);
     cf_put64(c, ECT_REG_DC_START_TIME, system_time(c) + DELAY_NS);
     cf_put8(c, ECT_REG_DC_ACTIVATION, (uint8_t)(activate >> 8));
     got = cf_request(c, CF_SAFEOP, &code);
-    if ((got & 0x1F) == CF_SAFEOP) /* some look on the way to OP only */
+    if ((got & 0x1F) == CF_SAFEOP) /* some slaves check it only in the transition to OP */
         got = cf_request(c, CF_OP, &code);
     cf_put8(c, ECT_REG_DC_ACTIVATION, 0);
     for (size_t i = 0; i < sizeof codes / sizeof codes[0]; i++)
         known |= code == codes[i];
     cf_expect_that(c, (got & ECT_AL_ERROR) != 0 && known,
-                   "a cycle of 1 us: expected a refusal with code 0x0035 or its like, got %s with code 0x%04X",
+                   "a cycle of 1 us: expected a refusal with code 0x0035 or a similar one, got %s with code 0x%04X",
                    cf_state_name(got), code);
 }
 
@@ -311,11 +311,11 @@ static const cf_case_t cases[] = {
      receive_times},
     {"CF-088", "The offset moves the system time; the difference has the right sign", 'R', CF_DC | CF_REAL_TIME, 0,
      offset_and_loop},
-    {"CF-089", "SYNC0 starts at its start time and keeps its grid; a start time in the past starts nothing", 'R',
+    {"CF-089", "SYNC0 starts at its start time and keeps its cycle; a start time in the past starts no SYNC0", 'R',
      CF_DC | CF_REAL_TIME, 0, sync0},
-    {"CF-090", "SYNC0 and SYNC1 keep their distance to the frames", 'T', CF_DC, 0, jitter},
-    {"CF-091", "Latch registers hold the time of an edge", 'R', CF_DC, 0, latches},
-    {"CF-092", "A cycle that is not supported is refused", 'F', CF_DC | CF_APPLICATION | CF_SII, 0, cycle_refused},
+    {"CF-090", "SYNC0 and SYNC1 keep their time difference to the frames", 'T', CF_DC, 0, jitter},
+    {"CF-091", "Latch registers contain the time of an edge", 'R', CF_DC, 0, latches},
+    {"CF-092", "An unsupported cycle is refused", 'F', CF_DC | CF_APPLICATION | CF_SII, 0, cycle_refused},
 };
 
 CF_SECTION(cf_dc, 'I', "Distributed clocks", cases);

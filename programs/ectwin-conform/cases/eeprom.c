@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* F. The EEPROM: its interface, and whether its content is consistent and true. */
+/* F. The EEPROM: the interface, and the consistency of its content with itself and with the slave. */
 #include <string.h>
 
 #include "steps/esi.h"
@@ -28,16 +28,16 @@ static void checksum(cf_t *c)
 {
     uint16_t stored = word(c, 7);
     if (stored == CHECK_OFF)
-        cf_warn(c, "word 7 is 0x88A4: the check is switched off, which is for development");
+        cf_warn(c, "word 7 is 0x88A4: the check is disabled, which is for development only");
     else
-        cf_expect(c, "check value in word 7", ect_crc_sii(c->facts.sii), stored & 0xFF);
+        cf_expect(c, "checksum in word 7", ect_crc_sii(c->facts.sii), stored & 0xFF);
     cf_expect(c, "word 0 and PDI control (0x0140)", word(c, 0), c->facts.pdi);
-    cf_expect_bits(c, "EEPROM status: check sum error", BAD_CHECK, 0, cf_get16(c, ECT_REG_SII_CONTROL));
+    cf_expect_bits(c, "EEPROM status: checksum error", BAD_CHECK, 0, cf_get16(c, ECT_REG_SII_CONTROL));
 }
 
 /* --- the interface ------------------------------------------------------------------------------------------------ */
 
-/* Control and address in one write. @return the status when it is done */
+/* Writes control and address in one datagram. @return the status after the command */
 static uint16_t command(cf_t *c, uint16_t control, uint16_t address)
 {
     uint8_t order[6] = {0};
@@ -62,21 +62,21 @@ static void reading(cf_t *c)
     cf_step(c, "word by word: each address counts words");
     for (uint16_t n = 8; n < 16; n++)
         expect_word(c, n, word(c, n));
-    cf_step(c, "behind the end: whatever comes, it ends, and the next read is good");
+    cf_step(c, "after the end of the EEPROM: the command ends with any result, and the next read is correct");
     (void)command(c, COMMAND_READ, (uint16_t)(c->facts.eeprom_bytes / 2 + 8));
     cf_put16(c, ECT_REG_SII_CONTROL, 0);
     expect_word(c, 8, word(c, 8));
-    cf_step(c, "a command that does not exist");
-    cf_expect_bits(c, "EEPROM status after a command that does not exist", NO_ACK, NO_ACK, command(c, COMMAND_NONE, 0));
+    cf_step(c, "an unknown command");
+    cf_expect_bits(c, "EEPROM status after an unknown command", NO_ACK, NO_ACK, command(c, COMMAND_NONE, 0));
     cf_put16(c, ECT_REG_SII_CONTROL, 0);
     cf_expect_bits(c, "EEPROM status, cleared", NO_ACK, 0, cf_get16(c, ECT_REG_SII_CONTROL));
     expect_word(c, 8, word(c, 8));
 }
 
-/* Writes the present value without the enable bit: refused, and harmless when accepted. */
+/* Writes the present value without the write enable bit, which must be refused, and is harmless if accepted. */
 static void unenabled_write(cf_t *c)
 {
-    cf_step(c, "a write without its enable bit");
+    cf_step(c, "a write without the write enable bit");
     cf_put16(c, ECT_REG_SII_DATA, word(c, 8));
     cf_expect_bits(c, "EEPROM status after a write without enable", WRITE_REFUSED, WRITE_REFUSED,
                    command(c, COMMAND_WRITE, 8));
@@ -87,13 +87,13 @@ static void unenabled_write(cf_t *c)
 static void ownership(cf_t *c)
 {
     uint8_t order[6] = {0, 1, 9, 0, 0, 0}, now[4];
-    cf_step(c, "the EEPROM given to the slave: the master's commands are ignored");
+    cf_step(c, "EEPROM assigned to the slave: commands of the master are ignored");
     cf_put8(c, ECT_REG_SII_CONFIG, 1);
     cf_get(c, ECT_REG_SII_ADDRESS, now, sizeof now);
     uint32_t before = ect_load_le32(now);
     (void)cf_write(c, ECT_REG_SII_CONTROL, order, sizeof order);
     cf_expect_that(c, cf_get32(c, ECT_REG_SII_ADDRESS) == before || before == 9,
-                   "EEPROM address, written by who does not own it: expected 0x%08X as before, got 0x%08X", before,
+                   "EEPROM address, written without ownership: expected 0x%08X as before, got 0x%08X", before,
                    cf_get32(c, ECT_REG_SII_ADDRESS));
     cf_put8(c, ECT_REG_SII_CONFIG, 2);
     cf_put8(c, ECT_REG_SII_CONFIG, 0);
@@ -109,7 +109,7 @@ static void enabled_write(cf_t *c)
         cf_note(c, "without a write: %s", c->destructive ? "the EEPROM is full" : "only with --destructive");
         return;
     }
-    cf_step(c, "a write behind the categories");
+    cf_step(c, "a write after the categories");
     (void)cf_sii_read(c, spare, data);
     uint16_t other = (uint16_t)~ect_load_le16(data);
     cf_sii_write(c, spare, other);
@@ -120,7 +120,7 @@ static void writing(cf_t *c)
 {
     unenabled_write(c);
     ownership(c);
-    cf_step(c, "reload: the configuration is what it was");
+    cf_step(c, "reload: the configuration is unchanged");
     uint16_t status = command(c, COMMAND_RELOAD, 0);
     cf_expect_bits(c, "EEPROM status after a reload", NO_ACK | BAD_CHECK, 0, status);
     cf_expect(c, "PDI control after a reload", c->facts.pdi, cf_get16(c, ECT_REG_PDI_CONTROL));
@@ -129,7 +129,7 @@ static void writing(cf_t *c)
 
 /* --- SII against the slave ---------------------------------------------------------------------------------------- */
 
-/* A device may be newer than its file, not older. */
+/* The revision of the device may be newer than that of the file, but not older. */
 static void identity_in_file(cf_t *c)
 {
     const ect_esi_device_t *model = cf_esi_model(c);
@@ -166,7 +166,7 @@ typedef struct protocol {
     uint8_t request[12];
 } protocol_t;
 
-/* Requests without an effect: a read of 1018h:00, of a file that does not exist, of the IP address. */
+/* Requests without effect: reads of 1018h:00, of a missing file, of the IP address. */
 static const protocol_t protocols[] = {
     {"AoE", CF_MBX_AOE, CF_PROTO_AOE, 4, {0}},
     {"EoE", CF_MBX_EOE, CF_PROTO_EOE, 4, {EOE_GET_IP, 0x01, 0, 0}},
@@ -239,7 +239,7 @@ static void check_sm(cf_t *c, unsigned int n, const uint8_t *entry)
     bool buffered = type >= ECT_SM_OUTPUTS;
     uint32_t used = buffered ? 3u * c->facts.sm[n].length : ect_load_le16(entry + 2);
     cf_expect_that(c, start + used <= end || c->facts.sm[n].length == 1,
-                   "SM%u: expected to fit the RAM up to 0x%04X, got 0x%04X and %u bytes", n, end, start, used);
+                   "SM%u: expected within the RAM up to 0x%04X, got 0x%04X and %u bytes", n, end, start, used);
 }
 
 static bool overlap(uint32_t a, uint32_t a_size, uint32_t b, uint32_t b_size)
@@ -259,9 +259,10 @@ static void no_overlap(cf_t *c)
 {
     for (unsigned int a = 0; a < c->facts.sm_count; a++) {
         for (unsigned int b = a + 1; b < c->facts.sm_count; b++)
-            cf_expect_that(c, !overlap(c->facts.sm[a].start, span(c, a), c->facts.sm[b].start, span(c, b)),
-                           "SM%u and SM%u: expected apart, three buffers included, got 0x%04X+%u and 0x%04X+%u", a, b,
-                           c->facts.sm[a].start, span(c, a), c->facts.sm[b].start, span(c, b));
+            cf_expect_that(
+                c, !overlap(c->facts.sm[a].start, span(c, a), c->facts.sm[b].start, span(c, b)),
+                "SM%u and SM%u: expected not to overlap, three buffers included, got 0x%04X+%u and 0x%04X+%u", a, b,
+                c->facts.sm[a].start, span(c, a), c->facts.sm[b].start, span(c, b));
     }
 }
 
@@ -285,7 +286,7 @@ static void categories(cf_t *c)
     cf_esi_expect_sii(c, ECT_FACT_MAILBOX_OUT, ECT_FACT_FMMU);
 }
 
-/* A PDO of the SII against the object of its index. */
+/* Compares a PDO of the SII with the object of the same index. */
 static void compare_pdo(cf_t *c, const uint8_t *pdo)
 {
     const uint16_t index = ect_load_le16(pdo);
@@ -315,7 +316,7 @@ static void compare_pdos(cf_t *c, uint16_t category)
     }
 }
 
-/* A PDO that is cut off ends the case. */
+/* Counts the PDOs. A truncated PDO ends the case. */
 static unsigned int count_pdos(cf_t *c, uint16_t category)
 {
     unsigned int pdos = 0;
@@ -323,7 +324,7 @@ static unsigned int count_pdos(cf_t *c, uint16_t category)
     const uint8_t *data;
     for (unsigned int nth = 0; (data = cf_sii_block(c, category, nth, &length)) != NULL; nth++) {
         for (size_t at = 0; at + 8 <= length; at += 8 + (size_t)8 * data[at + 2], pdos++)
-            cf_expect_that(c, at + 8 + (size_t)8 * data[at + 2] <= length, "a PDO of the SII is cut off");
+            cf_expect_that(c, at + 8 + (size_t)8 * data[at + 2] <= length, "a PDO of the SII is truncated");
     }
     return pdos;
 }
@@ -372,7 +373,7 @@ static void clocks(cf_t *c)
     }
     if (!data)
         cf_skip(c, "the SII has no clock modes");
-    cf_expect_that(c, length % 24 == 0, "clock modes: expected 24 bytes each, got %zu in all", length);
+    cf_expect_that(c, length % 24 == 0, "clock modes: expected 24 bytes each, got %zu in total", length);
     for (size_t at = 0; at + 24 <= length; at += 24) {
         uint16_t activate = ect_load_le16(data + at + 14);
         bool sync = (activate & 0x0700) != 0;
@@ -388,7 +389,7 @@ static void clocks(cf_t *c)
     cf_esi_expect_sii(c, ECT_FACT_DC, ECT_FACT_DC_SYNC1);
 }
 
-/* --- the file itself ---------------------------------------------------------------------------------------------- */
+/* --- the ESI file ------------------------------------------------------------------------------------------------- */
 
 typedef struct findings {
     cf_t *c;
@@ -406,7 +407,7 @@ static void find(void *ctx, bool wrong, const char *line)
         cf_remark(f->c, "%s", line);
 }
 
-/* The file alone: other cases compare the slave with it. */
+/* Checks the file alone; other cases compare the slave with the file. */
 static void file(cf_t *c)
 {
     findings_t f = {.c = c};
@@ -420,7 +421,7 @@ static void file(cf_t *c)
     if (f.words > 0)
         cf_warn(c, "%s%s", f.first_word, f.words > 1 ? ", and more" : "");
     cf_note(c, "%s",
-            c->esi->schema ? "valid against the schema" : "not validated: --schema names the schema of the ETG");
+            c->esi->schema ? "valid against the schema" : "not validated: name the schema of the ETG with --schema");
 }
 
 static void pdo_strings(cf_t *c, uint16_t category)
@@ -444,7 +445,7 @@ static void strings(cf_t *c)
     if (table) {
         for (unsigned int n = 0; n < table[0]; n++) {
             cf_expect_that(c, at < length && at + 1 + table[at] <= length,
-                           "string %u of %u: expected whole, got cut off", n + 1, table[0]);
+                           "string %u of %u: expected complete, got truncated", n + 1, table[0]);
             at += 1u + table[at];
         }
     }
@@ -466,7 +467,7 @@ static void alias(cf_t *c)
     cf_expect(c, "station alias after a reload, which does not change it", shown, cf_get16(c, ECT_REG_STATION_ALIAS));
     if (general && length > GENERAL_FLAGS)
         cf_expect_that(c, (general[GENERAL_FLAGS] & 0x18) != 0x18,
-                       "identification: expected by AL status or by memory, got both in 0x%02X",
+                       "identification: expected by AL status or by physical memory, got both in 0x%02X",
                        general[GENERAL_FLAGS]);
 }
 
@@ -482,24 +483,23 @@ static void again(cf_t *c)
 }
 
 static const cf_case_t cases[] = {
-    {"CF-054", "The checksum of the first words is right, and PDI control is that of the chip", 'S', CF_SII, 0,
+    {"CF-054", "The checksum of the first words is right, and PDI control equals that of the chip", 'S', CF_SII, 0,
      checksum},
-    {"CF-055", "Reads give 4 or 8 bytes as the chip announces; bad commands and addresses end without damage", 'R',
+    {"CF-055", "Reads return 4 or 8 bytes as announced by the chip; wrong commands and addresses have no effect", 'R',
      CF_SII, 0, reading},
-    {"CF-056", "A write needs its enable bit, commands need ownership; reload changes nothing", 'R', CF_SII, 0,
+    {"CF-056", "A write needs the write enable bit, commands need ownership; a reload changes nothing", 'R', CF_SII, 0,
      writing},
     {"CF-057", "Identity in the SII, in 1018h and in the ESI is the same", 'S', CF_SII, 0, identity},
-    {"CF-058", "Each protocol that SII and ESI name replies, every other gets mailbox error 0x0002", 'S',
+    {"CF-058", "Each protocol in SII and ESI replies; any other protocol gets mailbox error 0x0002", 'S',
      CF_SII | CF_MAILBOX, 0, offered},
-    {"CF-059", "The image ends within its size; size and first words equal those of the ESI", 'S', CF_SII, 0, size},
+    {"CF-059", "The image ends within the EEPROM; size and first words equal those of the ESI", 'S', CF_SII, 0, size},
     {"CF-060", "General, FMMU and SyncManager categories match each other, the chip and the ESI", 'S', CF_SII, 0,
      categories},
     {"CF-061", "PDOs of the SII equal those of the dictionary and of the ESI, entry by entry", 'S', CF_SII, 60000,
      mapping},
     {"CF-062", "Clock modes match the chip and the ESI", 'S', CF_SII, 0, clocks},
     {"CF-063", "The ESI file follows the rules for files and describes a possible device", 'S', CF_ESI, 0, file},
-    {"CF-064", "Every string that is referenced exists and is complete; names equal those of the ESI", 'S', CF_SII, 0,
-     strings},
+    {"CF-064", "Every referenced string exists and is complete; names equal those of the ESI", 'S', CF_SII, 0, strings},
     {"CF-065", "Alias of EEPROM and register agree; identification is declared once", 'S', CF_SII, 0, alias},
     {"CF-066", "A second read of the image gives the same bytes", 'F', CF_SII, 60000, again},
 };

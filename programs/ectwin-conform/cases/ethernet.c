@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* CF-085: Ethernet over EtherCAT, as far as a slave with unknown applications can be judged. */
+/* CF-085: Ethernet over EtherCAT, as far as it does not depend on the slave's application. */
 #include <string.h>
 
 #include "cases/beyond.h"
@@ -31,13 +31,13 @@ static uint8_t type_of(cf_t *c, const cf_mail_t *mail)
     return mail->data[0] & 0x0F;
 }
 
-/* Reads the reply of a service, past frames of the slave. @return its result */
-uint16_t cf_eoe_answer(cf_t *c, uint8_t type, cf_mail_t *mail)
+/* Reads the reply of a service; skips frames of the slave. @return the result of the service */
+uint16_t cf_eoe_reply(cf_t *c, uint8_t type, cf_mail_t *mail)
 {
     do
         cf_receive(c, CF_MBX_EOE, mail);
     while (type_of(c, mail) == CF_EOE_FRAGMENT || type_of(c, mail) == CF_EOE_TIMESTAMP);
-    cf_expect(c, "EoE type of the answer", type, type_of(c, mail));
+    cf_expect(c, "EoE type of the reply", type, type_of(c, mail));
     return ect_load_le16(mail->data + 2);
 }
 
@@ -60,7 +60,7 @@ static void take_host(const cf_mail_t *mail, cf_eoe_host_t *h)
     if ((flags & CF_EOE_HAS_IP) == 0 || h->length < ip_at + ADDRESS)
         return;
     for (unsigned int i = 0; i < ADDRESS; i++)
-        h->ip[i] = h->data[ip_at + (ADDRESS - 1u) - i]; /* octets have the reverse order there */
+        h->ip[i] = h->data[ip_at + (ADDRESS - 1u) - i]; /* the service has the octets in reverse order */
     h->has_ip = ect_load_le32(h->ip) != 0;
 }
 
@@ -69,20 +69,20 @@ void cf_eoe_get_ip(cf_t *c, cf_eoe_host_t *h)
     cf_mail_t mail;
     cf_step(c, "get IP");
     cf_eoe_send(c, CF_EOE_GET_IP, 0, "", 0, true);
-    uint16_t result = cf_eoe_answer(c, CF_EOE_IP, &mail);
+    uint16_t result = cf_eoe_reply(c, CF_EOE_IP, &mail);
     expect_result(c, "get IP", result, NO_IP);
     if (result == CF_EOE_DONE)
         take_host(&mail, h);
 }
 
-/* The present parameters: nothing changes. */
+/* Sets the present parameters, so nothing changes. */
 static void set_ip(cf_t *c, const cf_eoe_host_t *h)
 {
     const uint8_t nothing[FLAGS] = {0};
     cf_mail_t mail;
-    cf_step(c, "set IP to what it is");
+    cf_step(c, "set IP to the present parameters");
     cf_eoe_send(c, CF_EOE_SET_IP, 0, h->length > 0 ? h->data : nothing, h->length > 0 ? h->length : FLAGS, true);
-    expect_result(c, "set IP", cf_eoe_answer(c, CF_EOE_WAS_SET, &mail), NO_IP);
+    expect_result(c, "set IP", cf_eoe_reply(c, CF_EOE_WAS_SET, &mail), NO_IP);
 }
 
 static void filter(cf_t *c)
@@ -90,18 +90,18 @@ static void filter(cf_t *c)
     cf_mail_t mail;
     cf_step(c, "get filter");
     cf_eoe_send(c, CF_EOE_GET_FILTER, 0, "", 0, true);
-    uint16_t result = cf_eoe_answer(c, CF_EOE_FILTER, &mail);
+    uint16_t result = cf_eoe_reply(c, CF_EOE_FILTER, &mail);
     expect_result(c, "get filter", result, NO_FILTER);
     if (result != CF_EOE_DONE)
         return;
-    cf_step(c, "set filter to what it is");
+    cf_step(c, "set filter to the present filter");
     cf_eoe_send(c, CF_EOE_SET_FILTER, 0, mail.data + HEADER, (uint16_t)(mail.length - HEADER), true);
-    expect_result(c, "set filter", cf_eoe_answer(c, CF_EOE_FILTER_WAS_SET, &mail), NO_FILTER);
+    expect_result(c, "set filter", cf_eoe_reply(c, CF_EOE_FILTER_WAS_SET, &mail), NO_FILTER);
 }
 
 /* --- frames ------------------------------------------------------------------------------------------------------- */
 
-/* Bytes of a fragment before the last: whole units that fit the mailbox. */
+/* @return the largest size of a fragment except the last one: whole units that fit the mailbox */
 uint16_t cf_eoe_most(const cf_t *c)
 {
     return (uint16_t)((c->mailbox.out_size - MAIL_HEADER - HEADER) / UNIT * UNIT);
@@ -123,7 +123,7 @@ static void broadcast(uint8_t *frame, uint16_t type)
     ect_store_be16(frame + 2 * MAC, type);
 }
 
-/* An ARP request for this address, from an address of the same net. */
+/* Writes an ARP request for the slave's address, from an address of the same subnet. */
 void cf_eoe_arp(uint8_t *frame, const cf_eoe_host_t *h)
 {
     static const uint8_t kind[] = {0, 1, 8, 0, 6, 4, 0, 1};
@@ -135,7 +135,7 @@ void cf_eoe_arp(uint8_t *frame, const cf_eoe_host_t *h)
     memcpy(frame + 38, h->ip, ADDRESS);
 }
 
-/* The reply to a request for its time lies between frames. */
+/* Reads the next fragment; skips replies to time stamp requests. */
 static bool next_fragment(cf_t *c, cf_mail_t *mail, uint32_t ms)
 {
     bool came = cf_receive_mail(c, mail, ms);
@@ -166,7 +166,7 @@ uint16_t cf_eoe_receive_frame(cf_t *c, uint8_t *frame, uint32_t ms)
         if (last)
             return length;
     }
-    cf_expect_that(c, length == 0, "a frame of the slave: expected whole, got %u bytes and no more", length);
+    cf_expect_that(c, length == 0, "a frame of the slave: expected complete, got only %u bytes", length);
     return 0;
 }
 
@@ -186,7 +186,8 @@ void cf_eoe_take(cf_t *c, cf_eoe_host_t *h, uint32_t ms)
     memcpy(h->mac, frame + 22, MAC);
 }
 
-/* A whole frame in fragments of `size` bytes. Frames of the slave are read in between: it may wait for that.
+/* Sends a whole frame in fragments of `size` bytes, and reads the slave's frames in between: an unread one may block
+ * it.
  * @param skip  fragment to leave out; -1: none */
 void cf_eoe_send_frame(cf_t *c, cf_eoe_host_t *h, const uint8_t *frame, uint16_t length, uint16_t size, uint8_t number,
                        int skip)
@@ -201,7 +202,7 @@ void cf_eoe_send_frame(cf_t *c, cf_eoe_host_t *h, const uint8_t *frame, uint16_t
     }
 }
 
-/* Exactly `wanted` replies since the last call. */
+/* Expects exactly `wanted` replies since the last call. */
 void cf_eoe_expect_replies(cf_t *c, cf_eoe_host_t *h, const char *what, unsigned int wanted)
 {
     uint64_t until = cf_now_ns() + CF_MAIL_MS * UINT64_C(1000000);
@@ -218,28 +219,28 @@ static void frames(cf_t *c, cf_eoe_host_t *h)
 {
     uint8_t frame[FRAME_MOST];
     const uint16_t most = cf_eoe_most(c);
-    cf_step(c, "a broadcast as long as the MTU allows, in fragments, of an unassigned type");
+    cf_step(c, "a broadcast of the size of the MTU, in fragments, with an unassigned EtherType");
     broadcast(frame, ETHERTYPE_TEST);
     cf_eoe_send_frame(c, h, frame, FRAME_MOST, most, 1, -1);
-    cf_step(c, "the same, of which a fragment is lost; then without its end");
+    cf_step(c, "the same frame without one fragment, then without the last one");
     cf_eoe_send_frame(c, h, frame, FRAME_MOST, most, 2, 1);
     cf_eoe_send_frame(c, h, frame, FRAME_MOST, most, 3, (FRAME_MOST - 1) / most);
-    cf_step(c, "fragments beyond any frame");
+    cf_step(c, "fragments of more than a frame");
     for (unsigned int fragment = 0; fragment <= FRAME_MOST / most + 1u && fragment < 0x3F; fragment++)
         cf_eoe_send(c, CF_EOE_FRAGMENT,
                     (uint16_t)(fragment | (fragment == 0 ? OVERSIZE_UNITS : fragment * most / UNIT) << 6 | 4 << 12),
                     frame, most, false);
-    cf_step(c, "a frame after these is processed");
+    cf_step(c, "the next frame is processed");
     if (!h->has_ip)
         return;
     cf_eoe_arp(frame, h);
     cf_eoe_send_frame(c, h, frame, FRAME_LEAST, most, 5, -1);
     cf_eoe_expect_replies(c, h, "replies to one ARP request", 1);
-    cf_step(c, "an ARP request without its first fragment, one without its last, and a whole one");
+    cf_step(c, "an ARP request without its first fragment, one without its last, and a complete one");
     cf_eoe_send_frame(c, h, frame, FRAME_LEAST, UNIT, 6, 0);
     cf_eoe_send_frame(c, h, frame, FRAME_LEAST, UNIT, 7, 1);
     cf_eoe_send_frame(c, h, frame, FRAME_LEAST, UNIT, 8, -1);
-    cf_eoe_expect_replies(c, h, "replies to the one that was whole", 1);
+    cf_eoe_expect_replies(c, h, "replies to the complete request", 1);
 }
 
 void cf_ethernet(cf_t *c)
@@ -250,13 +251,13 @@ void cf_ethernet(cf_t *c)
     set_ip(c, &host);
     filter(c);
     if (cf_eoe_most(c) == 0)
-        cf_skip(c, "the mailbox has no room for a fragment");
+        cf_skip(c, "the mailbox is too small for a fragment");
     frames(c, &host);
     cf_eoe_get_ip(c, &later);
-    cf_expect_range(c, "bytes of its parameters afterwards", host.length, host.length, later.length);
+    cf_expect_range(c, "bytes of the parameters afterwards", host.length, host.length, later.length);
     cf_expect_bytes(c, "its parameters afterwards", host.data, later.data, host.length);
     if (host.has_ip)
-        cf_note(c, "it replies as %u.%u.%u.%u", host.ip[0], host.ip[1], host.ip[2], host.ip[3]);
+        cf_note(c, "the slave replies as %u.%u.%u.%u", host.ip[0], host.ip[1], host.ip[2], host.ip[3]);
     else
-        cf_note(c, "it has no address: the arrival of frames cannot be judged");
+        cf_note(c, "the slave has no address: the arrival of frames cannot be judged");
 }

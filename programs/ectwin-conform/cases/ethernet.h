@@ -32,17 +32,17 @@ typedef struct cf_eoe_host {
     uint16_t length;
     bool has_ip;
     uint8_t mac[CF_EOE_MAC], ip[CF_EOE_ADDRESS]; /**< in the order of an Ethernet frame */
-    unsigned int replies;                        /**< to ARP requests, that came until now */
+    unsigned int replies;                        /**< number of ARP replies since the last check */
 } cf_eoe_host_t;
 
-/** Sends a mail: type and port in `type`, bytes 2 and 3 in `word`. */
+/** Sends a mail of EoE. @param type  frame type and port @param word  bytes 2 and 3 of the EoE header */
 void cf_eoe_send(cf_t *c, uint8_t type, uint16_t word, const void *data, uint16_t length, bool last);
-/** Reads the reply of a service, past frames of the slave. @return its result */
-uint16_t cf_eoe_answer(cf_t *c, uint8_t type, cf_mail_t *mail);
+/** Reads the reply of a service; skips frames of the slave. @return the result of the service */
+uint16_t cf_eoe_reply(cf_t *c, uint8_t type, cf_mail_t *mail);
 /** Reads the parameters; without them `length` is 0. */
 void cf_eoe_get_ip(cf_t *c, cf_eoe_host_t *h);
 
-/** @return bytes of a fragment before the last: whole units that fit the mailbox; 0: none fits */
+/** @return the largest size of a fragment except the last one: whole units that fit the mailbox; 0: none fits */
 uint16_t cf_eoe_most(const cf_t *c);
 /** Sends `size` bytes of a frame, from byte `from` on; the last ones with the last flag. */
 void cf_eoe_send_fragment(cf_t *c, const uint8_t *frame, uint16_t length, uint16_t from, uint16_t size, uint8_t number,
@@ -54,7 +54,8 @@ uint16_t cf_eoe_receive_frame(cf_t *c, uint8_t *frame, uint32_t ms);
 /** Receives a frame of the slave; an ARP reply is counted. */
 void cf_eoe_take(cf_t *c, cf_eoe_host_t *h, uint32_t ms);
 /**
- * Sends a whole frame in fragments of `size` bytes. Frames of the slave are read in between: it may wait for that.
+ * Sends a whole frame in fragments of `size` bytes, and reads the slave's frames in between: an unread one may block
+ * it.
  * @param skip  fragment to leave out; -1: none
  */
 void cf_eoe_send_frame(cf_t *c, cf_eoe_host_t *h, const uint8_t *frame, uint16_t length, uint16_t size, uint8_t number,

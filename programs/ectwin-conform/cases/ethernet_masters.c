@@ -29,7 +29,7 @@ static bool replies_as(cf_t *c, cf_eoe_host_t *h, const uint8_t ip[ADDRESS])
     return h->replies > 0;
 }
 
-/* The order of the octets: a slave that replies to ARP does so for the address as it is printed. */
+/* Checks the order of the octets: the slave must reply to ARP for the address as printed. */
 static bool expect_order(cf_t *c, cf_eoe_host_t *h, const char *master, const uint8_t ip[ADDRESS])
 {
     const uint8_t reversed[ADDRESS] = {ip[3], ip[2], ip[1], ip[0]};
@@ -52,7 +52,7 @@ void cf_eoe_masters(cf_t *c)
     cf_step(c, "SOEM: configuration, PREOP, set IP, get IP");
     bool done = cf_soem_address(c, by_soem, got, what, sizeof what);
     cf_expect_that(c, done, "SOEM: %s", what);
-    cf_expect_bytes(c, "the address that SOEM has set and read", by_soem, got, ADDRESS);
+    cf_expect_bytes(c, "the address set and read by SOEM", by_soem, got, ADDRESS);
     cf_go(c, CF_INIT); /* SOEM's mail counter is another */
     cf_go(c, CF_PREOP);
     bool replies = expect_order(c, &h, "SOEM", by_soem);
@@ -62,7 +62,7 @@ void cf_eoe_masters(cf_t *c)
     cf_eoe_expect_address(c, "the address in IgH's layout", by_igh[3]);
     replies = expect_order(c, &h, "IgH", by_igh) && replies;
     if (!replies)
-        cf_note(c, "it does not reply to ARP: the order of the octets is compared with get IP only");
+        cf_note(c, "the slave does not reply to ARP: the order of the octets is compared with get IP only");
 }
 
 /* --- pings -------------------------------------------------------------------------------------------------------- */
@@ -73,11 +73,11 @@ static void expect_echo(cf_t *c, const uint8_t *frame, uint16_t length)
                    "a ping in a frame of %u bytes: expected its echo, got none", length);
 }
 
-/* The master reads AL status and no mail. */
+/* Reads AL status, but no mails. */
 static void fetch_nothing(cf_t *c)
 {
     enum { PAUSES = 100, PAUSE_MS = 100 };
-    cf_step(c, "for %d s the master fetches no mail", PAUSES * PAUSE_MS / 1000);
+    cf_step(c, "the master reads no mail for %d s", PAUSES * PAUSE_MS / 1000);
     for (unsigned int i = 0; i < PAUSES; i++) {
         cf_sleep_ms(c, PAUSE_MS);
         cf_expect(c, "AL status meanwhile", CF_PREOP, cf_get16(c, ECT_REG_AL_STATUS) & 0x1F);
@@ -104,7 +104,7 @@ void cf_eoe_pings(cf_t *c)
         cf_eoe_send_frame(c, &h, frame, CF_EOE_MOST, cf_eoe_most(c), (uint8_t)(i & 0x0F), -1);
         expect_echo(c, frame, CF_EOE_MOST);
     }
-    cf_step(c, "one more, whose echo is fetched late");
+    cf_step(c, "one more ping, whose echo is read late");
     cf_eoe_send_frame(c, &h, frame, CF_EOE_MOST, cf_eoe_most(c), 1, -1);
     fetch_nothing(c);
     expect_echo(c, frame, CF_EOE_MOST);
@@ -115,12 +115,12 @@ void cf_eoe_pings(cf_t *c)
 
 /* --- random fragments --------------------------------------------------------------------------------------------- */
 
-/* The fragment that a receiver expects next; two of three are that one, so that frames grow. */
+/* The fragment expected next by a receiver; two of three are this fragment, so that frames grow. */
 typedef struct next {
     unsigned int number, units, frame;
 } next_t;
 
-/* A frame of a type that no protocol has, to no station: a slave that takes it drops it. */
+/* Writes the start of a frame with an unassigned EtherType and an unused address, which a slave drops. */
 static void start_of_frame(uint8_t *data)
 {
     enum { TYPE_TEST = 0x88B5 };

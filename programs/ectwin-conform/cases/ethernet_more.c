@@ -19,8 +19,8 @@ void cf_eoe_parameters(cf_t *c)
     cf_eoe_host_t before = {.length = 0};
     cf_eoe_begin(c, &before);
     cf_eoe_require_address(c, &before, 77);
-    cf_eoe_expect_address(c, "the address that was set", 77);
-    cf_step(c, "the same in the full layout, without the last flag");
+    cf_eoe_expect_address(c, "the address after set IP", 77);
+    cf_step(c, "set IP in the full layout, without the last flag");
     cf_expect(c, "result", CF_EOE_DONE, cf_eoe_set_ip(c, data, cf_eoe_parameters_of(data, 78, true), false));
     cf_eoe_expect_address(c, "the address in the full layout", 78);
 }
@@ -38,13 +38,13 @@ void cf_eoe_short_parameters(cf_t *c)
         cf_expect_that(c, result != CF_EOE_DONE, "result of set IP in %u bytes of %u: expected an error, got 0x0000",
                        length, whole);
     }
-    cf_step(c, "nothing of these was taken");
+    cf_step(c, "none of these settings is accepted");
     cf_eoe_expect_address(c, "the address afterwards", 77);
 }
 
-/* --- frames that get a reply -------------------------------------------------------------------------------------- */
+/* --- frames with a reply ------------------------------------------------------------------------------------------ */
 
-/* Around each unit and each full mailbox; with --long every length. */
+/* @return whether a length is tested: near whole units and full mailboxes, or, with --long, all */
 static bool is_chosen(const cf_t *c, uint16_t length)
 {
     const uint16_t beside = (uint16_t)((length + 1) % UNIT), full = (uint16_t)(c->mailbox.in_size - 6 - HEADER);
@@ -78,12 +78,12 @@ void cf_eoe_lengths(cf_t *c)
             cf_eoe_take(c, &h, CF_MAIL_MS);
         h.replies = 0;
     }
-    cf_note(c, "%u lengths, %s", count, pings ? "there and back" : "to the slave: it does not reply to ping");
+    cf_note(c, "%u lengths, %s", count, pings ? "there and back" : "to the slave, which does not reply to ping");
 }
 
 /* --- wrong fragments ---------------------------------------------------------------------------------------------- */
 
-/* A fragment: `word` is number | units << 6 | frame number << 12. */
+/* A fragment. `word`: fragment number | units << 6 | frame number << 12. */
 typedef struct piece {
     uint8_t number, units, frame, last;
     uint16_t from, size;
@@ -96,16 +96,16 @@ typedef struct wrong {
 } wrong_t;
 
 static const wrong_t wrongs[] = {
-    {"a fragment number is left out", 0, {{0, 2, 1, 0, 0, 32}, {2, 1, 1, 1, 32, 28}}},
+    {"a fragment number is missing", 0, {{0, 2, 1, 0, 0, 32}, {2, 1, 1, 1, 32, 28}}},
     {"the second fragment has another frame number", 0, {{0, 2, 2, 0, 0, 32}, {1, 1, 3, 1, 32, 28}}},
-    {"a gap: the second fragment has an offset too high", 0, {{0, 3, 3, 0, 0, 32}, {1, 2, 3, 1, 32, 28}}},
-    {"an overlap: the second fragment has the offset 0", 0, {{0, 2, 4, 0, 0, 32}, {1, 0, 4, 1, 32, 28}}},
+    {"a gap: the offset of the second fragment is too high", 0, {{0, 3, 3, 0, 0, 32}, {1, 2, 3, 1, 32, 28}}},
+    {"an overlap: the offset of the second fragment is 0", 0, {{0, 2, 4, 0, 0, 32}, {1, 0, 4, 1, 32, 28}}},
     {"the size 0 is announced", 0, {{0, 0, 5, 0, 0, 32}, {1, 1, 5, 1, 32, 28}}},
-    {"more than announced comes", 0, {{0, 1, 6, 0, 0, 32}, {1, 1, 6, 1, 32, 28}}},
+    {"the fragments exceed the announced size", 0, {{0, 1, 6, 0, 0, 32}, {1, 1, 6, 1, 32, 28}}},
     {"a fragment before the last has 20 bytes", 0, {{0, 3, 7, 0, 0, 32}, {1, 1, 7, 0, 32, 20}, {2, 1, 7, 1, 52, 28}}},
-    {"a second fragment without a first", 0, {{1, 1, 8, 1, 32, 28}}},
-    {"a frame starts again", 1, {{0, 2, 9, 0, 0, 32}, {0, 2, 10, 0, 0, 32}, {1, 1, 10, 1, 32, 28}}},
-    {"a unit too many is announced", 1, {{0, 3, 11, 0, 0, 32}, {1, 1, 11, 1, 32, 28}}},
+    {"a second fragment without a first one one", 0, {{1, 1, 8, 1, 32, 28}}},
+    {"a frame is started twice", 1, {{0, 2, 9, 0, 0, 32}, {0, 2, 10, 0, 0, 32}, {1, 1, 10, 1, 32, 28}}},
+    {"the announced size is one unit too large", 1, {{0, 3, 11, 0, 0, 32}, {1, 1, 11, 1, 32, 28}}},
 };
 
 static void send_wrong(cf_t *c, const wrong_t *wrong, const uint8_t *frame)
@@ -137,9 +137,9 @@ void cf_eoe_wrong_fragments(cf_t *c)
     cf_eoe_expect_replies(c, &h, "replies to a good frame", 1);
 }
 
-/* --- beside other mail -------------------------------------------------------------------------------------------- */
+/* --- with other mails --------------------------------------------------------------------------------------------- */
 
-/* Reads mails until the SDO's reply has come. @return how many there were */
+/* Reads mails up to the SDO response. @return number of mails */
 static unsigned int mails_until_sdo(cf_t *c, unsigned int *replies)
 {
     cf_mail_t mail;
@@ -162,8 +162,7 @@ void cf_eoe_beside_sdo(cf_t *c)
     cf_eoe_host_t h;
     cf_eoe_begin_frames(c, &h);
     unsigned int most = 0;
-    cf_step(c, "%d times an SDO between two fragments, then one behind a frame whose reply was not fetched",
-            (int)ROUNDS);
+    cf_step(c, "%d times an SDO between two fragments, then one after a frame whose reply was not read", (int)ROUNDS);
     cf_eoe_arp(frame, &h);
     for (unsigned int round = 0; round < ROUNDS; round++) {
         unsigned int replies = 0;
@@ -187,7 +186,7 @@ void cf_eoe_beside_sdo(cf_t *c)
 
 enum { MAIL_HEADER = 6, LAST = 0x0100, STAMPED = 0x0200, STAMP_WANTED = 0x0400, STAMP = 4 };
 
-/* A mail of the case's own counter: fragment `number` of a frame of two units. */
+/* Sends a mail with a given counter: fragment `number` of a frame of two units. */
 static void send_fragment_mail(cf_t *c, uint8_t counter, unsigned int flags, uint8_t number, const uint8_t *data,
                                uint16_t length)
 {
@@ -201,7 +200,7 @@ static void send_fragment_mail(cf_t *c, uint8_t counter, unsigned int flags, uin
     cf_send_raw_mail(c, mail, (uint16_t)(MAIL_HEADER + HEADER + length));
 }
 
-/* The counter after that of the last mail. */
+/* @return the counter of the next mail */
 static uint8_t next_counter(cf_t *c)
 {
     return c->mail_counter = (uint8_t)(c->mail_counter % 7 + 1);
@@ -211,14 +210,14 @@ static void stamps(cf_t *c, cf_eoe_host_t *h, const uint8_t *frame)
 {
     uint8_t end[CF_EOE_LEAST - UNIT + STAMP] = {0};
     memcpy(end, frame + UNIT, CF_EOE_LEAST - UNIT);
-    cf_step(c, "a frame with a time stamp of four bytes behind it");
+    cf_step(c, "a frame followed by a time stamp of four bytes");
     send_fragment_mail(c, next_counter(c), 0, 0, frame, UNIT);
     send_fragment_mail(c, next_counter(c), LAST | STAMPED, 1, end, sizeof end);
     cf_eoe_expect_replies(c, h, "replies to a frame with a time stamp", 1);
-    cf_step(c, "a frame whose time of sending is requested");
+    cf_step(c, "a frame with a request for the time of sending");
     send_fragment_mail(c, next_counter(c), STAMP_WANTED, 0, frame, UNIT);
     send_fragment_mail(c, next_counter(c), LAST | STAMP_WANTED, 1, end, CF_EOE_LEAST - UNIT);
-    cf_eoe_expect_replies(c, h, "replies to a frame with a request for its time", 1);
+    cf_eoe_expect_replies(c, h, "replies to a frame with a request for the time of sending", 1);
 }
 
 void cf_eoe_repeats(cf_t *c)
@@ -235,18 +234,18 @@ void cf_eoe_repeats(cf_t *c)
         for (unsigned int time = 0; time < 2; time++)
             send_fragment_mail(c, counter, number == 0 ? 0 : LAST, number, frame + from, size);
     }
-    cf_eoe_expect_replies(c, &h, "replies to a frame whose mails came twice", 1);
+    cf_eoe_expect_replies(c, &h, "replies to a frame whose mails were sent twice", 1);
     if (CF_EOE_LEAST + HEADER + MAIL_HEADER <= c->mailbox.out_size) {
         const uint8_t counter = next_counter(c);
         cf_step(c, "a frame in one fragment, twice, with equal counters");
         for (unsigned int time = 0; time < 2; time++)
             send_fragment_mail(c, counter, LAST, 0, frame, CF_EOE_LEAST);
-        cf_eoe_expect_replies(c, &h, "replies to a frame whose only mail came twice", 1);
+        cf_eoe_expect_replies(c, &h, "replies to a frame whose only mail was sent twice", 1);
     }
-    cf_step(c, "a frame with the counter 0 throughout");
+    cf_step(c, "a frame of mails with the counter 0");
     send_fragment_mail(c, 0, 0, 0, frame, UNIT);
     send_fragment_mail(c, 0, LAST, 1, frame + UNIT, CF_EOE_LEAST - UNIT);
-    cf_eoe_expect_replies(c, &h, "replies to a frame with the counter 0", 1);
+    cf_eoe_expect_replies(c, &h, "replies to a frame of mails with the counter 0", 1);
 }
 
 static void restart(cf_t *c)
@@ -255,7 +254,7 @@ static void restart(cf_t *c)
     cf_go(c, CF_PREOP);
 }
 
-/* A mail of EoE in BOOT, where only FoE is allowed. */
+/* Sends a mail of EoE in BOOT, where only FoE is allowed. */
 static void boot_refuses(cf_t *c)
 {
     if ((c->facts.has & CF_BOOTSTRAP) == 0)
@@ -278,20 +277,20 @@ void cf_eoe_restart(cf_t *c)
     cf_eoe_send_fragment(c, frame, CF_EOE_LEAST, 0, UNIT, 1, 0);
     restart(c);
     cf_eoe_send_fragment(c, frame, CF_EOE_LEAST, UNIT, CF_EOE_LEAST - UNIT, 1, 1);
-    cf_eoe_expect_replies(c, &h, "replies to a frame with a restart in it", 0);
+    cf_eoe_expect_replies(c, &h, "replies to a frame interrupted by a restart", 0);
     cf_eoe_expect_good_frame(c, &h, frame);
     cf_step(c, "a long ping, then INIT and PREOP between two fragments of its echo");
     cf_eoe_ping(ping, &h, CF_EOE_MOST);
     cf_eoe_send_frame(c, &h, ping, CF_EOE_MOST, cf_eoe_most(c), 2, -1);
     if (!cf_receive_mail(c, &mail, CF_MAIL_MS))
-        cf_note(c, "it does not reply to ping: its half frames cannot be judged");
+        cf_note(c, "the slave does not reply to ping: incomplete frames of the slave cannot be judged");
     restart(c);
     cf_eoe_expect_replies(c, &h, "replies after the restart", 0);
     cf_eoe_expect_good_frame(c, &h, frame);
     boot_refuses(c);
 }
 
-/* --- what no master sends ----------------------------------------------------------------------------------------- */
+/* --- invalid requests --------------------------------------------------------------------------------------------- */
 
 void cf_eoe_unsupported(cf_t *c)
 {
@@ -303,21 +302,21 @@ void cf_eoe_unsupported(cf_t *c)
     for (uint8_t type = 0x0A; type <= 0x0F; type++) {
         cf_step(c, "a mail of the reserved type %u", type);
         cf_eoe_send(c, type, 0, "", 0, true);
-        uint16_t result = cf_eoe_answer(c, type, &mail);
+        uint16_t result = cf_eoe_reply(c, type, &mail);
         cf_expect(c, "result of a reserved type", CF_EOE_UNSUPPORTED, result);
     }
     cf_step(c, "get IP of port 15");
     cf_eoe_send(c, 0xF0 | CF_EOE_GET_IP, 0, "", 0, true);
-    cf_expect_that(c, cf_eoe_answer(c, CF_EOE_IP, &mail) != CF_EOE_DONE || mail.length <= HEADER + FLAGS,
-                   "get IP of port 15: expected an error, got result 0x0000 and %u bytes", mail.length);
+    cf_expect_that(c, cf_eoe_reply(c, CF_EOE_IP, &mail) != CF_EOE_DONE || mail.length <= HEADER + FLAGS,
+                   "get IP for port 15: expected an error, got result 0x0000 and %u bytes", mail.length);
     for (size_t i = 0; i < sizeof replies; i++) {
-        cf_step(c, "a mail of type %u, a reply to no request", replies[i]);
+        cf_step(c, "a mail of type %u, a reply without a request", replies[i]);
         cf_eoe_send(c, replies[i], 0, "", 0, true);
         cf_expect_no_mail(c, QUIET_MS);
     }
     cf_step(c, "a mail without a whole header");
     cf_send_mail(c, CF_MBX_EOE, "\x06\x01", 2);
     cf_receive(c, CF_MBX_ERROR, &mail);
-    cf_step(c, "the next service is served");
+    cf_step(c, "the next service works");
     cf_eoe_get_ip(c, &before);
 }

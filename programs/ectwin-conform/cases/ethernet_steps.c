@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Steps of Ethernet over EtherCAT that need a slave's address: its address for a case, frames that get a reply. */
+/* Steps of Ethernet over EtherCAT: a slave's address for a case, frames with a reply. */
 #include <string.h>
 
 #include "cases/ethernet.h"
@@ -25,19 +25,19 @@ uint16_t cf_eoe_set_ip(cf_t *c, const uint8_t *data, uint16_t length, bool last)
 {
     cf_mail_t mail;
     cf_eoe_send(c, CF_EOE_SET_IP, 0, data, length, last);
-    return cf_eoe_answer(c, CF_EOE_WAS_SET, &mail);
+    return cf_eoe_reply(c, CF_EOE_WAS_SET, &mail);
 }
 
 static void put_back(cf_t *c, const uint8_t *data, size_t length)
 {
-    cf_step(c, "set IP to what it was");
+    cf_step(c, "set IP to the previous parameters");
     const uint16_t result = cf_eoe_set_ip(c, data, (uint16_t)length, true);
     if (result != CF_EOE_DONE)
-        cf_fail(c, "putting back the IP parameters: result 0x%04X", result);
+        cf_fail(c, "restoring the IP parameters: result 0x%04X", result);
 }
 
-/* After the case the slave gets the previous address, subnet and gateway, 0.0.0.0 for one that was not known. The MAC
- * stays out: alone it requests DHCP. */
+/* Restores address, subnet and gateway after the case, 0.0.0.0 for an unknown one; not the MAC address, which alone
+ * requests DHCP. */
 static void keep(cf_t *c, const cf_eoe_host_t *before)
 {
     uint8_t data[FLAGS + 3 * ADDRESS] = {NET};
@@ -56,7 +56,7 @@ void cf_eoe_begin(cf_t *c, cf_eoe_host_t *before)
 {
     cf_go(c, CF_PREOP);
     if (cf_eoe_most(c) == 0)
-        cf_skip(c, "the mailbox has no room for a fragment");
+        cf_skip(c, "the mailbox is too small for a fragment");
     cf_eoe_get_ip(c, before);
 }
 
@@ -70,7 +70,7 @@ void cf_eoe_expect_address(cf_t *c, const char *what, uint8_t host)
                    now.length);
     cf_expect_bits(c, "flags of the parameters", NET, NET, now.data[0]);
     const unsigned int at = FLAGS + ((now.data[0] & CF_EOE_HAS_MAC) != 0 ? CF_EOE_MAC : 0u);
-    cf_expect_that(c, now.length >= at + length - FLAGS, "%s: expected %u bytes behind the MAC, got %u", what,
+    cf_expect_that(c, now.length >= at + length - FLAGS, "%s: expected %u bytes after the MAC, got %u", what,
                    length - FLAGS, now.length - at);
     cf_expect_bytes(c, what, wanted + FLAGS, now.data + at, length - FLAGS);
 }
@@ -78,14 +78,14 @@ void cf_eoe_expect_address(cf_t *c, const char *what, uint8_t host)
 void cf_eoe_require_address(cf_t *c, const cf_eoe_host_t *before, uint8_t host)
 {
     uint8_t data[PARAMETERS];
-    cf_step(c, "set IP 192.0.2.%u/24, gateway 192.0.2.1, one field behind the other", host);
+    cf_step(c, "set IP 192.0.2.%u/24, gateway 192.0.2.1, packed", host);
     uint16_t result = cf_eoe_set_ip(c, data, cf_eoe_parameters_of(data, host, false), true);
     if (result != CF_EOE_DONE)
-        cf_skip(c, "the slave takes no address: result 0x%04X", result);
+        cf_skip(c, "the slave accepts no address: result 0x%04X", result);
     keep(c, before);
 }
 
-/* --- frames that get a reply -------------------------------------------------------------------------------------- */
+/* --- frames with a reply ------------------------------------------------------------------------------------------ */
 
 void cf_eoe_begin_frames(cf_t *c, cf_eoe_host_t *h)
 {

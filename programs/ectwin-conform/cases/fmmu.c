@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* C. FMMUs, tried in INIT on RAM that no SyncManager guards. */
+/* C. FMMUs, tested in INIT on RAM outside of SyncManagers. */
 #include <string.h>
 
 #include "steps/case.h"
@@ -72,9 +72,9 @@ static void both_ways(cf_t *c, uint16_t ram)
     cf_put(c, ram, numbers, 16);
     memset(data, FILL, sizeof data);
     cf_expect_wkc(c, "LRW", 3, cf_logical(c, CF_LRW, LOGICAL, data, sizeof data));
-    cf_expect_bytes(c, "the part of LRW for reading", numbers, data + 4, 4);
-    cf_expect(c, "the part of LRW for writing, in the frame", 0xA5A5A5A5, ect_load_le32(data));
-    cf_expect(c, "the part of LRW for writing, in the RAM", 0xA5A5A5A5, cf_get32(c, (uint16_t)(ram + 8)));
+    cf_expect_bytes(c, "the read part of LRW", numbers, data + 4, 4);
+    cf_expect(c, "the write part of LRW, in the frame", 0xA5A5A5A5, ect_load_le32(data));
+    cf_expect(c, "the write part of LRW, in the RAM", 0xA5A5A5A5, cf_get32(c, (uint16_t)(ram + 8)));
 }
 
 static void two_and_split(cf_t *c, uint16_t ram)
@@ -145,14 +145,14 @@ static void read_bits(cf_t *c, const bit_map_t *m, uint8_t fill)
     cf_expect_bytes(c, "LRD of bits", expected, data, sizeof data);
 }
 
-/* The only registers at which all chips write single bits. */
+/* Uses registers, because only there do all chips support writes of single bits. */
 static void write_bits(cf_t *c)
 {
     const uint8_t pdi = (uint8_t)c->facts.pdi;
     uint8_t data[1] = {0x00}, set[4] = {0xFF, 0xFF, 0, 0}, got[4];
     bool digital = pdi <= 0x04 || (pdi >= 0x10 && pdi <= 0x14);
     if (digital || cf_write(c, DIGITAL_OUTPUT, set, sizeof set) != 1) {
-        cf_note(c, "reading; single bits are written at 0x0F00 only, which this slave uses or has not");
+        cf_note(c, "reading only; single bits can be written only at 0x0F00, which is in use or missing here");
         return;
     }
     cf_step(c, "2 bits for writing: logical bits 3 and 4 to bits 6 and 7 of 0x0F00");
@@ -178,7 +178,7 @@ static void bits(cf_t *c)
     write_bits(c);
 }
 
-/* The flag of a waiting mail is one bit of a byte that it shares with the bits of other slaves. */
+/* Maps the "mailbox full" bit of SM1 into a byte shared with other slaves. */
 static void mailbox_state(cf_t *c)
 {
     uint8_t mapped = 0xFF;
@@ -191,7 +191,7 @@ static void mailbox_state(cf_t *c)
     cf_expect(c, "logical byte with an empty SM1", 0xFB, mapped);
     cf_step(c, "SM1 is full: the bit becomes 1, the others stay 0");
     const uint8_t anything[4] = {0};
-    cf_send_mail(c, 9, anything, sizeof anything); /* no such protocol: answered with an error */
+    cf_send_mail(c, 9, anything, sizeof anything); /* unknown type: the reply is a mailbox error */
     for (int tries = 0; mapped != 0x04 && tries < (int)CF_MAIL_MS; tries++) {
         mapped = 0;
         (void)cf_logical(c, CF_LRD, LOGICAL, &mapped, 1);
@@ -202,7 +202,7 @@ static void mailbox_state(cf_t *c)
     (void)cf_receive_mail(c, &mail, CF_MAIL_MS);
     mapped = 0xFF;
     cf_expect_wkc(c, "LRD of the mailbox state", 1, cf_logical(c, CF_LRD, LOGICAL, &mapped, 1));
-    cf_expect(c, "logical byte after the mail was read", 0xFB, mapped);
+    cf_expect(c, "logical byte after reading the mail", 0xFB, mapped);
 }
 
 /* --- FMMUs without effect ----------------------------------------------------------------------------------------- */
@@ -218,12 +218,12 @@ static void expect_nothing(cf_t *c, const char *what, uint8_t command)
 static void overlapping(cf_t *c, uint16_t ram)
 {
     uint8_t data[4] = {0};
-    cf_step(c, "two FMMUs for the same logical bytes: the lower one counts");
+    cf_step(c, "two FMMUs for the same logical bytes: the lower one is used");
     cf_put(c, ram, numbers, 16);
     map_bytes(c, 0, LOGICAL, 4, (uint16_t)(ram + 8), READS);
     map_bytes(c, 1, LOGICAL, 4, ram, READS);
-    cf_expect_wkc(c, "LRD of bytes that are mapped twice", 1, cf_logical(c, CF_LRD, LOGICAL, data, 4));
-    cf_expect_bytes(c, "LRD of bytes that are mapped twice", numbers + 8, data, 4);
+    cf_expect_wkc(c, "LRD of bytes mapped twice", 1, cf_logical(c, CF_LRD, LOGICAL, data, 4));
+    cf_expect_bytes(c, "LRD of bytes mapped twice", numbers + 8, data, 4);
 }
 
 static void nothing(cf_t *c)
@@ -234,16 +234,16 @@ static void nothing(cf_t *c)
     map_bytes(c, 0, LOGICAL, 4, ram, READS);
     expect_nothing(c, "LWR of an area for reading", CF_LWR);
     cf_put8(c, CF_FMMU(0) + ECT_FMMU_ACTIVATE, 0);
-    expect_nothing(c, "LRD of an FMMU that is off", CF_LRD);
+    expect_nothing(c, "LRD of a disabled FMMU", CF_LRD);
     map_bytes(c, 0, LOGICAL, 0, ram, READS);
     expect_nothing(c, "LRD of an FMMU of length 0", CF_LRD);
     map_bytes(c, 0, LOGICAL + 0x1000, 4, ram, READS);
-    expect_nothing(c, "LRD beside the area of an FMMU", CF_LRD);
+    expect_nothing(c, "LRD outside the area of an FMMU", CF_LRD);
     map_bytes(c, 0, LOGICAL, 4, ram, 0);
-    expect_nothing(c, "LRD of an FMMU of no direction", CF_LRD);
+    expect_nothing(c, "LRD of an FMMU without a direction", CF_LRD);
     if (end < 0x10000) {
         map_bytes(c, 0, LOGICAL, 4, (uint16_t)end, READS);
-        expect_nothing(c, "LRD of an area behind the end of the RAM", CF_LRD);
+        expect_nothing(c, "LRD of an area after the end of the RAM", CF_LRD);
     }
     overlapping(c, ram);
 }
@@ -270,7 +270,7 @@ static bool try_map(cf_t *c, const area_t *a)
     return cf_command(c, CF_FPWR, a->station, CF_FMMU(a->fmmu), registers, sizeof registers) == 1;
 }
 
-/* Another slave with two FMMUs and RAM; 0: there is none. */
+/* @return station address of another slave with two FMMUs and RAM; 0: none */
 static uint16_t partner(cf_t *c)
 {
     for (uint16_t n = 0; n < c->facts.slaves; n++) {
@@ -285,7 +285,7 @@ static uint16_t partner(cf_t *c)
     return 0;
 }
 
-/* Outputs of both at `out`, inputs of both at `in`, in this order in the logical image. */
+/* Exchanges the outputs of both slaves at `out` and the inputs at `in`, in this order in the logical image. */
 static void exchange_both(cf_t *c, uint16_t other, const uint32_t out[2], const uint32_t in[2])
 {
     const uint16_t stations[2] = {c->facts.station, other}, ram = cf_spare_ram(c);
@@ -300,7 +300,7 @@ static void exchange_both(cf_t *c, uint16_t other, const uint32_t out[2], const 
     wkc = cf_logical(c, CF_LRW, LOGICAL, data, sizeof data);
     for (unsigned int i = 0; i < 2; i++) {
         (void)cf_command(c, CF_FPRD, stations[i], (uint16_t)(ram + 8), written[i], 4);
-        (void)try_map(c, &(area_t){stations[i], 0, 0, 0, 0}); /* the other slave keeps nothing, whatever comes now */
+        (void)try_map(c, &(area_t){stations[i], 0, 0, 0, 0}); /* clears the other slave before any verdict */
         (void)try_map(c, &(area_t){stations[i], 1, 0, 0, 0});
     }
     cf_expect_wkc(c, "LRW over two slaves", 6, wkc);
@@ -316,19 +316,21 @@ static void several(cf_t *c)
     uint16_t other = partner(c);
     if (other == 0)
         cf_skip(c, "no other slave on the segment has two FMMUs and RAM");
-    cf_step(c, "all outputs, then all inputs, as SOEM has it");
+    cf_step(c, "all outputs, then all inputs, as in SOEM");
     exchange_both(c, other, (const uint32_t[]){0, 4}, (const uint32_t[]){8, 12});
     cf_step(c, "slave by slave");
     exchange_both(c, other, (const uint32_t[]){0, 8}, (const uint32_t[]){4, 12});
 }
 
 static const cf_case_t cases[] = {
-    {"CF-028", "FMMUs map bytes both ways, several in a datagram, one over several datagrams", 'R', 0, 0, bytes},
-    {"CF-029", "FMMUs map bits across bytes; the bits outside are untouched", 'R', 0, 0, bits},
-    {"CF-030", "The mailbox state is one bit of a logical byte and leaves the others alone", 'R', CF_MAILBOX, 0,
-     mailbox_state},
-    {"CF-031", "An FMMU that is off, empty, of another direction or beyond the RAM maps nothing", 'R', 0, 0, nothing},
-    {"CF-032", "One LRW over several slaves, interleaved and in blocks", 'R', CF_CHAIN | CF_LRW_OK, 0, several},
+    {"CF-028", "FMMUs map bytes in both directions, several in a datagram, one over several datagrams", 'R', 0, 0,
+     bytes},
+    {"CF-029", "FMMUs map bits across bytes; other bits are unchanged", 'R', 0, 0, bits},
+    {"CF-030", "The mailbox state is mapped to one bit of a logical byte; the other bits are unchanged", 'R',
+     CF_MAILBOX, 0, mailbox_state},
+    {"CF-031", "An FMMU maps nothing if disabled, empty, of another direction or beyond the RAM", 'R', 0, 0, nothing},
+    {"CF-032", "One LRW exchanges data with several slaves, interleaved and in blocks", 'R', CF_CHAIN | CF_LRW_OK, 0,
+     several},
 };
 
 CF_SECTION(cf_fmmu, 'C', "FMMUs", cases);

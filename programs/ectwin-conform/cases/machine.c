@@ -26,10 +26,10 @@ enum {
     SHORT_MS = 100,
     SYNC0_DELAY_NS = 200000000,
     SYNC0_CYCLE_NS = 1000000,
-    SYNC0_SEEN = 0x0C, /* of 0x0151: a pin, an AL event */
+    SYNC0_SEEN = 0x0C, /* bits of 0x0151: SYNC0 output, SYNC0 mapped to AL event */
 };
 
-/* The first process-data SyncManager of a type that has bytes; -1: none. */
+/* @return the first SyncManager of a type with process data; -1: none */
 static int used_sm(const cf_t *c, uint8_t type)
 {
     for (int n = 0; n < c->facts.sm_count; n++) {
@@ -41,7 +41,7 @@ static int used_sm(const cf_t *c, uint8_t type)
 
 /* --- transitions -------------------------------------------------------------------------------------------------- */
 
-/* One transition, with the configuration and process data that the master owes it. */
+/* Takes the slave through one transition, with the configuration and process data required of the master. */
 static void take(cf_t *c, uint8_t from, uint8_t to)
 {
     cf_go(c, from);
@@ -64,7 +64,8 @@ static void legal(cf_t *c)
     }
 }
 
-/* BOOT from another state than INIT: an invalid change, or an unsupported BOOT. Some stacks leave OP for it. */
+/* BOOT from another state than INIT must be refused, as invalid or as unsupported. Some stacks leave OP on this
+ * request. */
 static void refuse_jump(cf_t *c, uint8_t from, uint8_t to)
 {
     uint16_t code;
@@ -72,7 +73,7 @@ static void refuse_jump(cf_t *c, uint8_t from, uint8_t to)
     cf_step(c, "%s to %s", cf_state_name(from), cf_state_name(to));
     uint16_t got = cf_request(c, to, &code);
     if (from == CF_OP && (got & 0x1F) == (CF_SAFEOP | ECT_AL_ERROR)) {
-        cf_warn(c, "%s to %s: refused, but in SAFEOP: the state did not stay", cf_state_name(from), cf_state_name(to));
+        cf_warn(c, "%s to %s: refused, but the slave fell to SAFEOP", cf_state_name(from), cf_state_name(to));
         from = CF_SAFEOP;
     }
     bool no_boot = to == CF_BOOT && (c->facts.has & CF_BOOTSTRAP) == 0 && code == NO_BOOT;
@@ -108,16 +109,16 @@ static void unknown(cf_t *c)
         return;
     }
     cf_go(c, CF_INIT);
-    cf_step(c, "BOOT, which the slave has not");
+    cf_step(c, "BOOT, which the slave does not support");
     cf_expect_refused(c, CF_BOOT, CF_INIT, NO_BOOT);
 }
 
 /* --- wrong SyncManagers ------------------------------------------------------------------------------------------- */
 
-/* One way to get a SyncManager wrong. */
+/* A wrong setting of a SyncManager. */
 typedef struct defect {
     const char *what;
-    int start, length; /* added; a length of -65535: 4 bytes */
+    int start, length; /* added to the right values; length -65535: 4 bytes */
     uint8_t control;   /* inverted bits */
     bool off;
 } defect_t;
@@ -155,7 +156,7 @@ static void wrong_mailbox(cf_t *c)
         wrong_mailbox_sm(c, CF_BOOT, 0, BOOT_MAILBOX);
         wrong_mailbox_sm(c, CF_BOOT, 1, BOOT_MAILBOX);
     }
-    cf_step(c, "with the right ones it works");
+    cf_step(c, "with the right settings it works");
     cf_go(c, CF_PREOP);
 }
 
@@ -199,7 +200,7 @@ static void wrong_process_data(cf_t *c)
                        cf_state_name(got), code);
         cf_expect_state(c, CF_PREOP | ACK, CF_PREOP);
     }
-    cf_step(c, "with the right ones it works");
+    cf_step(c, "with the right settings it works");
     cf_go(c, CF_SAFEOP);
 }
 
@@ -216,7 +217,7 @@ static void acknowledge(cf_t *c)
     uint16_t code;
     error_in_preop(c);
     cf_set_process_data(c);
-    cf_step(c, "a good request without an acknowledge");
+    cf_step(c, "a valid request without an acknowledge");
     uint16_t got = cf_request(c, CF_SAFEOP, &code);
     cf_expect_that(c, (got & 0x1F) == (CF_PREOP | ECT_AL_ERROR) && code == INVALID_CHANGE,
                    "a request without acknowledge: expected PREOP + error with code 0x0011 as before, got %s with code "
@@ -234,7 +235,7 @@ static void acknowledge_and_go(cf_t *c)
     cf_expect_state(c, CF_SAFEOP | ACK, CF_SAFEOP);
 }
 
-/* A read that shows the error flag shows its code. Status and code are one read. */
+/* A read of status and code in one datagram must never return the error flag without a code. */
 static void code_before_flag(cf_t *c)
 {
     cf_go(c, CF_PREOP);
@@ -246,8 +247,7 @@ static void code_before_flag(cf_t *c)
         while ((seen[0] & ECT_AL_ERROR) == 0 && cf_now_ns() < until)
             cf_get(c, ECT_REG_AL_STATUS, seen, sizeof seen);
         cf_expect(c, "AL status after an illegal request", CF_PREOP | ECT_AL_ERROR, seen[0]);
-        cf_expect(c, "AL status code in the first read that shows the error flag", INVALID_CHANGE,
-                  ect_load_le16(seen + 4));
+        cf_expect(c, "AL status code in the first read with the error flag", INVALID_CHANGE, ect_load_le16(seen + 4));
         cf_expect_state(c, CF_PREOP | ACK, CF_PREOP);
     }
 }
@@ -261,7 +261,7 @@ static void repeated(cf_t *c)
         for (int times = 0; times < 3; times++)
             cf_expect_state(c, states[i], states[i]);
     }
-    cf_step(c, "OP, and SAFEOP before it is reached");
+    cf_step(c, "OP, and SAFEOP before OP is reached");
     cf_put16(c, ECT_REG_AL_CONTROL, CF_OP);
     (void)cf_wait_bits(c, ECT_REG_AL_EVENT, ECT_EVENT_AL_CONTROL, 0, FALLBACK_MS, NULL);
     cf_expect_state(c, CF_SAFEOP, CF_SAFEOP);
@@ -273,7 +273,7 @@ static void repeated(cf_t *c)
 
 /* --- watchdog ----------------------------------------------------------------------------------------------------- */
 
-/* Whether the outputs, if there are any, trigger the watchdog. */
+/* @return whether there are outputs, and they trigger the watchdog */
 static bool is_watched(const cf_t *c)
 {
     int n = used_sm(c, ECT_SM_OUTPUTS);
@@ -304,7 +304,7 @@ static void fallback(cf_t *c)
     cf_go(c, CF_OP);
 }
 
-/* In SAFEOP the slave's software has no reason to act: the chip alone counts. */
+/* In SAFEOP the slave's software does not react: only the chip counts. */
 static void counter_stops(cf_t *c)
 {
     cf_go(c, CF_SAFEOP);
@@ -321,7 +321,7 @@ static void counter_stops(cf_t *c)
     cf_expect(c, "AL status", CF_SAFEOP, cf_get16(c, ECT_REG_AL_STATUS) & 0x1F);
 }
 
-/* No frame for a long time: the watchdog counts once, and the slave can be started again. */
+/* After a long time without frames, the watchdog has counted once, and the slave can be restarted. */
 static void without_master(cf_t *c, uint32_t seconds)
 {
     const bool watched = is_watched(c);
@@ -337,7 +337,7 @@ static void without_master(cf_t *c, uint32_t seconds)
     const bool fell = status == (CF_SAFEOP | ECT_AL_ERROR) && code == WATCHDOG;
     if (watched)
         cf_expect_range(c, "watchdog counter after that", 1, 1, cf_get8(c, ECT_REG_WD_COUNTER_PD));
-    /* A slave whose outputs do not trigger the chip's watchdog may have one of its own. */
+    /* A slave whose outputs do not trigger the chip's watchdog may have a watchdog in software. */
     cf_expect_that(c, fell || (!watched && status == CF_OP),
                    "AL status after %u s: expected SAFEOP + error with code 0x001B%s, got %s with code 0x%04X", seconds,
                    watched ? "" : ", or OP", cf_state_name(status), code);
@@ -357,8 +357,8 @@ static void long_absence(cf_t *c)
 
 /* --- synchronisation ---------------------------------------------------------------------------------------------- */
 
-/* The mode of the SII with SYNC0 that leaves a PC the most time: one whose cycle is the master's to choose, 0, else the
- * longest. @return AssignActivate; *cycle_ns */
+/* Finds the DC mode with SYNC0 that is easiest for a PC: cycle 0, set by the master, or else the longest cycle.
+ * @return AssignActivate; *cycle_ns */
 static uint16_t dc_mode(cf_t *c, uint32_t *cycle_ns)
 {
     size_t length;
@@ -374,11 +374,11 @@ static uint16_t dc_mode(cf_t *c, uint32_t *cycle_ns)
         *cycle_ns = cycle;
     }
     if (best == 0)
-        cf_skip(c, "the SII names no mode with SYNC0");
+        cf_skip(c, "the SII contains no mode with SYNC0");
     return best;
 }
 
-/* @return the system time at which SYNC0 has come a few times */
+/* Starts SYNC0. @return the system time after a few pulses */
 static uint64_t start_sync0(cf_t *c, uint16_t activate, uint32_t cycle_ns)
 {
     uint64_t start_ns = cf_get64(c, ECT_REG_DC_SYSTEM_TIME) + SYNC0_DELAY_NS;
@@ -390,7 +390,7 @@ static uint64_t start_sync0(cf_t *c, uint16_t activate, uint32_t cycle_ns)
     return start_ns + UINT64_C(10) * cycle_ns;
 }
 
-/* The cycle of the SII, possibly the only one allowed; else the shortest of 1C32h, 1 ms at least. */
+/* @return the cycle of the SII, which may be the only one allowed; else the minimum of 1C32h, at least 1 ms */
 static uint32_t sync0_cycle(cf_t *c, uint32_t cycle_ns)
 {
     uint32_t code;
@@ -401,7 +401,8 @@ static uint32_t sync0_cycle(cf_t *c, uint32_t cycle_ns)
     return cycle_ns < SYNC0_CYCLE_NS ? SYNC0_CYCLE_NS : cycle_ns;
 }
 
-/* Synchronisation by SYNC0 where the slave offers the choice, with a long limit: this PC is no real-time controller. */
+/* Selects synchronisation by SYNC0 if selectable, with a high limit of sync errors: this PC is no real-time controller.
+ */
 static void choose_sync0(cf_t *c)
 {
     const uint8_t sync0[2] = {2, 0}, limit[2] = {200, 0};
@@ -419,7 +420,7 @@ static void sync_lost(cf_t *c)
     uint16_t got, code, activate = dc_mode(c, &cycle_ns);
     bool known = false;
     if ((cf_get8(c, ECT_REG_SYNC_CONFIG) & SYNC0_SEEN) == 0)
-        cf_skip(c, "the chip leads SYNC0 neither to a pin nor to the slave's software (0x0151)");
+        cf_skip(c, "the chip outputs SYNC0 neither to a pin nor to the slave's software (0x0151)");
     cf_go(c, CF_PREOP);
     choose_sync0(c);
     uint64_t runs_ns = start_sync0(c, activate, sync0_cycle(c, cycle_ns));
@@ -429,19 +430,19 @@ static void sync_lost(cf_t *c)
         cf_poll_pause(c);
     }
     cf_expect(c, "AL status with SYNC0", CF_OP, cf_get16(c, ECT_REG_AL_STATUS) & 0x1F);
-    cf_step(c, "SYNC0 stops, process data go on");
+    cf_step(c, "SYNC0 stops, process data continue");
     cf_put8(c, ECT_REG_DC_ACTIVATION, 0);
     (void)cf_wait_status(c, CF_SAFEOP | ECT_AL_ERROR, FALLBACK_MS, true, &got, &code);
     for (size_t i = 0; i < sizeof codes / sizeof codes[0]; i++)
         known |= code == codes[i];
     cf_expect_that(c, (got & 0x1F) == (CF_SAFEOP | ECT_AL_ERROR) && known,
-                   "SYNC0 stops: expected SAFEOP + error with a code of synchronisation, got %s with code 0x%04X",
+                   "SYNC0 stops: expected SAFEOP + error with a synchronisation code, got %s with code 0x%04X",
                    cf_state_name(got), code);
 }
 
 static void local_error(cf_t *c)
 {
-    cf_skip(c, "only the slave's own application can bring this about, not a master");
+    cf_skip(c, "only the slave's application can cause this, not a master");
 }
 
 static void power_up(cf_t *c)
@@ -463,7 +464,7 @@ static void power_up(cf_t *c)
     };
     uint8_t bytes[8];
     if (!c->power)
-        cf_skip(c, "somebody would have to switch the slave off and on: --power names a command for it");
+        cf_skip(c, "needs a power cycle: give a command that switches the slave off and on, --power COMMAND");
     cf_go(c, CF_OP);
     cf_power_cycle(c);
     for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
@@ -509,7 +510,7 @@ static void identify_in(cf_t *c, uint8_t state, uint16_t *id)
     cf_expect(c, "0x0134 without the request", 0, cf_get16(c, ECT_REG_AL_STATUS_CODE));
 }
 
-/* A slave with alias 0 may have no value; only its reply shows that. */
+/* A slave with alias 0 may have no identification value, which only its reply reveals. */
 static void expect_value(cf_t *c)
 {
     if (c->facts.alias != 0)
@@ -528,7 +529,7 @@ static void identification(cf_t *c)
     uint16_t id = 0;
     const uint8_t *general = cf_sii_category(c, SII_GENERAL, &length);
     if (!general || length <= GENERAL_FLAGS || (general[GENERAL_FLAGS] & FLAG_IDENT) == 0)
-        cf_skip(c, "the SII does not offer identification by AL status");
+        cf_skip(c, "the SII does not announce identification by AL status");
     expect_value(c);
     identify_in(c, CF_INIT, &id);
     identify_in(c, CF_PREOP, &id);
@@ -543,7 +544,7 @@ static void identification(cf_t *c)
     cf_note(c, "identification value 0x%04X", id);
 }
 
-/* The first mapped output that an SDO may read. @return whether there is one; *index, *sub */
+/* Finds the first mapped output that an SDO may read. @return false: none */
 static bool first_output(cf_t *c, uint16_t *index, uint8_t *sub)
 {
     uint32_t code;
@@ -567,18 +568,18 @@ static void outputs_stay(cf_t *c)
     uint8_t sub;
     cf_go(c, CF_SAFEOP);
     if (!first_output(c, &index, &sub)) {
-        cf_note(c, "inputs; whether outputs move cannot be seen by SDO here");
+        cf_note(c, "inputs only; outputs of this slave cannot be read by SDO");
         return;
     }
     sub_index = sub;
     (void)cf_upload(c, index, sub, false, before, &size);
-    cf_step(c, "outputs 0x55 in SAFEOP; %04Xh:%02X is the first of them", index, sub_index);
+    cf_step(c, "outputs 0x55 in SAFEOP; %04Xh:%02X is the first one", index, sub_index);
     memset(outputs, 0x55, sizeof outputs);
     for (int i = 0; i < 10; i++)
         (void)cf_cycle(c, outputs, NULL);
     (void)cf_upload(c, index, sub, false, after, &again);
     cf_expect_range(c, "length of the output object", size, size, again);
-    cf_expect_bytes(c, "the first output in SAFEOP, while others are sent", before, after, size);
+    cf_expect_bytes(c, "the first output in SAFEOP, while other values are sent", before, after, size);
     cf_expect(c, "AL status", CF_SAFEOP, cf_get16(c, ECT_REG_AL_STATUS) & 0x1F);
 }
 
@@ -588,37 +589,39 @@ static void safe_outputs(cf_t *c)
     const int in = used_sm(c, ECT_SM_INPUTS);
     cf_go(c, CF_SAFEOP);
     if (in >= 0)
-        cf_expect_wkc(c, "a read of the inputs, as soon as SAFEOP is shown", 1,
+        cf_expect_wkc(c, "a read of the inputs as soon as AL status is SAFEOP", 1,
                       cf_read(c, c->facts.sm[in].start, data, c->facts.sm[in].length));
     if (used_sm(c, ECT_SM_OUTPUTS) >= 0)
         outputs_stay(c);
 }
 
 static const cf_case_t cases[] = {
-    {"CF-033", "Every legal transition is made in time, without an error", 'R', 0, 60000, legal},
-    {"CF-034", "An illegal transition is refused: the state stays, code 0x0011", 'R', CF_APPLICATION, 60000, illegal},
+    {"CF-033", "Every legal transition completes in time, without an error", 'R', 0, 60000, legal},
+    {"CF-034", "An illegal transition is refused with code 0x0011; the state is unchanged", 'R', CF_APPLICATION, 60000,
+     illegal},
     {"CF-035", "An unknown state is refused with 0x0012, an unsupported BOOT with 0x0013", 'R', CF_APPLICATION, 0,
      unknown},
     {"CF-036", "With a wrong SM0 or SM1 the slave stays in INIT, code 0x0016 (BOOT: 0x0015)", 'R',
      CF_APPLICATION | CF_MAILBOX, 60000, wrong_mailbox},
-    {"CF-037", "With a wrong SyncManager for process data it stays in PREOP, code 0x001D or 0x001E", 'R',
+    {"CF-037", "With a wrong SyncManager for process data the slave stays in PREOP, code 0x001D or 0x001E", 'R',
      CF_APPLICATION, 60000, wrong_process_data},
     {"CF-038", "With the error flag set a request without acknowledge is ignored", 'R', CF_APPLICATION, 0, acknowledge},
-    {"CF-039", "An acknowledge together with a higher state does both", 'R', CF_APPLICATION, 0, acknowledge_and_go},
+    {"CF-039", "A request with acknowledge and a higher state does both", 'R', CF_APPLICATION, 0, acknowledge_and_go},
     {"CF-040", "The code precedes the error flag, and clears with it", 'R', CF_APPLICATION, 0, code_before_flag},
-    {"CF-041", "Repeated requests, and a request during a transition, do no harm", 'R', CF_APPLICATION, 60000,
+    {"CF-041", "Repeated requests, and a request during a transition, cause no error", 'R', CF_APPLICATION, 60000,
      repeated},
-    {"CF-042", "Without outputs OP falls back to SAFEOP, code 0x001B; inputs continue; OP is reachable again", 'R',
-     CF_APPLICATION | CF_OUTPUTS, 0, fallback},
-    {"CF-043", "Without SYNC0 OP falls back with a code of synchronisation", 'R',
+    {"CF-042", "Without outputs the slave falls from OP to SAFEOP, code 0x001B; inputs continue; OP is reachable again",
+     'R', CF_APPLICATION | CF_OUTPUTS, 0, fallback},
+    {"CF-043", "Without SYNC0 the slave falls from OP to SAFEOP with a synchronisation code", 'R',
      CF_APPLICATION | CF_DC | CF_SII | CF_REAL_TIME, 30000, sync_lost},
-    {"CF-044", "A local error falls to the ordered state with its own code", 'R', CF_APPLICATION, 0, local_error},
+    {"CF-044", "After a local error the slave falls to the state of the error, with the code of the error", 'R',
+     CF_APPLICATION, 0, local_error},
     {"CF-045", "With device emulation AL status mirrors AL control", 'R', CF_EMULATION, 0, emulation},
-    {"CF-046", "The slave gives its identification value on request in each state, not with an error pending", 'R',
+    {"CF-046", "The slave returns its identification value on request in each state, except with an error pending", 'R',
      CF_APPLICATION | CF_SII, 0, identification},
-    {"CF-047", "After power-up: INIT, all registers at their reset values", 'R', 0, 0, power_up},
-    {"CF-048", "In SAFEOP inputs are valid and outputs do not move", 'R', CF_APPLICATION, 0, safe_outputs},
-    {"CF-049", "The watchdog counter stops at 255; a long absence of the master counts once", 'R', CF_APPLICATION,
+    {"CF-047", "After power-on the slave is in INIT, with all registers at their reset values", 'R', 0, 0, power_up},
+    {"CF-048", "In SAFEOP inputs are valid and outputs do not change", 'R', CF_APPLICATION, 0, safe_outputs},
+    {"CF-049", "The watchdog counter stops at 255; a long absence of the master is counted once", 'R', CF_APPLICATION,
      60000, long_absence},
 };
 

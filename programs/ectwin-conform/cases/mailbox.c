@@ -11,13 +11,13 @@ enum { ERROR_PROTOCOL = 2 };
 
 /* --- files -------------------------------------------------------------------------------------------------------- */
 
-/* Content of the file before the case. */
+/* Buffer for the content of the file before the case. */
 static uint8_t *content(cf_t *c)
 {
     return cf_room(c, 0);
 }
 
-/* Content of the file, read later. */
+/* Buffer for the content of the file after a change. */
 static uint8_t *again(cf_t *c)
 {
     return cf_room(c, 1);
@@ -38,17 +38,17 @@ static uint32_t expect_error(cf_t *c, const char *what, const cf_foe_t *sent)
 /* Requests that need no existing file. */
 static void refusals(cf_t *c)
 {
-    static const char name[] = "none"; /* fits the shortest of mailboxes */
+    static const char name[] = "none"; /* fits the smallest mailbox */
     uint8_t longest[CF_MAX_MAIL];
     const struct {
         const char *what;
         cf_foe_t sent;
     } table[] = {
-        {"a file that does not exist", {CF_FOE_READ, 0, name, sizeof name - 1}},
+        {"a non-existent file", {CF_FOE_READ, 0, name, sizeof name - 1}},
         {"a name that fills the mailbox", {CF_FOE_READ, 0, longest, cf_foe_full(c, true)}},
-        {"an acknowledge of nothing", {CF_FOE_ACK, FAR, NULL, 0}},
-        {"a packet of nothing", {CF_FOE_DATA, 1, NULL, 0}},
-        {"an operation that does not exist", {UNKNOWN, 0, NULL, 0}},
+        {"an acknowledge without a transfer", {CF_FOE_ACK, FAR, NULL, 0}},
+        {"a packet without a transfer", {CF_FOE_DATA, 1, NULL, 0}},
+        {"an unknown operation", {UNKNOWN, 0, NULL, 0}},
     };
     memset(longest, 'n', sizeof longest);
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
@@ -57,9 +57,9 @@ static void refusals(cf_t *c)
     }
 }
 
-/* Reads the file in the state that offers it; in the other state the error names the right one. @return the state, 0:
- * not here */
-static uint8_t home(cf_t *c, uint8_t state, uint32_t elsewhere, size_t *size)
+/* Reads the file in `state`, unless the error code requires the other state. @return the state of FoE; 0: not `state`
+ */
+static uint8_t foe_state(cf_t *c, uint8_t state, uint32_t elsewhere, size_t *size)
 {
     cf_go(c, CF_INIT);
     cf_go(c, state);
@@ -91,7 +91,7 @@ static void wrong_password(cf_t *c)
 
 static void wrong_acknowledge(cf_t *c)
 {
-    static const char what[] = "an acknowledge of a packet that was not sent";
+    static const char what[] = "an acknowledge of an unsent packet";
     const cf_foe_t open = cf_foe_open(c, CF_FOE_READ, c->password);
     cf_mail_t mail;
     uint32_t number;
@@ -108,10 +108,11 @@ static void expect_ack(cf_t *c, uint32_t expected, const cf_foe_t *sent)
     uint32_t number;
     uint8_t operation = cf_request_foe(c, sent, &mail, &number);
     cf_expect_that(c, operation == CF_FOE_ACK && number == expected,
-                   "packet %u: expected its acknowledge, got operation %u, number 0x%04X", expected, operation, number);
+                   "packet %u: expected an acknowledge of the packet, got operation %u, number 0x%04X", expected,
+                   operation, number);
 }
 
-/* @return whether the slave takes a file of that length; a firmware may have to have its own */
+/* @return whether the slave accepts a file of this length; a firmware may have a fixed length */
 static bool write_size(cf_t *c, size_t size)
 {
     cf_step(c, "%zu bytes are written and read", size);
@@ -148,7 +149,7 @@ static void packet_jump(cf_t *c)
               expect_error(c, "a packet out of order", &(cf_foe_t){CF_FOE_DATA, 3, packet, full}));
 }
 
-/* The slave refuses the file at some point, or has room for all of it. @return bytes taken */
+/* The slave refuses the file at some point, or accepts all of it. @return bytes accepted */
 static size_t without_end(cf_t *c)
 {
     uint8_t packet[CF_MAX_MAIL] = {0};
@@ -157,7 +158,7 @@ static size_t without_end(cf_t *c)
     cf_mail_t mail;
     uint32_t number, n = 0;
     size_t taken = 0;
-    cf_step(c, "a file without end");
+    cf_step(c, "an endless file");
     expect_ack(c, 0, &open);
     for (; taken < ENDLESS_MOST; taken += full) {
         uint8_t operation = cf_request_foe(c, &(cf_foe_t){CF_FOE_DATA, ++n, packet, full}, &mail, &number);
@@ -166,7 +167,7 @@ static size_t without_end(cf_t *c)
         cf_expect_that(c, operation == CF_FOE_ACK, "packet %u: expected an acknowledge or an error, got operation %u",
                        n, operation);
     }
-    cf_send_foe(c, &(cf_foe_t){CF_FOE_ERROR, ECT_FOE_UNDEFINED, NULL, 0}); /* the master gives up */
+    cf_send_foe(c, &(cf_foe_t){CF_FOE_ERROR, ECT_FOE_UNDEFINED, NULL, 0}); /* the master aborts the transfer */
     cf_sleep_ms(c, 20);
     return taken;
 }
@@ -177,19 +178,19 @@ static void written(cf_t *c, size_t size)
     unsigned int sizes = write_sizes(c);
     packet_jump(c);
     size_t taken = without_end(c);
-    if (cf_mail_waits(c)) { /* an answer to the error, which wants none */
+    if (cf_mail_waits(c)) { /* a reply to the error, which requires none */
         cf_mail_t mail;
         (void)cf_receive_mail(c, &mail, CF_MAIL_MS);
     }
-    cf_note(c, "%u of 6 lengths taken and read back; %zu bytes of a file without end%s", sizes, taken,
+    cf_note(c, "%u of 6 lengths written and read back; %zu bytes accepted of an endless file%s", sizes, taken,
             taken >= ENDLESS_MOST ? " and more" : "");
 }
 
 static void known_file(cf_t *c)
 {
     size_t size = 0, in_boot = 0;
-    uint8_t state = home(c, CF_PREOP, ECT_FOE_BOOT_ONLY, &size);
-    if ((c->facts.has & CF_BOOTSTRAP) != 0 && home(c, CF_BOOT, ECT_FOE_NOT_IN_BOOT, &in_boot) != 0 && state == 0) {
+    uint8_t state = foe_state(c, CF_PREOP, ECT_FOE_BOOT_ONLY, &size);
+    if ((c->facts.has & CF_BOOTSTRAP) != 0 && foe_state(c, CF_BOOT, ECT_FOE_NOT_IN_BOOT, &in_boot) != 0 && state == 0) {
         state = CF_BOOT;
         size = in_boot;
     }
@@ -212,14 +213,14 @@ static void files(cf_t *c)
 {
     cf_go(c, (c->facts.has & CF_BOOTSTRAP) != 0 ? CF_BOOT : CF_PREOP);
     refusals(c);
-    cf_note(c, "refusals; --file names a file to read");
+    cf_note(c, "refusals only; name a file to read with --file");
     if (c->file)
         known_file(c);
 }
 
 /* --- others ------------------------------------------------------------------------------------------------------- */
 
-/* A protocol that is not offered is refused, and the mailbox continues. */
+/* A request of an unsupported protocol must be refused, and the mailbox must continue. */
 static void not_offered(cf_t *c)
 {
     static const struct {
@@ -237,31 +238,31 @@ static void not_offered(cf_t *c)
         tried++;
     }
     if (tried == 0)
-        cf_skip(c, "the slave offers them all");
+        cf_skip(c, "the slave supports all of them");
 }
 
 static const cf_case_t cases[] = {
-    {"CF-084", "FoE: files are read and written whole; wrong names, passwords, packets are refused", 'F',
+    {"CF-084", "FoE: files are read and written completely; wrong names, passwords, packets are refused", 'F',
      CF_MAILBOX | CF_FOE, 60000, files},
     {"CF-085",
-     "EoE: address and filter are reported; frames of any length pass in fragments, incomplete ones are dropped", 'F',
+     "EoE: address and filter are reported; fragmented frames of any length pass, incomplete ones are dropped", 'F',
      CF_MAILBOX | CF_EOE, 60000, cf_ethernet},
-    {"CF-E01", "EoE: IP parameters are taken and reported, packed and in the full layout", 'R', CF_MAILBOX | CF_EOE, 0,
-     cf_eoe_parameters},
-    {"CF-E02", "EoE: frames of each length pass whole, in both directions", 'R', CF_MAILBOX | CF_EOE, 120000,
+    {"CF-E01", "EoE: IP parameters are accepted and reported, packed and in the full layout", 'R', CF_MAILBOX | CF_EOE,
+     0, cf_eoe_parameters},
+    {"CF-E02", "EoE: frames of each length pass completely, in both directions", 'R', CF_MAILBOX | CF_EOE, 120000,
      cf_eoe_lengths},
-    {"CF-E03", "EoE: a gap, an overlap, a wrong number or size, or 1540 bytes costs that frame alone", 'R',
+    {"CF-E03", "EoE: a gap, an overlap, a wrong number or size, or 1540 bytes affect only the present frame", 'R',
      CF_MAILBOX | CF_EOE, 60000, cf_eoe_wrong_fragments},
-    {"CF-E04", "EoE: time stamps, repeated mails and the counter 0 neither lose nor double a frame", 'R',
+    {"CF-E04", "EoE: time stamps, repeated mails and the counter 0 neither lose nor duplicate a frame", 'R',
      CF_MAILBOX | CF_EOE, 60000, cf_eoe_repeats},
-    {"CF-E05", "EoE: IP parameters that are cut are refused and change nothing", 'R', CF_MAILBOX | CF_EOE, 0,
+    {"CF-E05", "EoE: truncated IP parameters are refused and change nothing", 'R', CF_MAILBOX | CF_EOE, 0,
      cf_eoe_short_parameters},
     {"CF-E06", "EoE: SOEM and IgH set an address and read it back, in the order in which it is printed", 'F',
      CF_MAILBOX | CF_EOE | CF_SII, 60000, cf_eoe_masters},
-    {"CF-E07", "EoE: SDOs between fragments harm no frame, and frames of the slave delay no SDO", 'R',
+    {"CF-E07", "EoE: SDOs between fragments do not affect frames, and frames of the slave do not delay SDOs", 'R',
      CF_MAILBOX | CF_EOE | CF_COE, 60000, cf_eoe_beside_sdo},
-    {"CF-E08", "EoE: INIT ends half frames of both directions; BOOT refuses EoE", 'R', CF_MAILBOX | CF_EOE, 60000,
-     cf_eoe_restart},
+    {"CF-E08", "EoE: INIT discards incomplete frames of both directions; BOOT refuses EoE", 'R', CF_MAILBOX | CF_EOE,
+     60000, cf_eoe_restart},
     {"CF-E09", "EoE: each ping returns whole, also after a master has fetched nothing for 10 s", 'F',
      CF_MAILBOX | CF_EOE, 120000, cf_eoe_pings},
     {"CF-E10", "EoE: random fragments change nothing, and the next good frame passes", 'R', CF_MAILBOX | CF_EOE, 120000,
@@ -270,7 +271,7 @@ static const cf_case_t cases[] = {
      CF_MAILBOX | CF_SII, 0, cf_eoe_described},
     {"CF-E12", "EoE: reserved types and unknown ports are refused, replies without a request are ignored", 'R',
      CF_MAILBOX | CF_EOE, 0, cf_eoe_unsupported},
-    {"CF-086", "AoE, SoE and VoE get a mailbox error when they are not offered", 'R', CF_MAILBOX, 0, not_offered},
+    {"CF-086", "AoE, SoE and VoE get a mailbox error if not supported", 'R', CF_MAILBOX, 0, not_offered},
 };
 
 CF_SECTION(cf_mailbox, 'H', "Other mailbox protocols", cases);

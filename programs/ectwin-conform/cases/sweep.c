@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* CF-094, the part that is not random: every command, header field and length once. No request has a lasting effect. */
+/* The systematic part of CF-094: every command, header field and length once. No request has a lasting effect. */
 #include <string.h>
 
 #include "cases/beyond.h"
@@ -20,7 +20,7 @@ static bool is_positional(unsigned int command)
     return command <= CF_APRW || command == CF_ARMW;
 }
 
-/* Writes reach the last bytes of the RAM, which process data of a start-up leaves alone. */
+/* Writes go to the last bytes of the RAM, which the process data of a start-up do not use. */
 static unsigned long commands(cf_t *c)
 {
     const uint16_t place = (uint16_t)(ECT_RAM + c->facts.ram_kb * 1024u - 4);
@@ -33,15 +33,15 @@ static unsigned long commands(cf_t *c)
     return UINT8_MAX + 1;
 }
 
-/* @param type    of the EtherCAT header
- * @param claims  its length field
- * @param length  of the datagram, with its flags */
+/* @param type    type field of the EtherCAT header
+ * @param claims  length field of the EtherCAT header
+ * @param length  length field of the datagram, with its flags */
 static void raw_frame(cf_t *c, unsigned int type, unsigned int claims, unsigned int length)
 {
     uint8_t frame[FRAME] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 1, 1, 1, 1, 1, 1, 0x88, 0xA4};
     ect_store_le16(frame + ETHERNET, (uint16_t)(type << 12 | (claims & 0x7FF)));
     frame[ETHERNET + 2] = CF_BRD;
-    frame[ETHERNET + 3] = 0xEE; /* an index that nothing waits for */
+    frame[ETHERNET + 3] = 0xEE; /* an index unused by exchanges */
     ect_store_le16(frame + ETHERNET + 8, (uint16_t)length);
     (void)cf_raw_frame(c, frame, sizeof frame, NULL);
 }
@@ -82,7 +82,7 @@ static void post(cf_t *c, const uint8_t *mail)
     (void)cf_write(c, c->mailbox.out_start, mail, c->mailbox.out_size);
 }
 
-/* An upload of 1018h:01 for CoE, a mail of zeros for any other type. */
+/* Builds an upload of 1018h:01 for CoE, a mail of zeros for any other type. */
 static void upload(cf_t *c, uint8_t *mail, uint8_t type)
 {
     memset(mail, 0, CF_MAX_MAIL);
@@ -97,7 +97,7 @@ static void upload(cf_t *c, uint8_t *mail, uint8_t type)
     mail[SDO + 3] = 1;
 }
 
-/* Types of protocols that the slave offers beside CoE may order something with a mail of zeros: they are left out. */
+/* @return false: the slave supports the protocol, in which a mail of zeros may have an effect (CoE excepted) */
 static bool is_harmless(const cf_t *c, unsigned int type)
 {
     static const uint8_t bits[16] = {[CF_MBX_AOE] = CF_PROTO_AOE,
@@ -135,7 +135,7 @@ static unsigned long mail_headers(cf_t *c)
     return sent;
 }
 
-/* Downloads name an object that no slave has; segments belong to no transfer. */
+/* Downloads are to a non-existent object; segments belong to no transfer. */
 static unsigned long coe(cf_t *c)
 {
     uint8_t mail[CF_MAX_MAIL];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* B. SyncManagers. The mailbox is tried with requests that every slave replies to; their content does not matter. */
+/* B. SyncManagers. The mailbox is tested with requests to which every slave replies. */
 #include <string.h>
 
 #include "steps/case.h"
@@ -18,9 +18,9 @@ enum { ACTIVATE_1 = ECT_REG_SM + ECT_SM_SIZE + ECT_SM_ACTIVATE, MAP_LOGICAL = 0x
 enum { CODE_MAILBOX = 0x0016, CODE_OUTPUTS = 0x001D, CODE_INPUTS = 0x001E };
 enum { ERROR_SYNTAX = 1, ERROR_PROTOCOL = 2, ERROR_CHANNEL = 3, ERROR_HEADER = 5, ERROR_SHORT = 6, ERROR_SIZE = 8 };
 
-/* --- requests that any slave with a mailbox replies to ------------------------------------------------------------ */
+/* --- requests to which every slave with a mailbox replies --------------------------------------------------------- */
 
-/* A mailbox type that the slave does not offer: it replies with a mailbox error. */
+/* @return a mailbox type that the slave does not support, so that the reply is a mailbox error */
 static uint8_t foreign_type(const cf_t *c)
 {
     static const struct {
@@ -33,7 +33,7 @@ static uint8_t foreign_type(const cf_t *c)
     return 9;
 }
 
-/* Builds a whole mail: an SDO upload of 1018h:`sub`, or one of a type that is refused. @return bytes of it */
+/* Builds a whole mail: an SDO upload of 1018h:`sub`, or an unsupported type. @return bytes of the mail */
 static uint16_t build(cf_t *c, uint8_t *mail, uint8_t sub)
 {
     memset(mail, 0, CF_MAX_MAIL);
@@ -57,7 +57,7 @@ static void ask(cf_t *c, uint8_t sub)
     cf_send_raw_mail(c, mail, build(c, mail, sub));
 }
 
-/* Waits for a mail without fetching it. */
+/* Waits for a mail without reading it. */
 static void wait_full(cf_t *c)
 {
     if (!cf_wait_bits(c, STATUS_1, ECT_SM_STATUS_FULL, ECT_SM_STATUS_FULL, CF_MAIL_MS, NULL))
@@ -70,7 +70,7 @@ static void fetch(cf_t *c, cf_mail_t *mail)
         cf_fail(c, "a reply: expected in SM1 within %d ms, got none", (int)CF_MAIL_MS);
 }
 
-/* Which sub-index a reply is for; the requested one when the slave has no CoE and all replies look alike. */
+/* @return sub-index of a reply; `asked` without CoE, where all replies are equal */
 static uint8_t reply_sub(const cf_t *c, const cf_mail_t *mail, uint8_t asked)
 {
     return (c->facts.has & CF_COE) != 0 ? mail->data[5] : asked;
@@ -84,7 +84,7 @@ static void last_byte_fills(cf_t *c)
     cf_mail_t reply;
     const uint16_t start = c->mailbox.out_start, size = c->mailbox.out_size;
     (void)build(c, mail, 1);
-    cf_step(c, "all of a mail but its last byte");
+    cf_step(c, "a mail except its last byte");
     cf_expect_wkc(c, "the write without the last byte", 1, cf_write(c, start, mail, size - 1u));
     cf_expect_bits(c, "status of SM0 before the last byte", ECT_SM_STATUS_FULL, 0, cf_get8(c, STATUS_0));
     cf_expect_no_mail(c, SHORT_MS);
@@ -93,8 +93,8 @@ static void last_byte_fills(cf_t *c)
     fetch(c, &reply);
 }
 
-/* Asks without fetching until SM0 is full. Its status and the next mail go in one frame: nothing comes between them.
- * @return how many mails it took */
+/* Sends mails without reading replies until SM0 is full. One frame reads the status and writes the next mail, so the
+ * slave cannot act in between. @return number of mails accepted */
 static unsigned int fill(cf_t *c, bool *was_full)
 {
     uint8_t mail[CF_MAX_MAIL], status = 0;
@@ -116,7 +116,7 @@ static unsigned int fill(cf_t *c, bool *was_full)
         accepted += *was_full ? 0 : 1;
     }
     if (*was_full)
-        c->mail_counter = (uint8_t)(c->mail_counter == 1 ? 7 : c->mail_counter - 1); /* it was not sent */
+        c->mail_counter = (uint8_t)(c->mail_counter == 1 ? 7 : c->mail_counter - 1); /* the mail was not sent */
     return accepted;
 }
 
@@ -126,10 +126,10 @@ static void one_mail(cf_t *c)
     bool was_full;
     cf_go(c, CF_PREOP);
     last_byte_fills(c);
-    cf_step(c, "requests whose replies are not fetched, until SM0 is full and refuses one");
+    cf_step(c, "requests without reading replies, until SM0 is full and refuses one");
     unsigned int accepted = fill(c, &was_full);
     if (!was_full)
-        cf_note(c, "the slave took %u requests without a reply being fetched: SM0 was never full", accepted);
+        cf_note(c, "the slave accepted %u requests without a read of a reply: SM0 was never full", accepted);
     cf_step(c, "all %u replies: the mail in SM0 is unchanged", accepted);
     for (unsigned int i = 0; i < accepted; i++) {
         fetch(c, &reply);
@@ -146,7 +146,7 @@ static void reading(cf_t *c)
     cf_expect_wkc(c, "a read of the empty SM1", 0, cf_read(c, start, data, size));
     ask(c, 1);
     wait_full(c);
-    cf_step(c, "reads that do not begin at the first byte");
+    cf_step(c, "reads that begin after the first byte");
     cf_expect_wkc(c, "a read from the second byte on", 0, cf_read(c, (uint16_t)(start + 1), data, size - 1u));
     cf_expect_wkc(c, "a read of the last byte", 0, cf_read(c, (uint16_t)(start + size - 1), data, 1));
     cf_expect_bits(c, "status of SM1", ECT_SM_STATUS_FULL, ECT_SM_STATUS_FULL, cf_get8(c, STATUS_1));
@@ -160,7 +160,7 @@ static void reading(cf_t *c)
     cf_expect_wkc(c, "a read of the empty SM1", 0, cf_read(c, start, data, size));
 }
 
-/* Header and data in one datagram, the last byte in another: as TwinCAT does. */
+/* Writes header and data in one datagram, the last byte in another, as TwinCAT does. */
 static void split(cf_t *c)
 {
     uint8_t mail[CF_MAX_MAIL], last = 0, head[2] = {0}, reply[CF_MAX_MAIL] = {0};
@@ -169,7 +169,7 @@ static void split(cf_t *c)
                    out_last = (uint16_t)(out + c->mailbox.out_size - 1);
     cf_go(c, CF_PREOP);
     uint16_t length = build(c, mail, 2);
-    if (length == c->mailbox.out_size) /* it fills SM0: its last byte is the other datagram */
+    if (length == c->mailbox.out_size) /* the mail fills SM0, so its last byte is in the other datagram */
         last = mail[--length];
     cf_step(c, "the mail and the last byte of SM0 as two datagrams of a frame");
     cf_datagram_t write[2] = {{.command = CF_FPWR, .address = CF_AT(station, out), .length = length, .data = mail},
@@ -178,7 +178,7 @@ static void split(cf_t *c)
     cf_expect_wkc(c, "the mail", 1, write[0].wkc);
     cf_expect_wkc(c, "the last byte", 1, write[1].wkc);
     wait_full(c);
-    cf_step(c, "two bytes first; in a later frame the mail and the last byte of SM1");
+    cf_step(c, "two bytes; in a later frame the mail and the last byte of SM1");
     cf_expect_wkc(c, "a read of the first two bytes", 1, cf_read(c, in, head, 2));
     uint16_t size = (uint16_t)(ect_load_le16(head) + MAIL_HEADER);
     cf_expect_range(c, "length of the reply with its header", MAIL_HEADER + 1, c->mailbox.in_size, size);
@@ -194,7 +194,7 @@ static void split(cf_t *c)
 
 /* --- three buffers ------------------------------------------------------------------------------------------------ */
 
-/* The first process-data SyncManager of that type with at least two bytes; -1: none. */
+/* @return the first process data SyncManager of a type with at least two bytes; -1: none */
 static int process_sm(const cf_t *c, uint8_t type)
 {
     for (int n = 0; n < c->facts.sm_count; n++) {
@@ -204,8 +204,7 @@ static int process_sm(const cf_t *c, uint8_t type)
     return -1;
 }
 
-/* The buffer of a begun read belongs to the master until its last byte is read, however often the slave writes others.
- */
+/* From its first byte to its last, a read owns the buffer, however many other buffers the slave writes. */
 static void buffer_under_read(cf_t *c, unsigned int n)
 {
     uint8_t first[CF_MAX_DATA], later[CF_MAX_DATA];
@@ -213,7 +212,7 @@ static void buffer_under_read(cf_t *c, unsigned int n)
     const uint16_t inner = (uint16_t)(length - 2);
     if (inner == 0)
         return;
-    cf_step(c, "a read that is begun: the bytes behind its first one do not change until its last one is read");
+    cf_step(c, "a read in progress: after its first byte the other bytes do not change until the last one is read");
     cf_expect_wkc(c, "a read of the first byte", 1, cf_read(c, start, first, 1));
     cf_expect_wkc(c, "a read of the inner bytes", 1, cf_read(c, (uint16_t)(start + 1), first, inner));
     for (int i = 0; i < UNDER_READ; i++) {
@@ -229,7 +228,7 @@ static void input_buffers(cf_t *c, unsigned int n)
     uint8_t data[CF_MAX_DATA];
     const uint16_t start = c->facts.sm[n].start, length = c->facts.sm[n].length;
     cf_step(c, "inputs");
-    cf_expect_wkc(c, "a read from the second byte on, not begun", 0,
+    cf_expect_wkc(c, "a read from the second byte on, which does not open the buffer", 0,
                   cf_read(c, (uint16_t)(start + 1), data, length - 1u));
     cf_expect_wkc(c, "a read of all inputs", 1, cf_read(c, start, data, length));
     cf_expect_wkc(c, "a second read of all inputs", 1, cf_read(c, start, data, length));
@@ -249,21 +248,21 @@ static void output_buffers(cf_t *c, unsigned int n)
     cf_step(c, "outputs, in OP");
     cf_go(c, CF_OP);
     uint8_t before = cf_get8(c, reg) & ECT_SM_STATUS_BUFFER;
-    cf_expect_wkc(c, "a write from the second byte on, not begun", 0,
+    cf_expect_wkc(c, "a write from the second byte on, which does not open the buffer", 0,
                   cf_write(c, (uint16_t)(start + 1), zeros, length - 1u));
     cf_expect_wkc(c, "a write without the last byte", 1, cf_write(c, start, zeros, length - 1u));
     cf_expect_bits(c, "last written buffer before the last byte", ECT_SM_STATUS_BUFFER, before, cf_get8(c, reg));
     cf_expect_wkc(c, "a write of the last byte", 1, cf_write(c, (uint16_t)(start + length - 1), zeros, 1));
     uint8_t after = cf_get8(c, reg) & ECT_SM_STATUS_BUFFER;
     cf_expect_that(c, after != before && after != ECT_SM_STATUS_BUFFER,
-                   "last written buffer: expected another than %u, got %u", before >> 4, after >> 4);
+                   "last written buffer: expected a value other than %u, got %u", before >> 4, after >> 4);
 }
 
 static void three_buffers(cf_t *c)
 {
     int inputs = process_sm(c, ECT_SM_INPUTS), outputs = process_sm(c, ECT_SM_OUTPUTS);
     if (inputs < 0 && outputs < 0)
-        cf_skip(c, "no process data of two bytes or more: one byte has no buffers");
+        cf_skip(c, "no process data of at least two bytes: one byte is not buffered");
     cf_go(c, CF_SAFEOP);
     if (inputs >= 0)
         input_buffers(c, (unsigned int)inputs);
@@ -271,8 +270,8 @@ static void three_buffers(cf_t *c)
         output_buffers(c, (unsigned int)outputs);
 }
 
-/* A chip changes the status at the end of the frame that read the mail, so the next frame reads the status. By then the
- * slave may have written another mail, which has another counter. */
+/* A chip changes the status at the end of the frame that has read the mail, so the next frame reads the status.
+ * Meanwhile the slave may have written another mail, with another counter. */
 static void read_until_empty(cf_t *c)
 {
     uint8_t data[CF_MAX_MAIL], status = ECT_SM_STATUS_FULL;
@@ -299,7 +298,7 @@ static void status_byte(cf_t *c)
     uint8_t full = cf_get8(c, STATUS_1);
     cf_expect_bits(c, "status of the full SM1: full and written", ECT_SM_STATUS_FULL | ECT_SM_STATUS_WRITTEN,
                    ECT_SM_STATUS_FULL | ECT_SM_STATUS_WRITTEN, full);
-    cf_step(c, "the status byte through an FMMU, whole and its bit 3 alone");
+    cf_step(c, "the status byte through an FMMU, complete, and bit 3 alone");
     cf_set_fmmu(c, 0, MAP_LOGICAL, 1, 0, 7, STATUS_1, 0, 1);
     cf_expect_wkc(c, "LRD of the mapped status byte", 1, cf_logical(c, CF_LRD, MAP_LOGICAL, &mapped, 1));
     cf_expect(c, "the mapped status byte", full, mapped);
@@ -312,7 +311,7 @@ static void status_byte(cf_t *c)
     read_until_empty(c);
 }
 
-/* --- on, off, changed --------------------------------------------------------------------------------------------- */
+/* --- activation and changes --------------------------------------------------------------------------------------- */
 
 static void deactivated(cf_t *c)
 {
@@ -338,7 +337,7 @@ static void deactivated(cf_t *c)
     ask(c, 1);
     wait_full(c);
     if (off == 0)
-        cf_note(c, "the slave leaves its SyncManagers on in INIT: nothing deactivated to try");
+        cf_note(c, "the slave leaves its SyncManagers enabled in INIT: none is deactivated");
 }
 
 static void expect_fallback(cf_t *c, const char *what, uint8_t state, uint16_t code)
@@ -359,7 +358,7 @@ static void changed_mailbox(cf_t *c, uint8_t state)
 {
     for (unsigned int n = 0; n < 2; n++) {
         cf_go(c, state);
-        cf_step(c, "SM%u switched off in %s", n, cf_state_name(state));
+        cf_step(c, "SM%u disabled in %s", n, cf_state_name(state));
         disable_sm(c, n);
         expect_fallback(c, n == 0 ? "SM0 switched off" : "SM1 switched off", CF_INIT, CODE_MAILBOX);
     }
@@ -373,9 +372,9 @@ static void changed_process_data(cf_t *c, uint8_t type, uint8_t state, uint16_t 
     if (n < 0)
         return;
     cf_go(c, state);
-    cf_step(c, "SM%d switched off in %s", n, cf_state_name(state));
+    cf_step(c, "SM%d disabled in %s", n, cf_state_name(state));
     disable_sm(c, (unsigned int)n);
-    expect_fallback(c, type == ECT_SM_OUTPUTS ? "output SM switched off" : "input SM switched off", CF_PREOP, code);
+    expect_fallback(c, type == ECT_SM_OUTPUTS ? "output SM disabled" : "input SM disabled", CF_PREOP, code);
 }
 
 static void changed(cf_t *c)
@@ -391,24 +390,24 @@ static void changed(cf_t *c)
 
 /* --- lost and repeated mails -------------------------------------------------------------------------------------- */
 
-/* Status, activate and PDI control of SM1 in one look. */
-static void look(cf_t *c, uint8_t registers[3])
+/* Reads status, activate and PDI control of SM1 in one datagram. */
+static void read_sm1(cf_t *c, uint8_t registers[3])
 {
     cf_get(c, STATUS_1, registers, 3);
 }
 
 /* Inverts the repeat request and waits for the acknowledge.
- * @param[out] status  of SM1 in the look that showed it first
- * @return whether it came */
+ * @param[out] status  of SM1 in the first read with the acknowledge
+ * @return whether the slave acknowledges */
 static bool try_repeat(cf_t *c, uint8_t *status)
 {
     uint8_t registers[3];
-    look(c, registers);
+    read_sm1(c, registers);
     cf_put8(c, ACTIVATE_1, registers[1] ^ ECT_SM_ACTIVATE_REPEAT);
     uint64_t until = cf_now_ns() + CF_MAIL_MS * UINT64_C(1000000);
     for (;;) {
         bool over = cf_now_ns() >= until;
-        look(c, registers);
+        read_sm1(c, registers);
         *status = registers[0];
         if (((registers[1] ^ registers[2]) & ECT_SM_ACTIVATE_REPEAT) == 0)
             return true;
@@ -425,13 +424,13 @@ static uint8_t repeat(cf_t *c)
     return status;
 }
 
-/* There is no mail to repeat. Some slaves never acknowledge this. */
+/* Requests a repeat without a mail to repeat. Some slaves never acknowledge this. */
 static void repeat_of_nothing(cf_t *c)
 {
     uint8_t status;
     cf_go(c, CF_INIT);
     cf_go(c, CF_PREOP);
-    cf_step(c, "repeat, with nothing sent yet");
+    cf_step(c, "a repeat request before any mail of the slave");
     if (!try_repeat(c, &status))
         cf_warn(c, "a repeat request before the slave has sent anything is not acknowledged");
     cf_expect_no_mail(c, SHORT_MS);
@@ -446,14 +445,14 @@ static void repeated(cf_t *c)
     wait_full(c);
     cf_expect_wkc(c, "reading the reply", 1, cf_read(c, start, first, size));
     for (int times = 0; times < 2; times++) {
-        cf_step(c, times == 0 ? "repeat: the same reply again" : "repeat a second time");
+        cf_step(c, times == 0 ? "a repeat request returns the same reply" : "repeat a second time");
         uint8_t status = repeat(c);
         cf_expect_bits(c, "status of SM1 when the repeat is acknowledged", ECT_SM_STATUS_FULL, ECT_SM_STATUS_FULL,
                        status);
         cf_expect_wkc(c, "reading the repeated reply", 1, cf_read(c, start, again, size));
         cf_expect_bytes(c, "the repeated reply", first, again, (size_t)ect_load_le16(first) + MAIL_HEADER);
     }
-    cf_step(c, "the next request has its own reply");
+    cf_step(c, "the next request gets a reply of its own");
     ask(c, 2);
     cf_mail_t reply;
     fetch(c, &reply);
@@ -461,18 +460,19 @@ static void repeated(cf_t *c)
     repeat_of_nothing(c);
 }
 
-/* The same counter as the last request: it is that request once more, whatever its content. */
+/* A mail with the same counter as the previous one counts as its repetition, whatever the content. */
 static void duplicate(cf_t *c)
 {
     uint8_t mail[CF_MAX_MAIL];
     cf_mail_t first, second;
     ask(c, 1);
     fetch(c, &first);
-    c->mail_counter = (uint8_t)(c->mail_counter == 1 ? 7 : c->mail_counter - 1); /* so that the next is the same */
-    cf_step(c, "a request with the counter of the one before");
+    c->mail_counter =
+        (uint8_t)(c->mail_counter == 1 ? 7 : c->mail_counter - 1); /* the next mail gets the same counter */
+    cf_step(c, "a request with the counter of the previous one");
     cf_send_raw_mail(c, mail, build(c, mail, 2));
     if (!cf_receive_mail(c, &second, DROPPED_MS)) {
-        cf_warn(c, "a request with the counter of the last one is dropped; its reply is not given again");
+        cf_warn(c, "a request with the counter of the previous one is discarded without a reply");
         return;
     }
     cf_expect(c, "counter of the reply to a repeated request", first.counter, second.counter);
@@ -522,7 +522,7 @@ static void busy(cf_t *c)
 
 /* --- headers ------------------------------------------------------------------------------------------------------ */
 
-/* One bad mail; its error; and a good one behind it. `allowed`: a bit a detail code. */
+/* Sends an invalid mail, which must give an error, and then a valid one. @param allowed  bit n: detail code n */
 static void refused(cf_t *c, const char *what, const uint8_t *mail, uint16_t length, uint32_t allowed)
 {
     cf_mail_t reply;
@@ -533,7 +533,7 @@ static void refused(cf_t *c, const char *what, const uint8_t *mail, uint16_t len
     cf_expect(c, "type word of a mailbox error", 1, ect_load_le16(reply.data));
     unsigned int detail = ect_load_le16(reply.data + 2);
     cf_expect_that(c, detail < 32 && (allowed & (1u << detail)) != 0,
-                   "%s: expected another detail of the error, got 0x%04X", what, detail);
+                   "%s: expected an allowed error detail, got 0x%04X", what, detail);
     ask(c, 1);
     fetch(c, &reply);
     if ((c->facts.has & CF_COE) != 0)
@@ -553,13 +553,13 @@ static void headers(cf_t *c)
     refused(c, "a length of 0", mail, length, lengths);
     length = build(c, mail, 1);
     mail[5] = (uint8_t)((mail[5] & 0xF0) | foreign_type(c));
-    refused(c, "a protocol that the slave lacks", mail, length, 1u << ERROR_PROTOCOL);
+    refused(c, "a protocol unsupported by the slave", mail, length, 1u << ERROR_PROTOCOL);
     length = build(c, mail, 1);
     mail[5] = (uint8_t)((mail[5] & 0xF0) | 9);
-    refused(c, "a protocol that does not exist", mail, length, 1u << ERROR_PROTOCOL | 1u << ERROR_SYNTAX);
+    refused(c, "an unknown protocol", mail, length, 1u << ERROR_PROTOCOL | 1u << ERROR_SYNTAX);
 }
 
-/* ETG.1000.4, 5.6: a slave's mail has address 0 or its own, channel 0. */
+/* ETG.1000.4, 5.6: a mail of a slave has address 0 or the slave's own, and channel 0. */
 static void check_mail_header(cf_t *c, const char *what, const cf_mail_t *reply)
 {
     cf_expect_that(c, reply->address == 0 || reply->address == c->facts.station,
@@ -615,7 +615,7 @@ static void sizes(cf_t *c)
         cf_expect_bits(c, "control of SM0: mailbox, written by the master", 0x0F, 0x06, category[4]);
         cf_expect_bits(c, "control of SM1: mailbox, read by the master", 0x0F, 0x02, category[12]);
     }
-    cf_step(c, "PREOP with these sizes");
+    cf_step(c, "PREOP with the sizes of the SII");
     cf_go(c, CF_PREOP);
     ask(c, 1);
     wait_full(c);
@@ -628,21 +628,22 @@ static void sizes(cf_t *c)
 static const cf_case_t cases[] = {
     {"CF-016", "A mailbox takes one mail, is full with its last byte, and refuses a second one", 'R', CF_MAILBOX, 0,
      one_mail},
-    {"CF-017", "A mail is read from its first byte and is gone with its last", 'R', CF_MAILBOX, 0, reading},
-    {"CF-018", "First and last byte in separate accesses work like one access", 'R', CF_MAILBOX, 0, split},
-    {"CF-019", "Three buffers: an access starts with the first byte and ends with the last", 'R', CF_APPLICATION, 0,
+    {"CF-017", "A mail is read from its first byte on, and SM1 is empty after its last byte", 'R', CF_MAILBOX, 0,
+     reading},
+    {"CF-018", "Accesses to first and last byte in separate datagrams work like one access", 'R', CF_MAILBOX, 0, split},
+    {"CF-019", "An access to three buffers starts with the first byte and ends with the last", 'R', CF_APPLICATION, 0,
      three_buffers},
-    {"CF-020", "A SyncManager's status shows full, written, read, also through an FMMU", 'R', CF_MAILBOX, 0,
+    {"CF-020", "A SyncManager's status reports full, written, read, also through an FMMU", 'R', CF_MAILBOX, 0,
      status_byte},
-    {"CF-021", "A SyncManager that the slave disables has WKC 0, and works again later", 'R', CF_MAILBOX, 0,
+    {"CF-021", "Accesses to a SyncManager disabled by the slave have WKC 0, and work again later", 'R', CF_MAILBOX, 0,
      deactivated},
-    {"CF-022", "Switching a SyncManager off makes the slave fall back with the right code", 'R', CF_APPLICATION, 0,
-     changed},
-    {"CF-023", "A repeat request returns the same mail before its acknowledge", 'R', CF_MAILBOX, 0, repeated},
-    {"CF-024", "Replies count 1 to 7; a request with the last counter is not carried out again", 'R', CF_MAILBOX, 0,
-     mail_counters},
-    {"CF-025", "A request while a reply waits is held, and neither is lost", 'R', CF_MAILBOX, 0, busy},
-    {"CF-026", "Bad mailbox headers get an error reply, and the next request works", 'R', CF_MAILBOX, 0, headers},
+    {"CF-022", "The slave falls back with the right code when the master disables a SyncManager", 'R', CF_APPLICATION,
+     0, changed},
+    {"CF-023", "The slave returns the same mail before it acknowledges a repeat request", 'R', CF_MAILBOX, 0, repeated},
+    {"CF-024", "Replies count 1 to 7; a request with the counter of the previous one is not executed again", 'R',
+     CF_MAILBOX, 0, mail_counters},
+    {"CF-025", "A request while a reply waits is kept, and neither is lost", 'R', CF_MAILBOX, 0, busy},
+    {"CF-026", "Mails with a wrong header get an error reply, and the next request works", 'R', CF_MAILBOX, 0, headers},
     {"CF-027", "The mailboxes of the SII are consistent, and the slave accepts them", 'R', CF_MAILBOX | CF_SII, 0,
      sizes},
     {"CF-098", "Mails of the slave have address 0 or its own, and channel 0", 'R', CF_MAILBOX, 0, mail_headers},

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* E. Watchdogs, in SAFEOP: there the chip acts alone. */
+/* E. Watchdogs, in SAFEOP, where only the chip reacts. */
 #include "steps/case.h"
 
 enum { DIVIDER_100US = 2498, DIVIDER_200US = 4998, LATE_NS = 5000000, LIMIT_MS = 5000 };
 enum { PDI_OK = 0x0002, COUNTER_PDI = ECT_REG_WD_COUNTER_PD + 1, MAILS = 20 };
 
-/* The output SyncManager that triggers the watchdog; skips the case when there is none. */
+/* @return the output SyncManager that triggers the watchdog; skips the case when there is none */
 static const cf_sm_t *watched(cf_t *c)
 {
     for (unsigned int n = 0; n < c->facts.sm_count; n++) {
@@ -27,8 +27,8 @@ static bool expired(cf_t *c)
     return (cf_get8(c, ECT_REG_WD_STATUS_PD) & 1) == 0;
 }
 
-/* Neither earlier than its time nor noticeably later. Measured so that a PC that is held up cannot make it look wrong;
- * the polls pause until the time is near, which leaves the measured time exact. */
+/* The watchdog must expire neither before its time nor noticeably later. Delays of the PC do not affect the verdict,
+ * and pauses between polls, made only until the time is near, do not affect the measured time. */
 static void check_time(cf_t *c, uint16_t divider, uint16_t ticks)
 {
     const uint64_t time_ns = (divider + UINT64_C(2)) * 40 * ticks, tick_ns = (divider + UINT64_C(2)) * 40;
@@ -86,7 +86,7 @@ static void once(cf_t *c)
         trigger(c);
         wait_expired(c);
         cf_sleep_ms(c, 40);
-        cf_expect(c, "watchdog counter four times its time later", times_, cf_get8(c, ECT_REG_WD_COUNTER_PD));
+        cf_expect(c, "watchdog counter after four times the watchdog time", times_, cf_get8(c, ECT_REG_WD_COUNTER_PD));
     }
     cf_step(c, "off");
     cf_put16(c, ECT_REG_WD_TIME_PD, 0);
@@ -100,11 +100,11 @@ static void partly(cf_t *c)
     const cf_sm_t *sm = watched(c);
     uint8_t zeros[CF_MAX_DATA] = {0};
     if (sm->length < 2)
-        cf_skip(c, "the outputs are one byte: there is no part of them");
+        cf_skip(c, "the outputs are one byte: a partial write is impossible");
     cf_go(c, CF_SAFEOP);
     cf_put16(c, ECT_REG_WD_TIME_PD, 500);
     trigger(c);
-    cf_step(c, "outputs without their last byte, again and again");
+    cf_step(c, "repeated writes of the outputs without the last byte");
     uint64_t end = cf_now_ns() + LIMIT_MS * UINT64_C(1000000);
     while (!expired(c)) {
         cf_expect_that(c, cf_now_ns() < end, "watchdog of 50 ms: expected to expire, got running for %d ms",
@@ -112,12 +112,12 @@ static void partly(cf_t *c)
         (void)cf_write(c, sm->start, zeros, sm->length - 1u);
         cf_poll_pause(c);
     }
-    cf_step(c, "their last byte");
+    cf_step(c, "the last byte of the outputs");
     cf_expect_wkc(c, "a write of all outputs", 1, cf_write(c, sm->start, zeros, sm->length));
     cf_expect(c, "watchdog status (0x0440) after a whole write", 1, cf_get8(c, ECT_REG_WD_STATUS_PD) & 1);
 }
 
-/* A slave that works feeds it and accesses its chip rightly. */
+/* A working slave triggers the PDI watchdog, and causes no PDI errors. */
 static void pdi(cf_t *c)
 {
     cf_mail_t mail;
@@ -133,12 +133,13 @@ static void pdi(cf_t *c)
 }
 
 static const cf_case_t cases[] = {
-    {"CF-050", "The process data watchdog runs for divider and time; 0 switches it off", 'R',
+    {"CF-050", "The process data watchdog expires after divider times time; 0 disables it", 'R',
      CF_APPLICATION | CF_OUTPUTS | CF_REAL_TIME, 0, times},
-    {"CF-051", "Each expiry counts once; switched off, none", 'R', CF_APPLICATION | CF_OUTPUTS | CF_REAL_TIME, 0, once},
-    {"CF-052", "Outputs that are written in part do not feed the watchdog", 'R',
+    {"CF-051", "Each expiry is counted once; a disabled watchdog counts nothing", 'R',
+     CF_APPLICATION | CF_OUTPUTS | CF_REAL_TIME, 0, once},
+    {"CF-052", "A partial write of the outputs does not trigger the watchdog", 'R',
      CF_APPLICATION | CF_OUTPUTS | CF_REAL_TIME, 0, partly},
-    {"CF-053", "The PDI's watchdog and error counter stay quiet while the slave works", 'T',
+    {"CF-053", "PDI watchdog and PDI error counter report no error while the slave works", 'T',
      CF_APPLICATION | CF_MAILBOX, 0, pdi},
 };
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Evidence in words. */
+/* Evidence as text. */
 #include <stdio.h>
 #include <string.h>
 

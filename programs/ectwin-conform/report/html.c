@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* One file for a browser or paper, without a reference to anything outside. Failures are unfolded, other evidence
- * folds. */
+/* A self-contained HTML page, for a browser or for printing. The evidence of failures is unfolded, other evidence is
+ * folded. */
 #include "report/report.h"
 
 enum { LINE = 4096 };
@@ -98,7 +98,7 @@ static void verdict(FILE *to, const cf_run_t *run)
 
 /* --- the run ------------------------------------------------------------------------------------------------------ */
 
-/* @param text  NULL: a line to be filled in by hand */
+/* @param text  NULL: a blank line for handwriting */
 static void field(FILE *to, const char *name, const char *text, const char *tag)
 {
     fprintf(to, "<tr><th>%s</th><td>", name);
@@ -138,8 +138,8 @@ static void about(FILE *to, const cf_run_t *run)
     snprintf(text, sizeof text, "ectwin-conform %s", run->version);
     field(to, "Tool", text, "span");
     field(to, "Command", run->command, "code");
-    fputs("</table>\n<p class=\"skip\">Case numbers and words are those of ectwin-conform: this is not the ETG's "
-          "conformance test, and a pass gives no certificate.</p>\n",
+    fputs("</table>\n<p class=\"skip\">Numbers and texts of the cases are those of ectwin-conform: this is not the "
+          "ETG's conformance test, and a pass gives no certificate.</p>\n",
           to);
 }
 

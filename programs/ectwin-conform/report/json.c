@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* For a program: everything that is known, the frames byte for byte. */
+/* The report for programs: all results and facts, and each frame of the evidence byte for byte. */
 #include <stdlib.h>
 
 #include "report/report.h"
@@ -44,7 +44,7 @@ static cJSON *evidence(const cf_run_t *run, const cf_evidence_t *e)
     return list;
 }
 
-/* A text that the slave may have sent. */
+/* Adds a text that may contain bytes from the slave. */
 static void add_clean(cJSON *to, const char *name, const char *text)
 {
     char copy[LINE];
@@ -90,7 +90,7 @@ static cJSON *result(const cf_run_t *run, const cf_result_t *r)
     return o;
 }
 
-/* @param text  NULL: null */
+/* @param text  NULL: the JSON value null */
 static void add_text(cJSON *to, const char *name, const char *text)
 {
     cJSON_AddItemToObject(to, name, text ? cJSON_CreateString(text) : cJSON_CreateNull());

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* For a CI server: a test suite a section, a test case a case. */
+/* The report for CI servers: one test suite for each section, one test case for each case. */
 #include "report/report.h"
 
 enum { LINE = 4096 };

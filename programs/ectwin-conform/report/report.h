@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** @file Reports of a run, for readers and for programs. Each cf_report_* function writes one whole report. */
+/** @file Reports of a run, for people and for programs. Each cf_report_* function writes one whole report. */
 #ifndef ECTWIN_CONFORM_REPORT_H
 #define ECTWIN_CONFORM_REPORT_H
 
@@ -34,15 +34,14 @@ void cf_frames_text(const cf_result_t *result, char *text, size_t room);
 /**
  * Writes one item of evidence in words: a sentence unchanged, a frame as one line per datagram. Any bytes are allowed.
  * @param c           the addresses of the mailbox are read
- * @param[out] text   `room` bytes (1 or more), always terminated by zero; longer text is cut off
+ * @param[out] text   `room` bytes (1 or more), always terminated by zero; longer text is truncated
  */
 void cf_decode(const cf_t *c, const cf_item_t *item, char *text, size_t room);
-/** @return index of the first item behind the preparation of the slave */
+/** @return index of the first item after the preparation of the slave */
 size_t cf_evidence_start(const cf_evidence_t *evidence);
-/** Writes text for XML and HTML: `&`, `<`, `>`, `"` as entities, control characters and bytes that are no UTF-8 as `?`.
- */
+/** Writes text for XML and HTML: `&`, `<`, `>`, `"` as entities, control characters and invalid UTF-8 as `?`. */
 void cf_put_escaped(FILE *to, const char *text);
-/** Replaces control characters but the line feed, and bytes that are no UTF-8, by `?`: JSON takes neither. */
+/** Replaces control characters except line feed, and invalid UTF-8, by `?`: JSON allows neither. */
 void cf_clean(char *text);
 
 #endif

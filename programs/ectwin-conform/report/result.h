@@ -20,7 +20,7 @@ typedef struct cf_result {
 /** Ability of the slave to pass the canary, a minimal start-up and mail exchange before each case. */
 typedef enum cf_canary { CF_CANARY_UNTRIED, CF_CANARY_ABLE, CF_CANARY_UNABLE } cf_canary_t;
 
-/** All cases that the user chose, in order. */
+/** The run of all selected cases, in order. */
 typedef struct cf_run {
     cf_t c;
     cf_engine_t engine;
@@ -34,10 +34,10 @@ typedef struct cf_run {
     uint64_t duration_ns;
     const char *command;   /**< command line of the run, as typed */
     const char *version;   /**< of ectwin-conform */
-    const char *operator_; /**< --operator, --firmware: NULL: not given, to be filled in by hand */
+    const char *operator_; /**< --operator, --firmware; NULL: not given, blank in the report */
     const char *firmware;
     cf_canary_t canary;
-    const char *last;    /**< id of the last case that was judged; NULL: none */
+    const char *last;    /**< id of the last case with a verdict; NULL: none */
     const char *since;   /**< id of the case after which the canary fails; NULL: the canary passes */
     char why[CF_REASON]; /**< reason of the first canary that failed since then */
 } cf_run_t;

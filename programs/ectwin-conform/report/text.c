@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* For a person at a terminal. */
+/* The report for a terminal. */
 #include <string.h>
 
 #include "report/report.h"

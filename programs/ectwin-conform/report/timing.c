@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Histograms. Their classes grow by 1, 2, 5, 10: a microsecond and a second fit one picture. */
+/* Histograms. Class limits are 1, 2, 5, 10 ..., so that microseconds and seconds fit one histogram. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -25,9 +25,9 @@ static int by_value(const void *a, const void *b)
 
 typedef struct histogram {
     const char *name;
-    uint32_t count, most; /* in one class */
+    uint32_t count, most; /* number of values; highest number in a class */
     uint32_t classes[CLASSES];
-    unsigned int first, last; /* that are not empty */
+    unsigned int first, last; /* the first and the last non-empty class */
     uint64_t minimum, median, p99, maximum;
 } histogram_t;
 
@@ -129,7 +129,7 @@ static void picture(FILE *to, const histogram_t *h)
 void cf_timing_html(FILE *to, const cf_run_t *run)
 {
     if (run->engine.series_count > 0)
-        fputs("<h2>Times, as the PC sees them</h2>\n", to);
+        fputs("<h2>Times, measured by the PC</h2>\n", to);
     for (size_t i = 0; i < run->engine.series_count; i++) {
         const histogram_t h = sum_up(&run->engine.series[i]);
         fputs("<div class=\"case\"><p><b>", to);

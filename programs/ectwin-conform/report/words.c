@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Shared by all reports: counts, names of verdicts, escaped text. */
+/* Common parts of all reports: counts, names of verdicts, escaped text. */
 #include "report/report.h"
 
 #include "text/utf8.h"

@@ -184,10 +184,10 @@ typedef struct cf_facts {
 
 enum { CF_STATION = 0x1001 };
 
-/** The run, as a case sees it. The private part is behind `engine`. */
+/** The run, with the members for cases. `engine` is private. */
 typedef struct cf {
     cf_facts_t facts;
-    cf_mailbox_t mailbox; /**< the standard mailbox, in force from PREOP on */
+    cf_mailbox_t mailbox; /**< the standard mailbox, valid from PREOP on */
     bool destructive;     /**< --destructive was given */
     bool whole;           /**< --long was given: long procedures take the time of the checklist */
     bool emulated;        /**< --emulated was given: cases of CF_REAL_TIME are skipped */
@@ -240,7 +240,7 @@ void cf_warn(cf_t *c, const char *format, ...) CF_PRINTF(2, 3);
 void cf_note(cf_t *c, const char *format, ...) CF_PRINTF(2, 3);
 /** Writes the purpose of the next frames into the evidence and the capture. */
 void cf_step(cf_t *c, const char *format, ...) CF_PRINTF(2, 3);
-/** Writes an observation into evidence and capture. A failure is reported with the last step, never with a remark. */
+/** Writes an observation into the evidence and the capture. A failure names the last step, never a remark. */
 void cf_remark(cf_t *c, const char *format, ...) CF_PRINTF(2, 3);
 
 /** "`what`: expected 0x0016, got 0x0000". The larger value sets the number of hexadecimal digits of both. */
@@ -252,7 +252,7 @@ void cf_expect_range(cf_t *c, const char *what, uint64_t minimum, uint64_t maxim
 /** A working counter: "WKC of `what`: expected 1, got 0". */
 void cf_expect_wkc(cf_t *c, const char *what, unsigned int expected, unsigned int got);
 void cf_expect_bytes(cf_t *c, const char *what, const void *expected, const void *got, size_t length);
-/** Any other condition: ends the case with the sentence, which names both values, when `holds` is false. */
+/** Any other condition: if `holds` is false, ends the case with the sentence, which names both values. */
 void cf_expect_that(cf_t *c, bool holds, const char *format, ...) CF_PRINTF(3, 4);
 
 /* --- datagrams ---------------------------------------------------------------------------------------------------- */
@@ -297,11 +297,11 @@ void cf_put(cf_t *c, uint16_t address, const void *data, size_t length);
 uint32_t cf_random(cf_t *c, uint32_t limit);
 /**
  * Sets a function that every waiting step calls between two polls, for cyclic process data for example.
- * @param look  NULL: none, the state at the start of a case
+ * @param idle  NULL: none, the state at the start of a case
  */
-void cf_while_waiting(cf_t *c, void (*look)(cf_t *c, void *ctx), void *ctx);
-/** Pause between two polls of a wait: the function of ::cf_while_waiting, or 200 us. A poll without it is a frame each
- * microsecond. */
+void cf_while_waiting(cf_t *c, void (*idle)(cf_t *c, void *ctx), void *ctx);
+/** Pauses between two polls of a wait: calls the function of ::cf_while_waiting, or sleeps 200 us. Limits the rate of
+ * frames. */
 void cf_poll_pause(cf_t *c);
 /** Adds a value to a histogram of the report. @param series  constant text; at most CF_SERIES_MOST different ones */
 void cf_measure(cf_t *c, const char *series, uint64_t ns);
@@ -311,15 +311,15 @@ void cf_sleep_ms(cf_t *c, uint32_t ms);
 /** Polls a byte until (value & mask) == wanted. @return false after `ms`; *last (may be NULL): the last value */
 bool cf_wait_bits(cf_t *c, uint16_t address, uint8_t mask, uint8_t wanted, uint32_t ms, uint8_t *last);
 
-/** Extends the time limit of the case, for --long. */
+/** Extends the time limit of the case by `ms`, for --long. */
 void cf_extend(cf_t *c, uint32_t ms);
 
 /* --- plug and power ----------------------------------------------------------------------------------------------- */
 
 /**
- * Disconnects the slave for `ms`, as a pulled plug does: closes the port of the slave before it, or, for the first
- * slave, takes this PC's interface down. With --plug that command does it, as long as it likes. Leaves the case when
- * the command fails or the slave does not return.
+ * Disconnects the slave for `ms` as a pulled plug does: closes the port of the previous slave or, for the first slave,
+ * takes this PC's interface down. With --plug that command disconnects the slave, for a time of its own. Leaves the
+ * case when the command fails or the slave does not return.
  * @param[out] why  on false: the reason, constant text
  * @return false: not possible here; the wire is unchanged
  */
@@ -329,7 +329,7 @@ bool cf_pull_plug(cf_t *c, uint32_t ms, const char **why);
  * when the command fails, the slave does not return, or the slave still has its station address.
  */
 void cf_power_cycle(cf_t *c);
-/** Time from power-on or link-up to the first reply of a slave, at most. */
+/** Longest time from power-on or link-up to the first reply of a slave. */
 enum { CF_FOUND_MS = 30000 };
 
 /* --- SyncManagers and FMMUs --------------------------------------------------------------------------------------- */
@@ -344,7 +344,7 @@ void cf_set_fmmu(cf_t *c, unsigned int n, uint32_t logical, uint16_t length, uin
                  uint16_t physical, uint8_t physical_bit, uint8_t type);
 void cf_clear_fmmu(cf_t *c, unsigned int n);
 /**
- * @return a SyncManager that the slave's software does not touch in INIT, for tests of the chip alone. Skips the case
+ * @return a SyncManager that the slave's software does not access in INIT, for tests of the chip alone. Skips the case
  * when there is none. Use CF_SPARE_BYTES bytes (three buffers: 3 * CF_SPARE_BYTES) from ::cf_spare_ram.
  */
 unsigned int cf_spare_sm(cf_t *c);
@@ -361,9 +361,8 @@ uint16_t cf_spare_ram(const cf_t *c);
 void cf_go(cf_t *c, uint8_t state);
 /**
  * Writes the configuration of ::cf_go before PREOP (or BOOT) and before SAFEOP; requests no state. Sets the process
- * data watchdog to 6 s, because a case pauses where a controller does not. A case about the watchdog sets the time
- * after
- * ::cf_go.
+ * data watchdog to 6 s, because a case pauses where a controller does not. A case about the watchdog sets the watchdog
+ * time after ::cf_go.
  */
 void cf_set_mailbox(cf_t *c, uint8_t state);
 void cf_set_process_data(cf_t *c);
@@ -375,9 +374,9 @@ void cf_set_process_data(cf_t *c);
  * @return AL status
  */
 uint16_t cf_request(cf_t *c, uint16_t al_control, uint16_t *code);
-/** ::cf_request; the reply must be state `stays` with the error flag and that code. */
+/** ::cf_request; the reply must be the state `stays` with the error flag, and `code`. */
 void cf_expect_refused(cf_t *c, uint16_t al_control, uint8_t stays, uint16_t code);
-/** ::cf_request; the reply must be that state without the error flag, code 0. */
+/** ::cf_request; the reply must be `state` without the error flag, and code 0. */
 void cf_expect_state(cf_t *c, uint16_t al_control, uint8_t state);
 /** Polls AL status for `status`, with process data between polls when `cyclic`. @return false after `ms` */
 bool cf_wait_status(cf_t *c, uint16_t status, uint32_t ms, bool cyclic, uint16_t *last, uint16_t *code);
@@ -386,7 +385,7 @@ const char *cf_state_name(uint16_t al_status);
 
 /** One exchange of process data by LRW, or by LWR and LRD when the chip lacks LRW. @return working counter */
 uint16_t cf_cycle(cf_t *c, const uint8_t *outputs, uint8_t *inputs);
-/** @return the working counter of a ::cf_cycle that every SyncManager takes part in */
+/** @return the expected working counter of a ::cf_cycle, with all process data SyncManagers active */
 uint16_t cf_cycle_wkc(const cf_t *c);
 
 /**
@@ -421,20 +420,20 @@ typedef struct cf_mail {
 /**
  * Writes a mail with the next counter (1..7) into SM0, after waiting while SM0 is full; leaves the case when SM0 stays
  * full for CF_MAIL_MS.
- * @param data  bytes behind the header; any `length` that fits the mailbox
+ * @param data  bytes after the mailbox header; any `length` that fits the mailbox
  */
 void cf_send_mail(cf_t *c, uint8_t type, const void *data, uint16_t length);
 /** Writes a mail with its own header. @param length  1..out_size bytes of `mail`; the rest of SM0 is zero */
 void cf_send_raw_mail(cf_t *c, const void *mail, uint16_t length);
 /** Reads the next mail of any type. @return false: none within `ms` */
 bool cf_receive_mail(cf_t *c, cf_mail_t *mail, uint32_t ms);
-/** Reads the next mail that is no emergency. Leaves the case when none comes within CF_MAIL_MS or its type differs. */
+/** Reads the next mail except emergencies. Leaves the case when there is none within CF_MAIL_MS, or of another type. */
 void cf_receive(cf_t *c, uint8_t type, cf_mail_t *mail);
 /** The next mail must be a mailbox error with that detail. */
 void cf_expect_mail_error(cf_t *c, uint16_t detail);
 /** @return whether SM1 holds a mail */
 bool cf_mail_waits(cf_t *c);
-/** Leaves the case when a mail comes within `ms`. A slower slave passes. */
+/** Leaves the case when a mail arrives within `ms`. A slower slave passes. */
 void cf_expect_no_mail(cf_t *c, uint32_t ms);
 
 enum { CF_MAIL_MS = 2000 }; /**< time for the reply to a mail (ETG.2000: ResponseTimeout) */
@@ -447,7 +446,7 @@ enum { CF_COE_EMERGENCY = 1, CF_COE_REQUEST = 2, CF_COE_RESPONSE = 3, CF_COE_INF
 void cf_send_sdo(cf_t *c, uint8_t command, uint16_t index, uint8_t sub, uint32_t value);
 /** Sends any CoE message: `data` follows the CoE header. */
 void cf_send_coe(cf_t *c, uint8_t service, const void *data, uint16_t length);
-/** Reads the next CoE mail that is no emergency; data[2] is the SDO command byte. */
+/** Reads the next CoE mail except emergencies; data[2] is the SDO command byte. */
 void cf_receive_coe(cf_t *c, cf_mail_t *mail);
 /** The next CoE mail must be an abort of that object with that code, byte for byte. */
 void cf_expect_abort(cf_t *c, uint16_t index, uint8_t sub, uint32_t code);
@@ -460,16 +459,16 @@ void cf_expect_abort(cf_t *c, uint16_t index, uint8_t sub, uint32_t code);
 uint32_t cf_upload(cf_t *c, uint16_t index, uint8_t sub, bool complete, void *data, size_t *size);
 uint32_t cf_download(cf_t *c, uint16_t index, uint8_t sub, bool complete, const void *data, size_t size);
 /**
- * Downloads a value that the slave keeps over INIT. The runner uploads the old value before and downloads it after the
- * case, whatever its verdict, in PREOP and in the reverse order of the changes.
+ * Downloads a value that INIT does not reset, after uploading the old value. After the case, whatever the verdict, the
+ * runner downloads the old values in PREOP, in the reverse order of the changes.
  * @param size  1..CF_CHANGE_MOST, the size of the old value
  * @return 0, or the abort code of the upload or the download
  */
 uint32_t cf_change(cf_t *c, uint16_t index, uint8_t sub, const void *data, size_t size);
 enum { CF_CHANGE_MOST = 64 };
 /**
- * Allows the case to change what is neither an object nor a file. The runner calls `put_back` after the case, whatever
- * its verdict, in PREOP and in the reverse order of the changes.
+ * Allows the case to change a setting that is neither an object nor a file. After the case, whatever the verdict, the
+ * runner calls `put_back` in PREOP, in the reverse order of the changes.
  * @param data  the old value, 0..CF_CHANGE_MOST bytes; copied
  */
 void cf_keep(cf_t *c, void (*put_back)(cf_t *c, const uint8_t *data, size_t size), const void *data, size_t size);
@@ -494,8 +493,8 @@ enum { CF_FOE_HEADER = 6 };
 enum { CF_FOE_LATER_MS = 10000, CF_FILE_MOST = 4 * 1024 * 1024 };
 
 /**
- * @return one of two buffers of CF_FILE_MOST bytes, too large for a stack; it keeps its content from case to case and
- *         belongs to the run. Leaves the case when there is no memory.
+ * @return one of two buffers of CF_FILE_MOST bytes, which are too large for a stack, keep their content from case to
+ * case, and belong to the run. Leaves the case when there is no memory.
  * @param n  0 or 1
  */
 uint8_t *cf_room(cf_t *c, unsigned int n);
@@ -513,7 +512,7 @@ cf_foe_t cf_foe_open(const cf_t *c, uint8_t operation, uint32_t password);
 /** Sends a mail without waiting for a reply. */
 void cf_send_foe(cf_t *c, const cf_foe_t *sent);
 /**
- * Sends a mail and reads the reply; repeats both, after a pause, while the reply is BUSY, which means "not taken".
+ * Sends a mail and reads the reply; repeats both, after a pause, while the reply is BUSY (mail not accepted).
  * @return operation of the reply; *number: its number; further bytes at `mail->data + CF_FOE_HEADER`
  */
 uint8_t cf_request_foe(cf_t *c, const cf_foe_t *sent, cf_mail_t *mail, uint32_t *number);
@@ -527,7 +526,7 @@ uint16_t cf_foe_full(cf_t *c, bool write);
 uint32_t cf_read_file(cf_t *c, uint32_t password, void *data, size_t *size);
 uint32_t cf_write_file(cf_t *c, uint32_t password, const void *data, size_t size);
 /**
- * Allows the case to write the file: the runner writes this content after the case, in the present AL state.
+ * Allows the case to write the file: after the case the runner writes this content, in the present AL state.
  * @param data  copied
  */
 void cf_keep_file(cf_t *c, const void *data, size_t size);

@@ -10,10 +10,10 @@ enum {
     ENTRY_BYTES = 10,
     HEADERS = 12,
     ACCESS_INFO = 7,
-    COE_ANSWER = 512
+    COE_REPLY = 512
 };
 
-/* A name at the end of a full mailbox may be cut off. */
+/* A name at the end of a full mailbox may be truncated. */
 static bool is_full(const cf_t *c, int bytes)
 {
     return bytes + HEADERS >= c->mailbox.in_size;
@@ -21,49 +21,49 @@ static bool is_full(const cf_t *c, int bytes)
 
 static bool describe(cf_t *c, uint16_t index, coe_object_t *object)
 {
-    uint8_t request[2], answer[COE_ANSWER];
+    uint8_t request[2], reply[COE_REPLY];
     uint32_t code;
     ect_store_le16(request, index);
-    int bytes = cf_info(c, DESCRIBE_OBJECT, request, sizeof request, answer, sizeof answer, &code);
+    int bytes = cf_info(c, DESCRIBE_OBJECT, request, sizeof request, reply, sizeof reply, &code);
     if (bytes < 0)
         cf_fail(c, "%04Xh of the list of objects: expected a description, got info error 0x%08X", index, code);
     cf_expect_that(c, bytes >= OBJECT_BYTES, "description of %04Xh: expected at least 6 bytes, got %d", index, bytes);
-    cf_expect(c, "index of an object description", index, ect_load_le16(answer));
-    *object = (coe_object_t){.index = index, .type = ect_load_le16(answer + 2), .most = answer[4], .code = answer[5]};
+    cf_expect(c, "index of an object description", index, ect_load_le16(reply));
+    *object = (coe_object_t){.index = index, .type = ect_load_le16(reply + 2), .most = reply[4], .code = reply[5]};
     if (!is_full(c, bytes))
-        snprintf(object->name, sizeof object->name, "%.*s", bytes - OBJECT_BYTES, (const char *)answer + OBJECT_BYTES);
+        snprintf(object->name, sizeof object->name, "%.*s", bytes - OBJECT_BYTES, (const char *)reply + OBJECT_BYTES);
     return true;
 }
 
 /* @return false: the slave has no such entry */
-static bool describe_entry(cf_t *c, uint16_t index, uint8_t sub, uint8_t *answer)
+static bool describe_entry(cf_t *c, uint16_t index, uint8_t sub, uint8_t *reply)
 {
     uint8_t request[4] = {0};
     uint32_t code;
     ect_store_le16(request, index);
     request[2] = sub;
     request[3] = ACCESS_INFO;
-    int bytes = cf_info(c, DESCRIBE_ENTRY, request, sizeof request, answer, COE_ANSWER, &code);
+    int bytes = cf_info(c, DESCRIBE_ENTRY, request, sizeof request, reply, COE_REPLY, &code);
     if (bytes < 0)
         return false;
     cf_expect_that(c, bytes >= ENTRY_BYTES, "description of %04Xh:%02X: expected at least 10 bytes, got %d", index, sub,
                    bytes);
-    cf_expect(c, "index of an entry description", index, ect_load_le16(answer));
-    cf_expect(c, "sub-index of an entry description", sub, answer[2]);
+    cf_expect(c, "index of an entry description", index, ect_load_le16(reply));
+    cf_expect(c, "sub-index of an entry description", sub, reply[2]);
     return true;
 }
 
 bool coe_entry(cf_t *c, const coe_object_t *object, uint8_t sub, coe_entry_t *entry)
 {
-    uint8_t answer[COE_ANSWER];
-    if ((c->facts.has & CF_SDO_INFO) == 0 || !describe_entry(c, object->index, sub, answer))
+    uint8_t reply[COE_REPLY];
+    if ((c->facts.has & CF_SDO_INFO) == 0 || !describe_entry(c, object->index, sub, reply))
         return false;
     *entry = (coe_entry_t){
-        .type = ect_load_le16(answer + 4), .bits = ect_load_le16(answer + 6), .access = ect_load_le16(answer + 8)};
+        .type = ect_load_le16(reply + 4), .bits = ect_load_le16(reply + 6), .access = ect_load_le16(reply + 8)};
     return true;
 }
 
-/* Without descriptions: the objects of every slave with CoE. */
+/* Without the information service: visits the objects of every slave with CoE. */
 static unsigned int walk_usual(cf_t *c, void (*visit)(cf_t *c, const coe_object_t *object))
 {
     static const coe_object_t usual[] = {{.index = 0x1000, .type = 7, .code = COE_VAR},

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * For the cases of CoE: a walk over all objects, with their descriptions by the information service. The walk judges: a
- * description that the standard does not allow ends the case, where the reader of slaves (steps/reader.h) would request
- * it again, and a case visits each object in between.
+ * A walk over all objects, with their descriptions by the information service, for the cases of CoE. Unlike the reader
+ * of slaves (steps/reader.h), which repeats a request, the walk ends the case at a description that the standard does
+ * not allow; and the case can transfer data at each object.
  */
 #ifndef ECTWIN_CONFORM_COE_WALK_H
 #define ECTWIN_CONFORM_COE_WALK_H
@@ -11,7 +11,7 @@
 #include "steps/case.h"
 
 enum { COE_VAR = 7, COE_ARRAY = 8, COE_RECORD = 9, COE_VISIBLE_STRING = 9, COE_UNICODE_STRING = 0x0B };
-/** Rights by state, as the service has them. */
+/** Access rights by state, as in the entry description. */
 enum {
     COE_READ_PREOP = 0x01,
     COE_READ_SAFEOP = 0x02,
@@ -25,7 +25,7 @@ typedef struct coe_object {
     uint16_t index, type;
     uint8_t most;        /**< the last sub-index */
     uint8_t code;        /**< COE_VAR ... */
-    char name[COE_NAME]; /**< "" none, or possibly cut off by the end of the mailbox */
+    char name[COE_NAME]; /**< "": none; may be truncated by the end of the mailbox */
 } coe_object_t;
 
 typedef struct coe_entry {

@@ -57,9 +57,9 @@ typedef struct cf_engine {
     uint32_t frame;
     cf_undo_t undo[CF_UNDO_MOST]; /**< in the order of the changes */
     size_t undo_count;
-    void (*look)(cf_t *c, void *ctx); /**< called while a step waits */
-    void *look_ctx;
-    bool looking;
+    void (*idle)(cf_t *c, void *ctx); /**< called while a step waits */
+    void *idle_ctx;
+    bool in_idle;
     uint64_t seed;
     cf_series_t series[CF_SERIES_MOST];
     size_t series_count;
@@ -67,7 +67,7 @@ typedef struct cf_engine {
     bool pulled;          /**< the slave's plug is pulled, to be put back */
     uint8_t port_control; /**< old value of 0x0101 of the slave before it; unused for the first slave */
     bool silent;          /**< the last frame was lost: the next one gets a shorter timeout */
-    bool lame;            /**< the slave did not return to INIT: it gets a shorter timeout */
+    bool stuck;           /**< the slave did not return to INIT: INIT gets a shorter timeout */
 } cf_engine_t;
 
 /** Puts a pulled plug back and waits until all slaves reply. */
@@ -76,13 +76,13 @@ void cf_put_plug_back(cf_t *c);
 /** Leaves the case, or the preparation of the slave, with that verdict. */
 _Noreturn void cf_leave(cf_t *c, cf_verdict_t verdict, const char *reason);
 void cf_sii_write_word(cf_t *c, uint16_t word, uint16_t value);
-/** Adds a change to the list. Leaves the case when the list is full. */
+/** Appends a change to the list. Leaves the case when the list is full. */
 cf_undo_t *cf_new_undo(cf_t *c);
-/** Frees the rooms, the histograms and the list of changes; the engine is empty then, and can be used again. */
+/** Frees buffers, histograms and the list of changes. The engine is then empty, and can be used again. */
 void cf_engine_free(cf_engine_t *e);
 /** Frees all changes of the list, undone or not. */
 void cf_forget_changes(cf_engine_t *e);
-/** Brings the slave back: plug, INIT, changes in reverse order, INIT. Leaves by the engine's jump when that fails. */
+/** Restores the slave: plug, INIT, changes in reverse order, INIT. Leaves by longjmp, as a step does, on failure. */
 void cf_put_back(cf_t *c);
 /** Leaves the case at the end of its time limit and on Ctrl-C. */
 void cf_check_time(cf_t *c);

@@ -22,7 +22,7 @@ bool cf_esi_open(cf_esi_t *esi, const char *operand, const char *schema, char *t
     return esi->file && (!schema || esi->schema);
 }
 
-/* A file of many devices has one with the slave's numbers, or at least its product code. */
+/* In a file of many devices: the device with the slave's product code and revision, or with its product code. */
 static void selector_of_slave(const cf_esi_t *esi, const cf_facts_t *facts, char *selector, size_t room)
 {
     size_t count;
@@ -53,9 +53,9 @@ bool cf_esi_choose(cf_esi_t *esi, const cf_facts_t *facts, char *text)
     snprintf(esi->title, sizeof esi->title, "%s, %s revision 0x%08" PRIX32, esi->path, esi->device->type,
              esi->device->revision);
     esi->twin = ect_esi_twin_of(esi->file, esi->device, NULL, 0, esi->why, sizeof esi->why);
-    esi->said.source = esi->path;
+    esi->documented.source = esi->path;
     if (esi->twin)
-        ect_facts_of_esi(&esi->said, ect_esi_twin_product(esi->twin)->device, ect_esi_twin_model(esi->twin));
+        ect_facts_of_esi(&esi->documented, ect_esi_twin_product(esi->twin)->device, ect_esi_twin_model(esi->twin));
     return true;
 }
 
@@ -67,7 +67,7 @@ static void forget(ect_facts_t *facts, const char *source)
 
 void cf_esi_close(cf_esi_t *esi)
 {
-    ect_facts_free(&esi->said);
+    ect_facts_free(&esi->documented);
     ect_facts_free(&esi->known);
     ect_facts_free(&esi->found);
     free(esi->json);
@@ -83,9 +83,9 @@ const ect_esi_device_t *cf_esi_model(const cf_t *c)
     return c->esi && c->esi->twin ? c->esi->device : NULL;
 }
 
-/* --- comparing ---------------------------------------------------------------------------------------------------- */
+/* --- comparison --------------------------------------------------------------------------------------------------- */
 
-/* Content and number of bytes of a module depend on the module that is plugged in. */
+/* Content and size of PDOs of a slot depend on the module in the slot. */
 static bool is_of_modules(const ect_fact_t *fact)
 {
     return (fact->kind >= ECT_FACT_PDO && fact->kind <= ECT_FACT_PDO_ENTRY_TYPE) || fact->kind == ECT_FACT_SM_LENGTH ||
@@ -94,7 +94,7 @@ static bool is_of_modules(const ect_fact_t *fact)
 
 static void expect_kinds(cf_esi_t *esi, ect_fact_kind_t first, ect_fact_kind_t last)
 {
-    ect_facts_take(&esi->known, &esi->said, first, last);
+    ect_facts_take(&esi->known, &esi->documented, first, last);
     if (esi->device->slot_count == 0)
         return;
     size_t kept = 0;
@@ -107,7 +107,7 @@ static void expect_kinds(cf_esi_t *esi, ect_fact_kind_t first, ect_fact_kind_t l
         esi->known.complete[kind] = false;
 }
 
-/* Every difference is a step of the evidence; the first one is the reason. */
+/* Adds every difference to the evidence; the first one is the reason of the failure. */
 static void expect_same(cf_t *c)
 {
     char *lines = NULL, first[CF_ESI_TEXT] = "";
@@ -144,7 +144,7 @@ void cf_esi_expect_sii(cf_t *c, ect_fact_kind_t first, ect_fact_kind_t last)
 
 /* --- the slave's dictionary --------------------------------------------------------------------------------------- */
 
-/* Reads objects into esi->json: the PDOs of some SyncManagers, or all objects when there are none. */
+/* Reads objects into esi->json. @param sms  bit n: the PDOs of SyncManager n; 0: all objects */
 static void read_objects(cf_t *c, uint32_t sms)
 {
     cf_esi_t *esi = c->esi;

@@ -4,7 +4,7 @@
  * The slave's ESI file (--esi), for the cases that compare with it. File and slave are converted to facts
  * (facts/facts.h), the dictionary by the reader of slaves (steps/reader.h), and compared as `ectwin verify` does.
  *
- * The twin that the file describes is compared. A modular device is compared in the facts that no module changes.
+ * The slave is compared with the twin of the file; with a modular device only in the facts that no module changes.
  */
 #ifndef ECTWIN_CONFORM_ESI_H
 #define ECTWIN_CONFORM_ESI_H
@@ -27,7 +27,7 @@ typedef struct cf_esi {
     char title[CF_ESI_TEXT]; /**< for reports: file and device */
 
     /* Input of a comparison; kept here because a case may be left at any step. */
-    ect_facts_t said, known, found;
+    ect_facts_t documented, known, found;
     char *json; /**< objects of the slave */
 } cf_esi_t;
 

@@ -35,7 +35,7 @@ static uint8_t receive(cf_t *c, cf_mail_t *mail, uint32_t *number)
     while (!cf_mail_waits(c) && cf_now_ns() < until) /* erasing takes longer than a mail */
         cf_poll_pause(c);
     cf_receive(c, CF_MBX_FOE, mail);
-    cf_expect_that(c, mail->length >= CF_FOE_HEADER, "a FoE answer: expected at least 6 bytes, got %u", mail->length);
+    cf_expect_that(c, mail->length >= CF_FOE_HEADER, "a FoE reply: expected at least 6 bytes, got %u", mail->length);
     *number = ect_load_le32(mail->data + 2);
     return mail->data[0];
 }
@@ -45,10 +45,10 @@ uint8_t cf_request_foe(cf_t *c, const cf_foe_t *sent, cf_mail_t *mail, uint32_t 
     uint64_t until = cf_now_ns() + CF_FOE_LATER_MS * UINT64_C(1000000);
     for (;;) {
         cf_send_foe(c, sent);
-        uint8_t answer = receive(c, mail, number);
-        if (answer != CF_FOE_BUSY)
-            return answer;
-        cf_expect_that(c, cf_now_ns() < until, "FoE: expected an answer within %d s, got BUSY again and again",
+        uint8_t reply = receive(c, mail, number);
+        if (reply != CF_FOE_BUSY)
+            return reply;
+        cf_expect_that(c, cf_now_ns() < until, "FoE: expected a reply within %d s, got only BUSY",
                        (int)CF_FOE_LATER_MS / 1000);
         cf_sleep_ms(c, BUSY_PAUSE_MS);
     }
@@ -67,19 +67,19 @@ uint32_t cf_read_file(cf_t *c, uint32_t password, void *data, size_t *size)
     uint32_t number;
     size_t got = 0;
     const cf_foe_t open = cf_foe_open(c, CF_FOE_READ, password);
-    uint8_t answer = cf_request_foe(c, &open, &mail, &number);
+    uint8_t reply = cf_request_foe(c, &open, &mail, &number);
     for (uint32_t packet = 1;; packet++) {
-        if (answer == CF_FOE_ERROR)
+        if (reply == CF_FOE_ERROR)
             return error_of(c, number);
         const uint16_t length = (uint16_t)(mail.length - CF_FOE_HEADER);
-        cf_expect(c, "FoE operation of a file's packet", CF_FOE_DATA, answer);
+        cf_expect(c, "FoE operation of a file's packet", CF_FOE_DATA, reply);
         cf_expect_range(c, "number of the packet", packet, packet, number);
         cf_expect_that(c, got + length <= *size, "the file: expected at most %zu bytes, got more", *size);
         memcpy((uint8_t *)data + got, mail.data + CF_FOE_HEADER, length);
         got += length;
         if (length < full)
             break;
-        answer = cf_request_foe(c, &(cf_foe_t){CF_FOE_ACK, packet, NULL, 0}, &mail, &number);
+        reply = cf_request_foe(c, &(cf_foe_t){CF_FOE_ACK, packet, NULL, 0}, &mail, &number);
     }
     cf_send_foe(c, &(cf_foe_t){CF_FOE_ACK, number, NULL, 0});
     *size = got;
@@ -93,17 +93,17 @@ uint32_t cf_write_file(cf_t *c, uint32_t password, const void *data, size_t size
     cf_mail_t mail;
     uint32_t number, packet = 0;
     const cf_foe_t open = cf_foe_open(c, CF_FOE_WRITE, password);
-    uint8_t answer = cf_request_foe(c, &open, &mail, &number);
+    uint8_t reply = cf_request_foe(c, &open, &mail, &number);
     for (bool last = false;;) {
-        if (answer == CF_FOE_ERROR)
+        if (reply == CF_FOE_ERROR)
             return error_of(c, number);
-        cf_expect(c, "FoE operation after a packet", CF_FOE_ACK, answer);
-        cf_expect_range(c, "number that is acknowledged", packet, packet, number);
+        cf_expect(c, "FoE operation after a packet", CF_FOE_ACK, reply);
+        cf_expect_range(c, "acknowledged number", packet, packet, number);
         if (last)
             return 0;
         const uint16_t length = (uint16_t)(size < full ? size : full);
         last = length < full;
-        answer = cf_request_foe(c, &(cf_foe_t){CF_FOE_DATA, ++packet, from, length}, &mail, &number);
+        reply = cf_request_foe(c, &(cf_foe_t){CF_FOE_DATA, ++packet, from, length}, &mail, &number);
         from += length;
         size -= length;
     }

@@ -6,7 +6,7 @@
 
 enum { HEADER = 6, COE_HEADER = 2 };
 
-/* The mailbox in force: BOOT has its own. */
+/* The mailbox of the present state: BOOT has one of its own. */
 static const cf_mailbox_t *mailbox(cf_t *c)
 {
     return (cf_get8(c, ECT_REG_AL_STATUS) & ECT_AL_STATE_MASK) == CF_BOOT ? &c->facts.boot : &c->mailbox;
@@ -17,7 +17,7 @@ static void write_mail(cf_t *c, const cf_mailbox_t *m, const uint8_t *mail)
     uint64_t until = cf_now_ns() + CF_MAIL_MS * UINT64_C(1000000);
     while (cf_write(c, m->out_start, mail, m->out_size) != 1) {
         if (cf_now_ns() >= until)
-            cf_fail(c, "writing a mail: WKC expected 1, got 0 for %d ms: SM0 is not emptied", (int)CF_MAIL_MS);
+            cf_fail(c, "writing a mail: WKC expected 1, got 0 for %d ms: the slave does not read SM0", (int)CF_MAIL_MS);
         cf_poll_pause(c);
     }
 }

@@ -50,8 +50,8 @@ struct cf_port {
     ec_eepromFMMUt sii_fmmu;
 };
 
-/* SOEM's own source address is a multicast address; a station has a unicast one. The first ESC sets the bit for
- * "locally administered" as the mark of a frame on its way back, so the address leaves without that bit. */
+/* SOEM's source address is a multicast address, which no station may have. The first ESC sets the "locally
+ * administered" bit of the source address to mark returning frames, so the address is sent without this bit. */
 static void use_own_address(int socket, const char *iface)
 {
     struct ifreq request = {0};
@@ -153,7 +153,7 @@ static void build(uint8_t *frame, uint8_t index, const cf_datagram_t *d, size_t 
 }
 
 /* A late reply to an older frame may have the same index; commands, addresses and lengths differ. */
-static bool is_answer(const uint8_t *payload, const cf_datagram_t *d, size_t count)
+static bool is_reply(const uint8_t *payload, const cf_datagram_t *d, size_t count)
 {
     const uint8_t *at = payload + 2;
     for (size_t i = 0; i < count; i++) {
@@ -178,7 +178,7 @@ static void take(const uint8_t *payload, cf_datagram_t *d, size_t count)
     }
 }
 
-/* Whether a frame is readable before the deadline. */
+/* @return whether a frame can be received before the deadline */
 static bool readable(const ecx_portt *port, uint64_t deadline_ns)
 {
     uint64_t now = cf_now_ns();
@@ -191,7 +191,7 @@ static bool receive(ecx_portt *port, uint8 index, const cf_datagram_t *d, size_t
 {
     while (readable(port, deadline_ns) || cf_now_ns() < deadline_ns) {
         if (ecx_waitinframe(port, index, 0) > EC_NOFRAME) {
-            if (is_answer(port->rxbuf[index], d, count))
+            if (is_reply(port->rxbuf[index], d, count))
                 return true;
             ecx_setbufstat(port, index, EC_BUF_TX);
         }
@@ -218,7 +218,7 @@ bool cf_port_exchange(cf_port_t *holder, cf_datagram_t *d, size_t count, uint32_
 
 /* --- raw frames --------------------------------------------------------------------------------------------------- */
 
-/* EtherType, header and address of the datagram: no slave changes those of a NOP. */
+/* Compares EtherType, header and datagram address, which no slave changes in a NOP. */
 static bool is_marker(const uint8_t *got, ssize_t length, const uint8_t *marker, size_t marker_length)
 {
     return length >= (ssize_t)marker_length && memcmp(got + 12, marker + 12, 2 + 2 + 6) == 0;
@@ -229,7 +229,7 @@ ssize_t cf_port_raw(cf_port_t *port, const void *frame, size_t length, uint8_t *
     ecx_portt *wire = &port->port;
     uint8_t marker[60] = {0}, got[2048];
     size_t marker_length;
-    ssize_t answered = 0;
+    ssize_t replied = 0;
     const cf_datagram_t mark = {.command = EC_CMD_NOP, .address = 0x5AA5C33C, .length = 4};
     ec_setupheader(marker);
     build(marker, 0xFE, &mark, 1, &marker_length);
@@ -241,8 +241,8 @@ ssize_t cf_port_raw(cf_port_t *port, const void *frame, size_t length, uint8_t *
         if (size <= 0)
             continue;
         if (is_marker(got, size, marker, marker_length))
-            return answered;
-        answered = size;
+            return replied;
+        replied = size;
         if (reply)
             memcpy(reply, got, (size_t)size < room ? (size_t)size : room);
     }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * SOEM's port: its socket, buffers and index carry datagrams of any kind. Only port.c includes SOEM, because SOEM and
- * wire/registers.h use the same names for registers.
+ * Datagrams of any kind through the port of SOEM: its socket, buffers and index. Only port.c includes SOEM, because
+ * SOEM and wire/registers.h use the same names for registers.
  */
 #ifndef ECTWIN_CONFORM_PORT_H
 #define ECTWIN_CONFORM_PORT_H
@@ -16,11 +16,12 @@
 /** One datagram of any command and address, sent unchanged. */
 typedef struct cf_datagram {
     uint8_t command;
-    uint32_t address; /**< ADP in the low, ADO in the high 16 bits, or the logical address; then that of the reply */
-    uint16_t length;  /**< 0..CF_MAX_DATA */
-    void *data;       /**< `length` bytes to send, then those of the reply; NULL: sends zeros, drops the reply */
-    uint16_t wkc;     /**< value to send (usually 0), then that of the reply */
-    uint16_t irq;     /**< of the reply */
+    uint32_t
+        address; /**< ADP in the low, ADO in the high 16 bits, or the logical address; after the reply: its address */
+    uint16_t length; /**< 0..CF_MAX_DATA */
+    void *data;      /**< `length` bytes to send, replaced by those of the reply; NULL: sends zeros, drops the reply */
+    uint16_t wkc;    /**< value to send (usually 0), replaced by that of the reply */
+    uint16_t irq;    /**< of the reply */
 } cf_datagram_t;
 
 typedef struct cf_port cf_port_t;
@@ -29,7 +30,7 @@ typedef struct cf_port cf_port_t;
  * reply. */
 extern volatile sig_atomic_t cf_interrupted;
 
-/** Monotonic, nanoseconds. */
+/** @return the monotonic clock in nanoseconds */
 uint64_t cf_now_ns(void);
 
 /** Opens an interface. @return NULL, or the reason (constant text, or errno's) */

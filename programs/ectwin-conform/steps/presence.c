@@ -9,12 +9,12 @@
 
 enum { PORT_CONTROL = ECT_REG_DL_CONTROL + 1, CLOSED = 3, PORTS = 4, PROBE_MS = 100, POWER_MS = 60000 };
 
-/* Number of slaves that reply; 0 when no frame returns. */
+/* @return number of slaves that reply; 0: no frame returns */
 static uint16_t count(cf_t *c)
 {
     uint8_t byte = 0;
-    cf_datagram_t look = {.command = CF_BRD, .address = CF_AT(0, ECT_REG_TYPE), .length = 1, .data = &byte};
-    return cf_port_exchange(c->engine->port, &look, 1, PROBE_MS) ? look.wkc : 0;
+    cf_datagram_t probe = {.command = CF_BRD, .address = CF_AT(0, ECT_REG_TYPE), .length = 1, .data = &byte};
+    return cf_port_exchange(c->engine->port, &probe, 1, PROBE_MS) ? probe.wkc : 0;
 }
 
 static void wait_found(cf_t *c, const char *after)
@@ -38,19 +38,19 @@ static uint16_t before(const cf_t *c)
     return (uint16_t)(c->facts.ring + 1);
 }
 
-/* The register of the slave before, by position: station addresses may be lost. */
+/* Sets DL control of the previous slave, by position: station addresses may be lost. */
 static void set_ports(cf_t *c, uint8_t control)
 {
     uint16_t wkc = cf_command(c, CF_APWR, before(c), PORT_CONTROL, &control, 1);
-    cf_expect_wkc(c, "the ports (0x0101) of the slave before", 1, wkc);
+    cf_expect_wkc(c, "DL control of the ports (0x0101) of the previous slave", 1, wkc);
 }
 
-/* Closes the ports of the slave before one by one, until this slave is unreachable. */
+/* Closes the ports of the previous slave one by one until the slave under test is unreachable. */
 static bool close_port(cf_t *c)
 {
     cf_engine_t *e = c->engine;
     uint16_t wkc = cf_command(c, CF_APRD, before(c), PORT_CONTROL, &e->port_control, 1);
-    cf_expect_wkc(c, "the ports (0x0101) of the slave before", 1, wkc);
+    cf_expect_wkc(c, "DL control of the ports (0x0101) of the previous slave", 1, wkc);
     for (unsigned int port = 1; port < PORTS; port++) {
         e->pulled = true;
         set_ports(c, (uint8_t)(e->port_control | CLOSED << 2 * port));
@@ -86,7 +86,7 @@ void cf_put_plug_back(cf_t *c)
         if (error)
             cf_fail(c, "the interface cannot be brought up again: %s", error);
     }
-    wait_found(c, "the plug is back");
+    wait_found(c, "plug reinserted");
 }
 
 static void run_command(cf_t *c, const char *option, const char *command)
@@ -102,9 +102,9 @@ bool cf_pull_plug(cf_t *c, uint32_t ms, const char **why)
 {
     if (c->plug) {
         cf_extend(c, POWER_MS);
-        cf_step(c, "plug pulled and put back: %s", c->plug);
+        cf_step(c, "plug pulled and reinserted: %s", c->plug);
         run_command(c, "--plug", c->plug);
-        wait_found(c, "the plug is back");
+        wait_found(c, "plug reinserted");
         return true;
     }
     if (!pull(c, why))
@@ -116,19 +116,19 @@ bool cf_pull_plug(cf_t *c, uint32_t ms, const char **why)
 
 /* --- power -------------------------------------------------------------------------------------------------------- */
 
-/* Whether a slave without its station address replies. It may vanish at any moment. */
+/* @return whether a slave without a station address replies; it may disconnect at any time */
 static bool is_fresh(cf_t *c)
 {
     uint8_t address[2] = {0};
-    cf_datagram_t look = {.command = CF_APRD,
-                          .address = CF_AT(c->facts.ring, ECT_REG_STATION_ADDRESS),
-                          .length = sizeof address,
-                          .data = address};
-    return cf_port_exchange(c->engine->port, &look, 1, PROBE_MS) && look.wkc == 1 &&
+    cf_datagram_t probe = {.command = CF_APRD,
+                           .address = CF_AT(c->facts.ring, ECT_REG_STATION_ADDRESS),
+                           .length = sizeof address,
+                           .data = address};
+    return cf_port_exchange(c->engine->port, &probe, 1, PROBE_MS) && probe.wkc == 1 &&
            ect_load_le16(address) != c->facts.station;
 }
 
-/* The command may return before the slave is back, or even before it is off. */
+/* The command may return before the slave is on again, or even before the slave is off. */
 static void wait_fresh(cf_t *c)
 {
     uint64_t until = cf_now_ns() + CF_FOUND_MS * UINT64_C(1000000);
@@ -136,15 +136,15 @@ static void wait_fresh(cf_t *c)
         cf_check_time(c);
         if (cf_now_ns() >= until)
             cf_fail(c,
-                    "switched off and on: expected a slave without its station address within %d s: does --power "
-                    "switch this one?",
+                    "switched off and on: expected a slave without its station address within %d s: check that --power "
+                    "switches this slave",
                     (int)CF_FOUND_MS / 1000);
         cf_poll_pause(c);
     }
     wait_found(c, "switched off and on");
 }
 
-/* All slaves on that switch have lost their addresses. */
+/* Sets all station addresses: other slaves may have been switched off too. */
 static void address_all(cf_t *c)
 {
     for (uint16_t n = 0; n < c->facts.slaves; n++) {

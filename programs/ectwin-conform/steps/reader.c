@@ -9,13 +9,13 @@
 
 enum { AT_DATAGRAM = 16, AT_DATA = AT_DATAGRAM + 10, LENGTH = 0x07FF, FRAME_MS = 500 };
 
-/* A frame of the reader waits here from send to receive: the port does both in one exchange. */
+/* Keeps a frame of the reader from send to receive: the port does both in one exchange. */
 static struct link {
     cf_t *c;
     ect_reader_link_t functions;
     ect_reader_t reader;
     uint8_t frame[ECT_READER_FRAME];
-    size_t length; /* 0: none waits */
+    size_t length; /* 0: no frame */
 } wire;
 
 static void send_frame(void *ctx, const uint8_t *frame, size_t length)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The reader of slaves (reader/reader.h) over the wire of the run, for steps that need content of the slave under test
- * and judge no transfer: the facts, and the comparison with an ESI file. A lost frame or a repeated mail is no verdict
- * there. Cases that judge the transfers have steps of their own: sii_access.c, sdo.c, coe_walk.h.
+ * The reader of slaves (reader/reader.h) over the port of the run, for steps that need the slave's data and do not
+ * judge the transfers: the facts, and the comparison with an ESI file. There, a lost frame or a repeated mail has no
+ * effect on the verdict. Cases that judge the transfers have steps of their own: sii_access.c, sdo.c, coe_walk.h.
  */
 #ifndef ECTWIN_CONFORM_READER_H
 #define ECTWIN_CONFORM_READER_H
@@ -14,7 +14,7 @@
 /**
  * Opens the reader for the slave under test; a slave in PREOP or higher keeps state and mailbox. Leaves the case when
  * the slave cannot be read.
- * @return the reader, due for ::cf_reader_close; one at a time
+ * @return the reader, to be closed with ::cf_reader_close; one at a time
  */
 ect_reader_t *cf_reader_open(cf_t *c);
 

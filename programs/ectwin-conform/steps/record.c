@@ -16,10 +16,10 @@ enum { COMMENT = 600, SOURCE = 6, MAC = 6, MULTICAST = 1, DATAGRAM_INDEX = 17, F
 static struct {
     FILE *capture;
     uint64_t start_ns;
-    uint64_t epoch_ns; /* of the wall clock, at the start */
+    uint64_t epoch_ns; /* wall clock at the start */
     uint32_t frame;
     char comment[COMMENT]; /* of the next frame */
-    cf_item_t *items;      /* a ring */
+    cf_item_t *items;      /* a ring buffer */
     size_t next, count;
     uint32_t first_frame;
     bool has_source;
@@ -55,7 +55,7 @@ static void write_packet(const cf_item_t *item)
     (void)fwrite(block, ect_pcapng_packet(block, &packet), 1, record.capture);
 }
 
-/* --- the ring ----------------------------------------------------------------------------------------------------- */
+/* --- the ring buffer ---------------------------------------------------------------------------------------------- */
 
 static cf_item_t *new_item(cf_item_kind_t kind, const void *bytes, size_t length)
 {
@@ -66,7 +66,7 @@ static cf_item_t *new_item(cf_item_kind_t kind, const void *bytes, size_t length
     *item = (cf_item_t){.kind = kind, .time_ns = cf_now_ns() - record.start_ns, .length = (uint32_t)length};
     item->bytes = malloc(length == 0 ? 1 : length);
     if (!item->bytes)
-        abort(); /* no evidence, no run */
+        abort(); /* a run without evidence is worthless */
     memcpy(item->bytes, bytes, length);
     return item;
 }
@@ -76,7 +76,7 @@ static size_t at(size_t nth)
     return (record.next + CF_EVIDENCE_MAX - record.count + nth) % CF_EVIDENCE_MAX;
 }
 
-/* Whether two frames differ in nothing but the index of their first datagram. */
+/* @return whether two frames are equal except for the index of the first datagram */
 static bool same_frame(const cf_item_t *a, const cf_item_t *b)
 {
     return a->kind == b->kind && a->kind != CF_ITEM_STEP && a->length == b->length && a->length > DATAGRAM_INDEX &&
@@ -84,7 +84,7 @@ static bool same_frame(const cf_item_t *a, const cf_item_t *b)
            memcmp(a->bytes + DATAGRAM_INDEX + 1, b->bytes + DATAGRAM_INDEX + 1, a->length - DATAGRAM_INDEX - 1) == 0;
 }
 
-/* A slave that is polled for seconds must not push the request out of the evidence. */
+/* Polling for seconds must not displace the request from the evidence. */
 static void fold_poll(void)
 {
     if (record.count < 4)
@@ -172,7 +172,7 @@ cf_evidence_t cf_record_end(size_t most)
     record.count = 0;
     record.next = 0;
     if (record.capture)
-        (void)fflush(record.capture); /* a reader of the growing file sees whole cases */
+        (void)fflush(record.capture); /* the growing file always contains whole cases */
     return e;
 }
 

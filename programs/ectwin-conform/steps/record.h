@@ -18,7 +18,7 @@ typedef enum cf_item_kind { CF_ITEM_STEP, CF_ITEM_SENT, CF_ITEM_RECEIVED } cf_it
 typedef struct cf_item {
     cf_item_kind_t kind;
     uint32_t frame;   /**< its number in the capture, from 1; of a sentence: the number of the next frame */
-    uint32_t folded;  /**< equal exchanges directly before this one, which are in the capture only */
+    uint32_t folded;  /**< number of equal exchanges directly before this one, which only the capture contains */
     uint64_t time_ns; /**< since the start of the run */
     uint32_t length;
     uint8_t *bytes; /**< a frame from the destination MAC on, or a text with its zero; owned by the item */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* CoE as a strict client: whole SDO transfers and the information service, each reply judged on the way. The first
- * violation of the protocol ends the case; a client that repeats the request, as reader/ does, would hide it. */
+/* A strict CoE client: whole SDO transfers and the information service. The first violation of the protocol ends the
+ * case; a client that repeats requests, as reader/ does, would hide violations. */
 #include <string.h>
 
 #include "steps/engine.h"
@@ -55,7 +55,7 @@ static bool is_abort(const cf_mail_t *mail)
     return mail->data[COMMAND] == ABORT;
 }
 
-/* An abort is service 2 (ETG.1000.6, ours of IgH), its object that of the request. */
+/* An abort has service 2 (SDO request) and the object of the request. */
 static uint32_t abort_code(cf_t *c, const cf_mail_t *mail, uint16_t index, uint8_t sub)
 {
     cf_expect(c, "CoE service of an abort", CF_COE_REQUEST, ect_load_le16(mail->data) >> 12);
@@ -75,7 +75,7 @@ void cf_expect_abort(cf_t *c, uint16_t index, uint8_t sub, uint32_t code)
     cf_expect_that(c, got == code, "abort code for %04Xh:%02X: expected 0x%08X, got 0x%08X", index, sub, code, got);
 }
 
-/* A reply of service 3; of an initiate it names the object. */
+/* A response has service 3; the response to an initiate also has the object. */
 static void check_reply(cf_t *c, const cf_mail_t *mail)
 {
     cf_expect(c, "CoE service of a reply", CF_COE_RESPONSE, ect_load_le16(mail->data) >> 12);
@@ -104,7 +104,7 @@ static void take(cf_t *c, transfer_t *t, const uint8_t *bytes, size_t length)
     t->done += length;
 }
 
-/* @return 0, or the code of an abort in the middle */
+/* @return 0, or the code of an abort */
 static uint32_t upload_segments(cf_t *c, transfer_t *t)
 {
     cf_mail_t mail;
@@ -146,7 +146,7 @@ uint32_t cf_upload(cf_t *c, uint16_t index, uint8_t sub, bool complete, void *da
     check_reply(c, &mail);
     check_object(c, &mail, index, sub);
     uint8_t command = mail.data[COMMAND];
-    cf_expect_bits(c, "command of an upload's reply", 0xE0, UPLOAD, command);
+    cf_expect_bits(c, "command of an upload response", 0xE0, UPLOAD, command);
     uint32_t code = 0;
     if ((command & EXPEDITED) != 0) {
         check_expedited(c, command);
@@ -240,7 +240,7 @@ uint64_t cf_upload_number(cf_t *c, uint16_t index, uint8_t sub)
 
 bool cf_object_exists(cf_t *c, uint16_t index, uint8_t sub, uint32_t *code)
 {
-    static uint8_t data[65536]; /* any content; it is dropped */
+    static uint8_t data[65536]; /* discarded */
     size_t size = sizeof data;
     *code = cf_upload(c, index, sub, false, data, &size);
     return *code == 0;

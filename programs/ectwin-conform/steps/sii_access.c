@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Single accesses to the EEPROM by its registers, as masters make them: cases judge the error bits after each command,
- * which reader/ retries. The image in the facts is read by reader/. */
+/* Single EEPROM accesses through the registers. Cases judge the error bits after each command, which reader/ would
+ * repeat; reader/ reads only the image in the facts. */
 
 #include "sii/sii.h"
 #include "steps/engine.h"
@@ -22,7 +22,7 @@ uint16_t cf_sii_wait(cf_t *c)
     }
 }
 
-/* Control and address in one write, as masters do. */
+/* Writes control and address in one datagram, as masters do. */
 static void command(cf_t *c, uint16_t control, uint16_t word)
 {
     uint8_t bytes[6] = {0};
@@ -34,7 +34,7 @@ static void command(cf_t *c, uint16_t control, uint16_t word)
 unsigned int cf_sii_read(cf_t *c, uint16_t word, uint8_t data[8])
 {
     uint16_t control = 0;
-    for (int tries = 0; tries < TRIES; tries++) { /* an EEPROM that still writes does not acknowledge */
+    for (int tries = 0; tries < TRIES; tries++) { /* during a write the EEPROM does not acknowledge */
         if ((cf_sii_wait(c) & (NO_ACK | WRITE_REFUSED)) != 0)
             cf_put16(c, ECT_REG_SII_CONTROL, 0);
         command(c, READ, word);
@@ -49,7 +49,7 @@ unsigned int cf_sii_read(cf_t *c, uint16_t word, uint8_t data[8])
     return bytes;
 }
 
-/* The write enable bit holds for its own frame: data and command share one frame. */
+/* The write enable bit is valid for one frame, so data and command share a frame. */
 void cf_sii_write_word(cf_t *c, uint16_t word, uint16_t value)
 {
     uint16_t control = 0;
@@ -89,7 +89,7 @@ const uint8_t *cf_sii_block(const cf_t *c, uint16_t category, unsigned int nth, 
     while (f->sii && at + 4 <= f->sii_size && ect_load_le16(f->sii + at) != ECT_SII_END) {
         size_t bytes = 2 * (size_t)ect_load_le16(f->sii + at + 2);
         if (bytes > f->sii_size - at - 4)
-            return NULL; /* cut off */
+            return NULL; /* truncated */
         if (ect_load_le16(f->sii + at) == category && nth-- == 0) {
             *length = bytes;
             return f->sii + at + 4;

@@ -7,10 +7,10 @@
 #include "text/state.h"
 
 enum { LOGICAL = 0x00010000, READS = 1, WRITES = 2 };
-/* 6 s of the default divider. A case pauses where a controller does not, and so does a machine under load. */
+/* 6 s with the default divider: unlike a controller, cases and loaded machines pause. */
 enum { LONG_WATCHDOG = 60000 };
-/* ETG.2000, for an ESI without timeouts. The way back to SAFEOP has the longer limit: no step judges speed. */
-enum { PREOP_MS = 3000, SAFEOP_OP_MS = 10000, INIT_MS = 5000, LAME_MS = 300, SETTLE_MS = 100 };
+/* Defaults of ETG.2000. OP to SAFEOP gets the longer limit too, because no step judges speed. */
+enum { PREOP_MS = 3000, SAFEOP_OP_MS = 10000, INIT_MS = 5000, STUCK_MS = 300, SETTLE_MS = 100 };
 
 const char *cf_state_name(uint16_t al_status)
 {
@@ -22,7 +22,7 @@ const char *cf_state_name(uint16_t al_status)
 void cf_set_sm(cf_t *c, unsigned int n, uint16_t start, uint16_t length, uint8_t control)
 {
     uint8_t registers[ECT_SM_SIZE] = {0};
-    cf_put8(c, (uint16_t)(CF_SM(n) + ECT_SM_ACTIVATE), 0); /* the others take nothing while it is on */
+    cf_put8(c, (uint16_t)(CF_SM(n) + ECT_SM_ACTIVATE), 0); /* while active, the other registers are write-protected */
     if (length > 0) {
         ect_store_le16(registers + ECT_SM_START, start);
         ect_store_le16(registers + ECT_SM_LENGTH, length);
@@ -63,7 +63,7 @@ void cf_set_mailbox(cf_t *c, uint8_t state)
     c->mail_counter = 0;
 }
 
-/* The FMMU that the SII names for a use, else the first that no other use has. */
+/* @return the FMMU assigned to `use` by the SII, else the first free one */
 static unsigned int choose_fmmu(const cf_t *c, uint8_t use, uint32_t *taken)
 {
     unsigned int n = 0;
@@ -116,7 +116,7 @@ unsigned int cf_spare_sm(cf_t *c)
         if ((cf_get8(c, (uint16_t)(CF_SM(n) + ECT_SM_PDI_CONTROL)) & ECT_SM_PDI_DISABLE) == 0)
             return n;
     }
-    cf_skip(c, "the slave's software holds all %u SyncManagers disabled in INIT", c->facts.sms);
+    cf_skip(c, "the slave's software keeps all %u SyncManagers disabled in INIT", c->facts.sms);
 }
 
 /* --- process data ------------------------------------------------------------------------------------------------- */
@@ -193,13 +193,13 @@ static uint32_t transition_ms(uint16_t al_control)
     }
 }
 
-/* A slave that did not return to INIT once gets a shorter timeout from then on. */
+/* After a failed return to INIT the slave gets a shorter timeout. */
 static uint32_t init_ms(const cf_t *c)
 {
-    return c->engine->lame ? LAME_MS : INIT_MS;
+    return c->engine->stuck ? STUCK_MS : INIT_MS;
 }
 
-/* The slave's software takes a request by reading it; until then the chip refuses the next one. */
+/* The chip refuses a request until the slave's software has read the previous one. */
 static void write_al_control(cf_t *c, uint16_t al_control)
 {
     uint8_t bytes[2];
@@ -207,7 +207,7 @@ static void write_al_control(cf_t *c, uint16_t al_control)
     ect_store_le16(bytes, al_control);
     while (cf_write(c, ECT_REG_AL_CONTROL, bytes, sizeof bytes) != 1) {
         if (cf_now_ns() >= until)
-            cf_fail(c, "AL control: WKC expected 1, got 0 for %u ms: the slave does not take the request before",
+            cf_fail(c, "AL control: WKC expected 1, got 0 for %u ms: the slave does not read the previous request",
                     init_ms(c));
         cf_poll_pause(c);
     }
@@ -215,13 +215,13 @@ static void write_al_control(cf_t *c, uint16_t al_control)
         (void)cf_wait_bits(c, ECT_REG_AL_EVENT, ECT_EVENT_AL_CONTROL, 0, init_ms(c), NULL);
 }
 
-/* AL status and its code. */
+/* AL status and AL status code. */
 typedef struct al {
     uint16_t status, code;
 } al_t;
 
-/* Whether a slave has replied to a request that it has read. */
-static bool is_answered(uint16_t wanted, al_t before, al_t now)
+/* @return whether the slave has replied to the request */
+static bool has_replied(uint16_t wanted, al_t before, al_t now)
 {
     if ((now.status & ECT_AL_ERROR) != 0)
         return now.code != 0 &&
@@ -229,9 +229,9 @@ static bool is_answered(uint16_t wanted, al_t before, al_t now)
     return (now.status & ECT_AL_STATE_MASK) == (wanted & ECT_AL_STATE_MASK) && now.code == 0;
 }
 
-/* A reply only when it stays: an old error (not acknowledged, or refused again for the same reason), a code that comes
- * after its state, and an error without a code, which has gone already or is to come. */
-static bool may_be_the_answer(uint16_t wanted, al_t before, al_t now)
+/* @return whether the status is a reply if it does not change: an old error (not acknowledged, or the same refusal
+ * again), a state whose code may follow, and an error whose code is not yet or no longer present */
+static bool may_be_reply(uint16_t wanted, al_t before, al_t now)
 {
     if ((now.status & ECT_AL_ERROR) != 0)
         return (before.status & ECT_AL_ERROR) != 0 || now.code == 0;
@@ -251,7 +251,7 @@ static uint16_t request(cf_t *c, uint16_t al_control, bool cyclic, uint16_t *cod
         if (cyclic)
             (void)cf_cycle(c, NULL, NULL);
         now.status = al_status(c, &now.code);
-        if (over || is_answered(al_control, before, now) || (settled && may_be_the_answer(al_control, before, now)))
+        if (over || has_replied(al_control, before, now) || (settled && may_be_reply(al_control, before, now)))
             break;
         cf_poll_pause(c);
     }
@@ -325,9 +325,9 @@ static void back_to_init(cf_t *c)
     uint16_t got = 0, code = 0;
     uint16_t wkc = cf_command(c, CF_APWR, c->facts.ring, ECT_REG_STATION_ADDRESS, copy, sizeof copy);
     if (wkc != 1)
-        cf_fail(c, "no answer: APWR of the station address: WKC expected 1, got %u", wkc);
+        cf_fail(c, "no reply: APWR of the station address: WKC expected 1, got %u", wkc);
     bool emulation = (c->facts.has & CF_EMULATION) != 0;
-    for (int tries = 0; tries < 2; tries++) { /* the second try acknowledges an error that comes during the first */
+    for (int tries = 0; tries < 2; tries++) { /* the second try acknowledges an error raised during the first */
         write_al_control(c, emulation ? CF_INIT : CF_INIT | ECT_AL_ACKNOWLEDGE);
         if (cf_wait_status(c, CF_INIT, init_ms(c), false, &got, &code) && code == 0)
             return;
@@ -336,7 +336,7 @@ static void back_to_init(cf_t *c)
             cf_state_name(got), code);
 }
 
-/* Registers at their values after power-on; a chip may lack some of them, so working counters do not matter. */
+/* Sets registers to their values after power-on. Working counters are ignored: a chip may lack some registers. */
 static void reset_registers(cf_t *c)
 {
     static const struct {
@@ -355,7 +355,8 @@ static void reset_registers(cf_t *c)
     for (size_t i = 0; i < sizeof values / sizeof values[0]; i++)
         (void)cf_write(c, values[i].address, values[i].value, values[i].length);
     (void)cf_write(c, ECT_REG_FMMU, zeros, (size_t)c->facts.fmmus * ECT_FMMU_SIZE);
-    for (unsigned int n = 0; n < c->facts.sms; n++) { /* off first: while it is on, the rest is locked */
+    for (unsigned int n = 0; n < c->facts.sms;
+         n++) { /* deactivate first: the other registers are write-protected while active */
         (void)cf_write(c, (uint16_t)(CF_SM(n) + ECT_SM_ACTIVATE), zeros, 1);
         (void)cf_write(c, CF_SM(n), zeros, ECT_SM_SIZE);
     }
@@ -366,5 +367,5 @@ void cf_known_state(cf_t *c)
     back_to_init(c);
     reset_registers(c);
     c->mail_counter = 0;
-    c->engine->lame = false;
+    c->engine->stuck = false;
 }

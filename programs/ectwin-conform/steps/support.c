@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Shared by all steps: random numbers, waiting, histograms, the list of changes. */
+/* Common parts of all steps: random numbers, waiting, histograms, the list of changes. */
 #define _GNU_SOURCE
 #include <stdlib.h>
 #include <string.h>
@@ -7,7 +7,7 @@
 
 #include "steps/engine.h"
 
-enum { LOOK_NS = 200000 };
+enum { POLL_NS = 200000 };
 
 /* xorshift64* */
 uint32_t cf_random(cf_t *c, uint32_t limit)
@@ -18,24 +18,24 @@ uint32_t cf_random(cf_t *c, uint32_t limit)
     return (uint32_t)((c->random * UINT64_C(2685821657736338717)) >> 32) % limit;
 }
 
-void cf_while_waiting(cf_t *c, void (*look)(cf_t *c, void *ctx), void *ctx)
+void cf_while_waiting(cf_t *c, void (*idle)(cf_t *c, void *ctx), void *ctx)
 {
-    c->engine->look = look;
-    c->engine->look_ctx = ctx;
+    c->engine->idle = idle;
+    c->engine->idle_ctx = ctx;
 }
 
-/* The function may use waiting steps itself. */
+/* `in_idle` prevents recursion: the function may itself call waiting steps. */
 void cf_poll_pause(cf_t *c)
 {
     cf_engine_t *e = c->engine;
-    const struct timespec pause = {.tv_nsec = LOOK_NS};
-    if (!e->look || e->looking) {
+    const struct timespec pause = {.tv_nsec = POLL_NS};
+    if (!e->idle || e->in_idle) {
         (void)nanosleep(&pause, NULL);
         return;
     }
-    e->looking = true;
-    e->look(c, e->look_ctx);
-    e->looking = false;
+    e->in_idle = true;
+    e->idle(c, e->idle_ctx);
+    e->in_idle = false;
 }
 
 void cf_measure(cf_t *c, const char *series, uint64_t ns)
@@ -67,7 +67,7 @@ cf_undo_t *cf_new_undo(cf_t *c)
 
 void cf_keep(cf_t *c, void (*put_back)(cf_t *c, const uint8_t *data, size_t size), const void *data, size_t size)
 {
-    cf_expect_that(c, size <= CF_CHANGE_MOST, "a value to put back: expected at most %d bytes, got %zu",
+    cf_expect_that(c, size <= CF_CHANGE_MOST, "a value to restore: expected at most %d bytes, got %zu",
                    (int)CF_CHANGE_MOST, size);
     cf_undo_t *u = cf_new_undo(c);
     *u = (cf_undo_t){.what = CF_UNDO_CALL, .size = size, .put_back = put_back};

@@ -10,7 +10,7 @@ static void undo_one(cf_t *c, const cf_undo_t *u)
         cf_go(c, u->state);
         uint32_t code = cf_write_file(c, c->password, u->file, u->size);
         if (code != 0)
-            cf_fail(c, "putting back the file: error 0x%08X", code);
+            cf_fail(c, "restoring the file: error 0x%08X", code);
     } else if (u->what == CF_UNDO_CALL) {
         cf_go(c, CF_PREOP);
         u->put_back(c, u->data, u->size);

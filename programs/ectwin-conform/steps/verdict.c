@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* How a case ends: verdicts, the sentences of its evidence, the time limit. */
+/* The end of a case: verdicts, sentences of the evidence, the time limit. */
 #define _GNU_SOURCE
 #include <stdarg.h>
 #include <stdio.h>
@@ -23,7 +23,7 @@ void cf_check_time(cf_t *c)
         cf_leave(c, CF_INTERRUPTED, "interrupted");
     if (cf_now_ns() < c->engine->deadline_ns)
         return;
-    snprintf(text, sizeof text, "time limit: not done within %u ms", c->engine->limit_ms);
+    snprintf(text, sizeof text, "time limit: not finished within %u ms", c->engine->limit_ms);
     cf_leave(c, CF_FAIL, text);
 }
 

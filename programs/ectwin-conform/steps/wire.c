@@ -6,38 +6,37 @@
 
 #include "steps/engine.h"
 
-/* A frame returns in microseconds; a machine under load may delay the process for long, and an emulated slave for
- * longer. */
-enum { ANSWER_MS = 500, EMULATED_MS = 5000, SILENT_MS = 50 };
+/* A frame returns in microseconds, but a machine under load may delay this process, and an emulated slave even more. */
+enum { REPLY_MS = 500, EMULATED_MS = 5000, SILENT_MS = 50 };
 
-static int answer_ms(const cf_t *c)
+static int reply_ms(const cf_t *c)
 {
-    return c->emulated ? EMULATED_MS : ANSWER_MS;
+    return c->emulated ? EMULATED_MS : REPLY_MS;
 }
 
 void cf_exchange(cf_t *c, cf_datagram_t *d, size_t count)
 {
     cf_check_time(c);
-    int ms = c->engine->silent ? SILENT_MS : answer_ms(c);
+    int ms = c->engine->silent ? SILENT_MS : reply_ms(c);
     c->engine->silent = !cf_port_exchange(c->engine->port, d, count, (uint32_t)ms);
     cf_check_time(c); /* Ctrl-C may be the cause */
     if (c->engine->silent)
-        cf_fail(c, "no answer: the frame did not come back within %d ms", ms);
+        cf_fail(c, "no reply: the frame did not return within %d ms", ms);
 }
 
 size_t cf_raw_frame(cf_t *c, const void *frame, size_t length, uint8_t *reply)
 {
     cf_check_time(c);
-    ssize_t answered = cf_port_raw(c->engine->port, frame, length, reply, CF_MAX_FRAME, (uint32_t)answer_ms(c));
+    ssize_t replied = cf_port_raw(c->engine->port, frame, length, reply, CF_MAX_FRAME, (uint32_t)reply_ms(c));
     cf_check_time(c);
-    if (answered < 0) {
+    if (replied < 0) {
         c->engine->silent = true;
-        cf_fail(c, "no answer: a plain datagram behind the frame did not come back within %d ms", answer_ms(c));
+        cf_fail(c, "no reply: a plain datagram after the frame did not return within %d ms", reply_ms(c));
     }
-    return (size_t)answered;
+    return (size_t)replied;
 }
 
-/* SOEM waits 2 ms for a frame, which a machine under load may exceed: three tries. */
+/* Three tries: SOEM waits 2 ms for a frame, too short for a machine under load. */
 bool cf_soem_to_op(cf_t *c, char *what, size_t room)
 {
     for (int tries = 0; tries < 3; tries++) {
@@ -172,7 +171,7 @@ bool cf_wait_bits(cf_t *c, uint16_t address, uint8_t mask, uint8_t wanted, uint3
     uint64_t until = cf_now_ns() + ms * UINT64_C(1000000);
     uint8_t value;
     for (;;) {
-        bool over = cf_now_ns() >= until; /* before the last look: a late process still looks once */
+        bool over = cf_now_ns() >= until; /* read before the poll, so that a delayed process polls once more */
         value = cf_get8(c, address);
         if ((value & mask) == wanted || over)
             break;

@@ -175,10 +175,10 @@ static void refused(void **state)
         {"a wrong password", "secret", WRITE, 0x1235, ECT_FOE_ACCESS, ""},
         {"a password that is not wanted", "data", READ, 1, ECT_FOE_ACCESS, ""},
         {"a constant file written", "constant", WRITE, 0, ECT_FOE_NO_RIGHTS, ""},
-        {"a packet of nothing", "", DATA, 1, ECT_FOE_ILLEGAL, ""},
-        {"an acknowledge of nothing", "", ACK, 1, ECT_FOE_ILLEGAL, ""},
+        {"a packet without a transfer", "", DATA, 1, ECT_FOE_ILLEGAL, ""},
+        {"an acknowledge without a transfer", "", ACK, 1, ECT_FOE_ILLEGAL, ""},
         {"a busy master", "", BUSY, 0, ECT_FOE_ILLEGAL, ""},
-        {"an operation that does not exist", "", 7, 0, ECT_FOE_ILLEGAL, ""},
+        {"an unknown operation", "", 7, 0, ECT_FOE_ILLEGAL, ""},
         {"operation 0", "", 0, 0, ECT_FOE_ILLEGAL, ""},
     };
     (void)state;

@@ -306,7 +306,7 @@ int main(void)
         TEST("Attack: names that lead out of the folder, or to what is no file, are refused", names),
         TEST("Files: what is written counts when it is whole; what was there stays until then", whole_files_only),
         TEST("Files: they are read piece by piece", read_pieces),
-        TEST("Attack: a file without end fills no disk", too_large),
+        TEST("Attack: an endless file fills no disk", too_large),
         TEST("Attack: links that come up meanwhile are not followed", meanwhile),
         TEST("Files: a device has at most 16 protocols of its own beside FoE", most_protocols_of_a_device),
         TEST("Files: a device without a mailbox, or with files of its own, is refused with a line", refused_devices),

@@ -110,7 +110,7 @@ static void fill(void)
     results[4] = (cf_result_t){.section = &second,
                                .entry = &second_cases[2],
                                .verdict = CF_UNJUDGED,
-                               .reason = "not judged since CF-902: no answer"};
+                               .reason = "not judged since CF-902: no reply"};
     run.results = results;
     run.count = run.planned = 5;
     snprintf(run.c.facts.name, sizeof run.c.facts.name, "Slave <1>");

@@ -266,7 +266,7 @@ static void silent_mailbox(void **state)
     end_run(&run);
 }
 
-/* Without CoE it is a mail of a protocol that does not exist, and its error. */
+/* Without CoE it is a mail of an unknown protocol, and its error. */
 static unsigned int errors_sent;
 
 static bool replies_error(cf_datagram_t *d)
@@ -577,8 +577,7 @@ static void canary(void **state)
     run.last = "CF-016";
     for (int i = 0; i < 2; i++) {
         assert_int_equal(run_one(&run, passes, 0, &result), CF_UNJUDGED);
-        assert_string_equal(result.reason,
-                            "not judged since CF-016: no answer: the frame did not come back within 50 ms");
+        assert_string_equal(result.reason, "not judged since CF-016: no reply: the frame did not return within 50 ms");
     }
     assert_int_equal(ran, 1);
     dead = false; /* it is back: judged again */
