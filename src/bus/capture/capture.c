@@ -19,28 +19,28 @@
 #include "wire/assert.h"
 #include "wire/bytes.h"
 
-/* A batch ends with a block; the thread gathers for a while what is written at once. */
+/* A batch ends at the end of a block; the thread collects blocks for GATHER_NS before writing. */
 enum { BATCH = 65536, GATHER_NS = 5000000, HEADS = 3 };
 
 struct ect_capture {
     int fd;
-    uint64_t most;      /* bytes of the section, 0: any */
-    uint64_t section;   /* its begin in the file */
-    uint64_t begin;     /* of the first block that may be removed */
-    uint64_t end;       /* of the file */
-    uint64_t middle;    /* first end of a batch in the newer half; 0: none yet */
+    uint64_t most;      /* limit of the section in bytes; 0: none */
+    uint64_t section;   /* offset of the section in the file */
+    uint64_t begin;     /* offset of the first removable block */
+    uint64_t end;       /* end of the file */
+    uint64_t middle;    /* end of the first batch in the newer half; 0: none yet */
     uint64_t offset_ns; /* added to each time */
     atomic_int failed;  /* errno */
-    /* The adding thread's. */
+    /* Owned by the adding thread. */
     uint8_t *buffer;
     size_t size;
-    uint64_t dropped; /* since the last packet that was added */
-    bool removed;     /* the file no longer begins with the first frame; the writer's */
+    uint64_t dropped; /* frames dropped since the last added packet */
+    bool removed;     /* older frames were removed; owned by the writer */
     char comment[ECT_PCAPNG_COMMENT_MOST + 1];
     size_t comment_length;
-    /* Positions in the stream of blocks; only the adding thread changes `head`, only the writer `tail`. */
+    /* Positions in the stream of blocks: `head` is set by the adding thread, `tail` by the writer. */
     atomic_size_t head, tail;
-    /* The thread. */
+    /* The writing thread. */
     bool threaded;
     pthread_t thread;
     sem_t wake;
@@ -99,7 +99,7 @@ static bool write_at(const ect_capture_t *c, const uint8_t *bytes, size_t length
     return true;
 }
 
-/* Moves the newer half of the file to the place of the older one. */
+/* Moves the newer half of the file over the older one. */
 static bool remove_older(ect_capture_t *c)
 {
     uint8_t piece[16384];
@@ -118,7 +118,7 @@ static bool remove_older(ect_capture_t *c)
     return ftruncate(c->fd, (off_t)to) == 0;
 }
 
-/* The bytes of the whole blocks that the next batch takes. */
+/* @return bytes of the next batch, whole blocks only */
 static size_t next_batch(const ect_capture_t *c, size_t tail, size_t available)
 {
     size_t most = c->most != 0 && c->most / 8 < BATCH ? (size_t)(c->most / 8) : BATCH;
@@ -149,7 +149,7 @@ static bool write_batch(ect_capture_t *c, size_t tail, size_t length)
     return true;
 }
 
-/* Empties the buffer. After a failed write everything is discarded. */
+/* Writes the buffer. After a failed write all data are discarded. */
 static void write_all(ect_capture_t *c)
 {
     size_t tail = atomic_load_explicit(&c->tail, memory_order_relaxed);
@@ -158,7 +158,7 @@ static void write_all(ect_capture_t *c)
         size_t length = next_batch(c, tail, head - tail);
         if (atomic_load(&c->failed) == 0 && !write_batch(c, tail, length)) {
             atomic_store(&c->failed, errno != 0 ? errno : EIO);
-            (void)!ftruncate(c->fd, (off_t)c->end); /* no part of a block */
+            (void)!ftruncate(c->fd, (off_t)c->end); /* removes a partial block */
         }
         tail += length;
         atomic_store_explicit(&c->tail, tail, memory_order_release);
@@ -188,7 +188,7 @@ bool ect_capture_start(ect_capture_t *c)
     sigset_t all, before;
     if (sem_init(&c->wake, 0, 0) != 0)
         return false;
-    sigfillset(&all); /* signals are the loop's */
+    sigfillset(&all); /* signals are for the event loop */
     (void)pthread_sigmask(SIG_SETMASK, &all, &before);
     c->threaded = pthread_create(&c->thread, NULL, write_on, c) == 0;
     (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
@@ -203,12 +203,12 @@ void ect_capture_flush(ect_capture_t *c)
     }
     if (atomic_load_explicit(&c->head, memory_order_relaxed) == atomic_load(&c->tail))
         return;
-    atomic_thread_fence(memory_order_seq_cst); /* the thread sets `waits`, then reads `head`: one of the two sees it */
+    atomic_thread_fence(memory_order_seq_cst); /* the thread sets `waits`, then reads `head`: so no wake-up is lost */
     if (atomic_load_explicit(&c->waits, memory_order_relaxed) && atomic_exchange(&c->waits, false))
         (void)sem_post(&c->wake);
 }
 
-/* --- opening and closing ------------------------------------------------------------------------------------------ */
+/* --- open and close ----------------------------------------------------------------------------------------------- */
 
 static bool write_heads(ect_capture_t *c, const ect_capture_config_t *config)
 {
@@ -223,7 +223,7 @@ static bool write_heads(ect_capture_t *c, const ect_capture_config_t *config)
     return true;
 }
 
-/* Another capture on the file would mix its blocks with these. A device or a pipe cannot be shortened. */
+/* The lock keeps out other captures. Devices and pipes are refused, because they cannot be truncated. */
 static const char *take_file(ect_capture_t *c, const ect_capture_config_t *config)
 {
     struct stat info;
@@ -269,7 +269,7 @@ ect_capture_t *ect_capture_open(const ect_capture_config_t *config, char *messag
     return NULL;
 }
 
-/* The block after the last frame. */
+/* Adds the last block, after the last frame. */
 static void add_end(ect_capture_t *c, uint64_t time_ns)
 {
     uint8_t block[ECT_PCAPNG_ROOM];
@@ -305,7 +305,7 @@ int ect_capture_close(ect_capture_t *c, const void *last, size_t length, uint64_
     return failed;
 }
 
-/* --- adding ------------------------------------------------------------------------------------------------------- */
+/* --- frames ------------------------------------------------------------------------------------------------------- */
 
 bool ect_capture_frame(ect_capture_t *c, uint32_t interface, ect_pcapng_direction_t direction, uint64_t time_ns,
                        const uint8_t *frame, size_t length)

@@ -156,7 +156,7 @@ static void print_head(const ect_mailboxes_t *m, out_t *o, const uint8_t *d, siz
     print(o, ", %zu byte%s", length, length == 1 ? "" : "s");
 }
 
-/* AL control and AL status in words. */
+/* Prints AL control or AL status as text. */
 static void print_state(out_t *o, uint16_t address, const uint8_t *data, size_t length)
 {
     if (address == ECT_REG_AL_CONTROL && length > 0)

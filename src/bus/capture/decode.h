@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Frames in words: command, address, register, mail. Bytes that cannot be decoded are shown as bytes: a defective slave
- * may send anything.
+ * Frames as text: command, address, register, mail. Invalid data are written as bytes: a defective slave may send
+ * anything.
  *
- * Context: any. Texts are cut off at the end of their room, and always terminated.
+ * Context: any. Texts are truncated to `room`, and always terminated.
  */
 #ifndef ECT_BUS_CAPTURE_DECODE_H
 #define ECT_BUS_CAPTURE_DECODE_H
@@ -23,9 +23,9 @@ typedef struct ect_mailboxes {
 } ect_mailboxes_t;
 
 /**
- * Writes a frame, one line a datagram.
+ * Writes a frame, one line for each datagram.
  * @param frame      from the destination address on, `length` bytes of any content
- * @param sent       true: as the master sends it; false: as it came back
+ * @param sent       true: a request of the master; false: the returned frame
  * @param[out] text  `room` bytes, 1 or more
  */
 void ect_decode_frame(const ect_mailboxes_t *m, const uint8_t *frame, size_t length, bool sent, char *text,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What a record holds beside the frames: local blocks of a capture (docs/REPLAY.md). The body of a block is a kind and
+ * Local blocks of a capture: the data of a record other than frames (docs/REPLAY.md). The body of a block is a kind and
  * a value of 32 bits, a time of 64 bits, little-endian, and a text.
  */
 #ifndef ECT_BUS_CAPTURE_LOGGED_H
@@ -18,19 +18,19 @@ ECT_C_BEGIN
 
 typedef enum ect_logged_kind {
     ECT_LOGGED_START = 1, /**< the chain is powered on at `time_ns`; `text`: a JSON object */
-    ECT_LOGGED_RUN,       /**< late replies, devices and steps of the script; `time_ns` 0: the clock is read later.
-                               `value` 1: at the time of the reply before it */
-    ECT_LOGGED_CLOCK,     /**< the clock was read within the item before */
-    ECT_LOGGED_TOUCH,     /**< the chain is changed at `time_ns`, other than by a frame */
-    ECT_LOGGED_REQUEST,   /**< `text`: a request of the control socket, carried out at the time of the last touch */
-    ECT_LOGGED_LINK,      /**< a cable; `value`: end, and 256 when it is plugged in */
-    ECT_LOGGED_POWER,     /**< all twins are switched off and on at the time of the last touch */
-    ECT_LOGGED_LOST,      /**< the record ends here: the disk was too slow */
-    ECT_LOGGED_CONTENT,   /**< part of a memory or a file at the start; `value`: bytes of it, `time_ns`: offset of them,
-                               `text`: a name, a line feed, the bytes */
-    ECT_LOGGED_FLUSH,     /**< a memory has replied to a flush; `value`: ect_storage_t::flush */
-    ECT_LOGGED_MODBUS,    /**< a Modbus request at the time of the last touch; `text`: request and reply, hexadecimal,
-                               a space between them */
+    ECT_LOGGED_RUN,     /**< late replies, devices and steps of the script; `time_ns` 0: see the next ECT_LOGGED_CLOCK.
+                             `value` 1: at the time of the reply before it */
+    ECT_LOGGED_CLOCK,   /**< the clock was read while the previous item was processed */
+    ECT_LOGGED_TOUCH,   /**< the chain is changed at `time_ns` by something other than a frame */
+    ECT_LOGGED_REQUEST, /**< `text`: a request of the control socket, executed at the time of the last touch */
+    ECT_LOGGED_LINK,    /**< a cable is pulled or plugged in; `value`: end, + ECT_LOGGED_PLUGGED when plugged in */
+    ECT_LOGGED_POWER,   /**< all twins are switched off and on at the time of the last touch */
+    ECT_LOGGED_LOST,    /**< the record ends here: the disk was too slow */
+    ECT_LOGGED_CONTENT, /**< part of a memory or a file at the start; `value`: bytes of it, `time_ns`: offset of them,
+                             `text`: a name, a line feed, the bytes */
+    ECT_LOGGED_FLUSH,   /**< a memory has replied to a flush; `value`: ect_storage_t::flush */
+    ECT_LOGGED_MODBUS,  /**< a Modbus request at the time of the last touch; `text`: request and reply, hexadecimal,
+                             a space between them */
 } ect_logged_kind_t;
 
 enum { ECT_LOGGED_HEAD = 16, ECT_LOGGED_PLUGGED = 256 };
@@ -43,7 +43,7 @@ typedef struct ect_logged {
     size_t length;
 } ect_logged_t;
 
-/** Writes what precedes the text. @param[out] head  ECT_LOGGED_HEAD bytes */
+/** Writes the part before the text. @param[out] head  ECT_LOGGED_HEAD bytes */
 static inline void ect_logged_head(uint8_t *head, ect_logged_kind_t kind, uint32_t value, uint64_t time_ns)
 {
     ect_store_le32(head, kind);
@@ -51,7 +51,7 @@ static inline void ect_logged_head(uint8_t *head, ect_logged_kind_t kind, uint32
     ect_store_le64(head + 8, time_ns);
 }
 
-/** Reads a body. Blocks are padded with zeros, which end the text. @return false: it is too short */
+/** Reads a body. Zeros at the end are padding, not text. @return false: too short */
 static inline bool ect_logged_read(const uint8_t *body, size_t length, ect_logged_t *logged)
 {
     if (length < ECT_LOGGED_HEAD)

@@ -14,7 +14,7 @@ static uint8_t *put32(uint8_t *at, uint32_t value)
     return at + 4;
 }
 
-/* Everything in a block begins at a multiple of four bytes. */
+/* Pads to a multiple of four bytes, the alignment of all parts of a block. */
 static uint8_t *put_bytes(uint8_t *at, const void *bytes, size_t length)
 {
     size_t padded = (length + 3) / 4 * 4;
@@ -32,7 +32,7 @@ static uint8_t *put_option(uint8_t *at, uint16_t code, const void *value, size_t
     return put_bytes(at + 4, value, length);
 }
 
-/* A text that is too long ends between two characters of UTF-8. */
+/* Truncates a long text between two characters of UTF-8. */
 static size_t text_length(const char *text, size_t most)
 {
     size_t length = strlen(text);
@@ -67,7 +67,7 @@ size_t ect_pcapng_section(uint8_t *to, const char *application)
 {
     uint8_t *at = put32(to + HEAD, ECT_PCAPNG_MAGIC);
     at = put32(at, 1);          /* version 1.0 */
-    at = put32(at, UINT32_MAX); /* length of the section: not known */
+    at = put32(at, UINT32_MAX); /* length of the section: unknown */
     at = put32(at, UINT32_MAX);
     if (!application)
         return end_block(to, ECT_PCAPNG_SECTION, at);
@@ -79,7 +79,7 @@ size_t ect_pcapng_interface(uint8_t *to, const char *name)
 {
     const uint8_t resolution = NANOSECONDS;
     uint8_t *at = put32(to + HEAD, LINKTYPE_ETHERNET);
-    at = put32(at, 0); /* whole frames */
+    at = put32(at, 0); /* snapshot length: unlimited */
     at = put_text(at, ECT_PCAPNG_NAME, name, ECT_PCAPNG_TEXT_MOST);
     at = put_option(at, ECT_PCAPNG_RESOLUTION, &resolution, 1);
     return end_options(to, ECT_PCAPNG_INTERFACE, at);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Blocks of a pcapng file (draft-ietf-opsawg-pcapng): the bytes of a section, of an interface, of a packet and of local
- * data, which readers of captures skip. Numbers are little-endian, times are nanoseconds.
+ * Blocks of a pcapng file (draft-ietf-opsawg-pcapng): section, interface, packet, statistics, and local data, which
+ * other programs skip. Numbers are little-endian, times are nanoseconds.
  *
- * No file in here. Context: any. Cost: a copy of the bytes.
+ * The functions write to memory. Context: any. Cost: a copy of the bytes.
  */
 #ifndef ECT_BUS_CAPTURE_PCAPNG_H
 #define ECT_BUS_CAPTURE_PCAPNG_H
@@ -16,7 +16,7 @@
 
 ECT_C_BEGIN
 
-/** Types of blocks. ECT_PCAPNG_LOCAL is in the range that the format reserves for local use. */
+/** Types of blocks. ECT_PCAPNG_LOCAL is in the range reserved for local use. */
 #define ECT_PCAPNG_SECTION    0x0A0D0D0Au
 #define ECT_PCAPNG_INTERFACE  1u
 #define ECT_PCAPNG_STATISTICS 5u
@@ -38,44 +38,46 @@ enum {
 /** Longest comment, longest text of another option, and longest captured frame, bytes. */
 enum { ECT_PCAPNG_COMMENT_MOST = 1000, ECT_PCAPNG_TEXT_MOST = 200, ECT_PCAPNG_FRAME_MOST = 2048 };
 
-/** Room that every section, interface and packet fits in. */
+/** Room for any section, interface or packet. */
 enum { ECT_PCAPNG_ROOM = 4096 };
 
 /** Direction of a packet, as seen by the interface. */
 typedef enum ect_pcapng_direction { ECT_PCAPNG_INBOUND = 1, ECT_PCAPNG_OUTBOUND = 2 } ect_pcapng_direction_t;
 
 typedef struct ect_pcapng_packet {
-    uint32_t interface; /**< by the order of the interfaces in the section, from 0 */
+    uint32_t interface; /**< index in the section, from 0 */
     ect_pcapng_direction_t direction;
     uint64_t time_ns;
     const uint8_t *frame;
     uint32_t captured;   /**< bytes of `frame`, at most ECT_PCAPNG_FRAME_MOST */
     uint32_t length;     /**< on the wire */
-    uint64_t dropped;    /**< frames lost between the packet before and this one */
-    const char *comment; /**< at most ECT_PCAPNG_COMMENT_MOST bytes of it are taken; NULL or "": none */
+    uint64_t dropped;    /**< frames lost since the previous packet */
+    const char *comment; /**< at most ECT_PCAPNG_COMMENT_MOST bytes are used; NULL or "": none */
 } ect_pcapng_packet_t;
 
-/** Begins a section. @param application  program and version; NULL: none. @param[out] to  ECT_PCAPNG_ROOM bytes
- * @return its length */
+/** Writes a section header. @param application  program and version; NULL: none. @param[out] to  ECT_PCAPNG_ROOM bytes
+ * @return length of the block */
 size_t ect_pcapng_section(uint8_t *to, const char *application);
 
-/** Describes an interface of Ethernet with times in nanoseconds. @param name  NULL: none. @param[out] to
- * ECT_PCAPNG_ROOM bytes. @return its length */
+/** Writes an Ethernet interface with times in nanoseconds. @param name  NULL: none. @param[out] to  ECT_PCAPNG_ROOM
+ * bytes
+ * @return length of the block */
 size_t ect_pcapng_interface(uint8_t *to, const char *name);
 
-/** A packet. @param[out] to  ECT_PCAPNG_ROOM bytes. @return its length */
+/** Writes a packet. @param[out] to  ECT_PCAPNG_ROOM bytes. @return length of the block */
 size_t ect_pcapng_packet(uint8_t *to, const ect_pcapng_packet_t *packet);
 
-/** The end of a section: interface 0, with a comment. @param[out] to  ECT_PCAPNG_ROOM bytes. @return its length */
+/** Writes statistics of interface 0 with a comment, the end of a section. @param[out] to  ECT_PCAPNG_ROOM bytes
+ * @return length of the block */
 size_t ect_pcapng_statistics(uint8_t *to, uint64_t time_ns, const char *comment);
 
-/** Bytes of a block of local data with this many of them. */
+/** @return length of a block with `length` bytes of local data */
 static inline size_t ect_pcapng_local_size(size_t length)
 {
     return 12 + (length + 3) / 4 * 4;
 }
 
-/** Local data. @param[out] to  ::ect_pcapng_local_size bytes. @return the same number */
+/** Writes local data. @param[out] to  ::ect_pcapng_local_size bytes. @return length of the block */
 size_t ect_pcapng_local(uint8_t *to, const void *data, size_t length);
 
 ECT_C_END

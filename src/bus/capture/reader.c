@@ -46,7 +46,7 @@ static bool take(const ect_reader_t *r, void *to, size_t length)
 
 /* --- pcapng ------------------------------------------------------------------------------------------------------- */
 
-/* An option among those in `length` bytes. @return its value with *size bytes; NULL: not there */
+/* Finds an option in `length` bytes. @return the value, *size bytes; NULL: none */
 static const uint8_t *find_option(const ect_reader_t *r, const uint8_t *at, size_t length, uint16_t code, size_t *size)
 {
     while (length >= 4) {
@@ -66,7 +66,7 @@ static const uint8_t *find_option(const ect_reader_t *r, const uint8_t *at, size
     return NULL;
 }
 
-/* @return whether 64 bits hold the times of this resolution as nanoseconds */
+/* @return false: times of this resolution do not fit 64 bits in nanoseconds */
 static bool take_interface(ect_reader_t *r, const uint8_t *body, size_t length)
 {
     enum { FINEST = 18, FINEST_BINARY = 60 };
@@ -89,7 +89,7 @@ static uint64_t power_of_ten(unsigned int exponent)
     return power;
 }
 
-/* Fractions of a nanosecond are cut off; what is too large for 64 bits wraps around. */
+/* Fractions of a nanosecond are truncated; values beyond 64 bits wrap. */
 static uint64_t nanoseconds(const ect_reader_interface_t *i, uint64_t time)
 {
     if (i->binary) {
@@ -135,7 +135,7 @@ static ect_item_kind_t take_section(ect_reader_t *r, size_t length, ect_item_t *
     return ECT_ITEM_SECTION;
 }
 
-/* @return ECT_ITEM_END: a block that is of no interest */
+/* @return ECT_ITEM_END: the block is skipped */
 static ect_item_kind_t take_block(ect_reader_t *r, uint32_t type, const uint8_t *body, size_t length, ect_item_t *item)
 {
     switch (type) {
@@ -159,7 +159,7 @@ static ect_item_kind_t take_block(ect_reader_t *r, uint32_t type, const uint8_t 
     }
 }
 
-/* The byte order of a section is known only in it. `head` has type and length. */
+/* Reads the byte order from the section header. @param head  type and length of the block */
 static bool find_byte_order(ect_reader_t *r, const uint8_t *head)
 {
     uint8_t magic[4];

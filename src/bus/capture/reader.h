@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Capture files read: pcapng and pcap of either byte order, with times of any resolution. Any file is safe to read: a
- * length that does not fit is an error of one line, and no more than ECT_READER_BLOCK bytes are held.
+ * Reader of capture files: pcapng and pcap in either byte order, with times of any resolution. Any file is safe to
+ * read: an invalid length is an error of one line, and at most ECT_READER_BLOCK bytes are in memory.
  *
- * Context: any; no other thread reads the same file. Cost: a copy of the bytes.
+ * Context: any; one thread for each file. Cost: a copy of the bytes.
  */
 #ifndef ECT_BUS_CAPTURE_READER_H
 #define ECT_BUS_CAPTURE_READER_H
@@ -18,13 +18,13 @@
 
 ECT_C_BEGIN
 
-/** Longest block, most interfaces of a section, room of a message. */
+/** Longest block, most interfaces of a section, room for a message. */
 enum { ECT_READER_BLOCK = 1024 * 1024, ECT_READER_INTERFACES = 64, ECT_READER_MESSAGE = 256 };
 
 typedef enum ect_item_kind {
-    ECT_ITEM_END,     /**< there are no more */
-    ECT_ITEM_WRONG,   /**< the file is wrong from here on: the message has the reason */
-    ECT_ITEM_SECTION, /**< a section begins; of a pcap file the whole file is one */
+    ECT_ITEM_END,     /**< the file has no more items */
+    ECT_ITEM_WRONG,   /**< the file is invalid from here on: reader->message is the reason */
+    ECT_ITEM_SECTION, /**< a section begins; a pcap file is one section */
     ECT_ITEM_PACKET,
     ECT_ITEM_LOCAL, /**< a local block (::ect_pcapng_local) */
 } ect_item_kind_t;
@@ -46,21 +46,21 @@ typedef struct ect_reader_interface {
     uint8_t exponent;
 } ect_reader_interface_t;
 
-/** A file that is being read. Members are private; zero at the start but `file`. */
+/** A reader. Set `file` and zero the other members, which are private except `message`. */
 typedef struct ect_reader {
     FILE *file; /**< the caller's */
     char message[ECT_READER_MESSAGE];
     enum { ECT_READER_NEW, ECT_READER_PCAPNG, ECT_READER_PCAP, ECT_READER_OVER } state;
-    bool swapped;     /* numbers have the other byte order than little-endian */
+    bool swapped;     /* numbers are big-endian */
     bool nanoseconds; /* of a pcap file */
-    uint64_t at;      /* of the present block */
+    uint64_t at;      /* offset of the present block */
     uint64_t packets;
     ect_reader_interface_t interfaces[ECT_READER_INTERFACES];
     uint32_t interface_count;
     uint8_t *block; /* ECT_READER_BLOCK bytes */
 } ect_reader_t;
 
-/** Reads the next item. After ECT_ITEM_END or ECT_ITEM_WRONG every further call returns ECT_ITEM_END. */
+/** Reads the next item. After ECT_ITEM_END or ECT_ITEM_WRONG further calls return ECT_ITEM_END. */
 ect_item_kind_t ect_reader_next(ect_reader_t *reader, ect_item_t *item);
 
 /** Frees the reader's memory; the file stays open. */

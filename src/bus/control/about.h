@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Contents of the reply to the request `about` of the control socket: what a process with twins reports about itself.
+ * Contents of the reply to the request `about` of the control socket: information on the process and its twins.
  */
 #ifndef ECT_BUS_CONTROL_ABOUT_H
 #define ECT_BUS_CONTROL_ABOUT_H

@@ -31,7 +31,8 @@ long ect_change_slave(const cJSON *request, const ect_chain_t *chain)
     return exists ? (long)slave : -1;
 }
 
-/* A value may be text, a number or a truth value; `text` has room for the last two. @return it as text, NULL */
+/* A value may be a string, a number or a boolean. @param text  room for the last two @return the text; NULL: another
+ * type */
 static const char *value_of(const cJSON *json, char text[32])
 {
     if (cJSON_IsString(json))
@@ -44,7 +45,7 @@ static const char *value_of(const cJSON *json, char text[32])
     return text;
 }
 
-/* {"name":N,"value":V}, or several at once: {"values":{N:V,...}}. @return why not, NULL when all are set */
+/* Sets {"name":N,"value":V}, or several: {"values":{N:V,...}}. @return the reason of a refusal; NULL: all are set */
 static const char *set(ect_chain_t *chain, size_t slave, const cJSON *request, uint64_t now_ns,
                        char message[ECT_SIGNAL_MESSAGE])
 {
@@ -73,7 +74,7 @@ static const char *set(ect_chain_t *chain, size_t slave, const cJSON *request, u
     return ect_settings_apply(chain, slave - 1, settings, count, now_ns, message) ? NULL : message;
 }
 
-/* Sets or carries out a fault. @return why not, NULL */
+/* Sets or executes a fault. @return the reason of a refusal; NULL: done */
 static const char *set_fault(ect_scenario_t *scenario, ect_chain_t *chain, const cJSON *request, uint64_t now_ns,
                              char message[ECT_SIGNAL_MESSAGE])
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Requests that change a chain, as the control socket takes them (docs/CONTROL.md): {"op":"set",…} and
- * {"op":"fault",…}. The replay of a record carries out the same requests.
+ * Requests of the control protocol that change a chain (docs/CONTROL.md): {"op":"set",…} and {"op":"fault",…}. The
+ * control socket and the replay of a record execute them here.
  */
 #ifndef ECT_BUS_CONTROL_CHANGE_H
 #define ECT_BUS_CONTROL_CHANGE_H
@@ -18,29 +18,29 @@
 
 ECT_C_BEGIN
 
-/** @return "op" of a request; "" without one */
+/** @return the operation of a request, "op"; "": none */
 const char *ect_change_op(const cJSON *request);
 
 /** @return whether an operation changes the chain */
 bool ect_change_is(const char *op);
 
-/** @return the slave that a request is for by its number or its name, from 1 (default 1); 0: all; -1: there is none */
+/** @return the slave of a request, by number or name, from 1 (default 1); 0: all; -1: no such slave */
 long ect_change_slave(const cJSON *request, const ect_chain_t *chain);
 
 /**
- * Carries out a request of an operation that changes the chain.
- * @param scenario      NULL: no faults can be set
- * @param[out] message  room of ECT_SIGNAL_MESSAGE bytes for a reason
- * @return the reason why not, one line; NULL: done
+ * Executes a request whose operation changes the chain.
+ * @param scenario      NULL: `fault` is refused
+ * @param[out] message  ECT_SIGNAL_MESSAGE bytes, for a reason
+ * @return the reason of a refusal, one line; NULL: done
  */
 const char *ect_change_apply(ect_chain_t *chain, ect_scenario_t *scenario, const cJSON *request, uint64_t now_ns,
                              char *message);
 
 /**
- * Whether the signals of a `set` request exist and can be set; their values are judged when it is carried out.
+ * Checks that the signals of a `set` request exist and are writable. Values are checked at the execution.
  * @param slave         from 1
- * @param[out] message  room of ECT_SIGNAL_MESSAGE bytes for a reason
- * @return the reason why not, one line; NULL: they can be set
+ * @param[out] message  ECT_SIGNAL_MESSAGE bytes, for a reason
+ * @return the reason of a refusal, one line; NULL: existing and writable
  */
 const char *ect_change_check(const ect_chain_t *chain, size_t slave, const cJSON *request, char *message);
 

@@ -105,7 +105,7 @@ static bool watch_one(ect_client_t *client, const ect_signal_ref_t *ref)
     return false;
 }
 
-/* The next signal of this slave. */
+/* Finds the next signal of the slave. */
 static bool next_signal(ect_visit_t *v, const ect_chain_t *chain, ect_signal_ref_t *ref)
 {
     if (!v->literal)
@@ -130,7 +130,7 @@ static void end_search(ect_client_t *client, const ect_chain_t *chain)
     end_visit(client, v->matched > 0 ? NULL : message);
 }
 
-/* A pattern for all slaves may include the names of twins: "camera?.judgement". */
+/* A pattern for all slaves may contain the name of a twin: "camera?.judgement". */
 static bool is_match(const ect_visit_t *v, const ect_signal_ref_t *ref)
 {
     char name[ECT_NAME_ROOM + ECT_SIGNAL_NAME];
@@ -146,7 +146,7 @@ static void continue_visit(ect_client_t *client, const ect_chain_t *chain, uint6
 {
     ect_visit_t *v = &client->visit;
     unsigned int lines = 0;
-    const unsigned int cost = v->all && ect_chain_names(chain) ? 2 : 1; /* comparisons of a name */
+    const unsigned int cost = v->all && ect_chain_names(chain) ? 2 : 1; /* comparisons for each name */
     for (unsigned int matches = 0; matches < ECT_CLIENT_MATCHES && lines < ECT_CLIENT_LINES; matches += cost) {
         ect_signal_ref_t ref;
         if (next_signal(v, chain, &ref)) {
@@ -181,7 +181,7 @@ static const char *begin_watch(ect_client_t *client, const cJSON *request)
     return NULL;
 }
 
-/* @return why not, NULL when it begins */
+/* @return the reason of a refusal; NULL: begun */
 static const char *begin(ect_client_t *client, const ect_chain_t *chain, size_t slave, const cJSON *request)
 {
     const cJSON *json = cJSON_GetObjectItemCaseSensitive(request, "pattern");
@@ -199,7 +199,7 @@ static const char *begin(ect_client_t *client, const ect_chain_t *chain, size_t 
     return v->op == ECT_VISIT_WATCH ? begin_watch(client, request) : NULL;
 }
 
-/* --- at a time of the bus ----------------------------------------------------------------------------------------- */
+/* --- requests with a time ----------------------------------------------------------------------------------------- */
 
 static bool is_planned(const char *op, const cJSON *request)
 {
@@ -228,7 +228,7 @@ static const char *plan(ect_client_t *client, const ect_chain_t *chain, const cJ
 
 /* --- data --------------------------------------------------------------------------------------------------------- */
 
-/* @return why not, NULL with *offset in bytes of the data */
+/* @return the reason of a refusal; NULL: *offset is within the data */
 static const char *read_offset(const cJSON *request, size_t size, size_t *offset)
 {
     const cJSON *json = cJSON_GetObjectItemCaseSensitive(request, "offset");
@@ -239,7 +239,7 @@ static const char *read_offset(const cJSON *request, size_t size, size_t *offset
     return NULL;
 }
 
-/* The members "size", "offset" and "data": a piece of the bytes, from `at` on. */
+/* Writes the members "size", "offset" and "data", a piece of the bytes from `at` on. */
 static void put_bytes(ect_line_t *line, const uint8_t *bytes, size_t size, size_t at)
 {
     enum { PIECE = 400 };
@@ -254,7 +254,7 @@ static void put_bytes(ect_line_t *line, const uint8_t *bytes, size_t size, size_
     ect_line_string(line, "data", hex);
 }
 
-/* One piece of the words of the start. @return why not, NULL */
+/* Replies with a piece of the command line. @return the reason of a refusal; NULL: done */
 static const char *reply_words(ect_client_t *client, const cJSON *request)
 {
     size_t at;
@@ -271,8 +271,8 @@ static const char *reply_words(ect_client_t *client, const cJSON *request)
     return NULL;
 }
 
-/* One piece of what is too large for a signal; all pieces with the same serial belong together. @return why not, NULL
- */
+/* Replies with a piece of data too large for a signal; pieces with the same serial belong together. @return the reason
+ * of a refusal; NULL: done */
 static const char *reply_piece(ect_client_t *client, const ect_chain_t *chain, size_t slave, const cJSON *request)
 {
     ect_bulk_t bulk = ect_chain_bulk(chain, slave - 1);
@@ -294,7 +294,7 @@ static const char *reply_piece(ect_client_t *client, const ect_chain_t *chain, s
 
 /* --- stats -------------------------------------------------------------------------------------------------------- */
 
-/* How far the script is, where there is one. */
+/* Writes the progress of the scenario, if there is one. */
 static void put_scenario(ect_line_t *line, const ect_scenario_t *scenario)
 {
     if (!scenario || scenario->step_count == 0)
@@ -376,7 +376,7 @@ static void put_text(ect_line_t *line, const char *key, const char *value)
         ect_line_string(line, key, value);
 }
 
-/* The lowest and the highest AL state of the chain (0: off the bus), and how many slaves report an AL status code. */
+/* Writes lowest and highest AL state (0: disconnected), and the number of slaves with an AL status code. */
 static void put_states(ect_line_t *line, const ect_chain_t *chain)
 {
     uint64_t lowest = UINT64_MAX, highest = 0, errors = 0;
@@ -424,10 +424,10 @@ static bool is_visit(ect_visit_t *v, const char *op)
     return v->op != ECT_VISIT_NONE;
 }
 
-/* The faults that are set, at most as many as a step writes lines. @return why not, NULL */
+/* Lists the active faults, at most as many as fit in a step. @return the reason of a refusal; NULL: done */
 static const char *list_faults(ect_client_t *client, const ect_chain_t *chain)
 {
-    /* A step has room for its lines at their longest; those of faults are short. */
+    /* The room of a step is for lines of maximum length; lines of faults are shorter. */
     enum { FAULTS = ECT_CLIENT_LINES * ECT_LINE_ROOM / (ECT_FAULT_TEXT + 32) };
     _Static_assert((int)ECT_SCENARIO_FAULTS <= (int)FAULTS, "one step lists all of them");
     char room[ECT_FAULT_TEXT];
@@ -443,7 +443,7 @@ static const char *list_faults(ect_client_t *client, const ect_chain_t *chain)
     return NULL;
 }
 
-/* Lines of a script that sets the same faults again, from a number on. @return why not, NULL */
+/* Lists the faults as lines of a script, from a number on. @return the reason of a refusal; NULL: done */
 static const char *list_script(ect_client_t *client, const ect_chain_t *chain, const cJSON *request)
 {
     size_t at = 0;
@@ -471,7 +471,7 @@ static bool has_immediate_reply(const char *op)
     return false;
 }
 
-/* @return why not, NULL when it is done */
+/* @return the reason of a refusal; NULL: done */
 static const char *answer(ect_client_t *client, ect_chain_t *chain, const char *op, size_t slave, const cJSON *request,
                           uint64_t now_ns, char message[ECT_SIGNAL_MESSAGE])
 {
@@ -518,7 +518,7 @@ static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request
         end_visit(client, why);
 }
 
-/* @return whether the request was served; of a client that is gone only one that changes something is */
+/* @return whether the request was served; after the end of the connection only requests that change the chain are */
 static bool serve_line(ect_client_t *client, ect_chain_t *chain, uint64_t now_ns)
 {
     bool served = true;

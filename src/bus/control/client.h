@@ -3,8 +3,8 @@
  * @file
  * One connection to the control socket: its requests, replies and watched signals. Internal to bus/control.
  *
- * All work is done in bounded steps, since frames wait meanwhile: a step serves one request, continues a reply, or
- * writes changes. It writes at most ECT_CLIENT_LINES lines and one with the result.
+ * All work is done in bounded steps, because frames wait meanwhile: a step serves one request, continues a reply, or
+ * writes changes. A step writes at most ECT_CLIENT_LINES lines and one with the result.
  */
 #ifndef ECT_BUS_CONTROL_CLIENT_H
 #define ECT_BUS_CONTROL_CLIENT_H
@@ -26,17 +26,17 @@
 ECT_C_BEGIN
 
 enum {
-    ECT_CLIENT_LINES = 8,      /**< lines that a step writes, without the result */
-    ECT_CLIENT_MATCHES = 32,   /**< names that a step compares with a pattern */
-    ECT_CLIENT_COMPARES = 512, /**< watched values that a step compares */
-    ECT_CLIENT_SKIPS = 64,     /**< requests of a client that is gone that a step skips */
+    ECT_CLIENT_LINES = 8,      /**< most lines of a step, without the result */
+    ECT_CLIENT_MATCHES = 32,   /**< most comparisons of names with a pattern in a step */
+    ECT_CLIENT_COMPARES = 512, /**< most comparisons of watched values in a step */
+    ECT_CLIENT_SKIPS = 64,     /**< most requests of a closed connection that a step skips */
     ECT_CLIENT_ANSWER = 3 * ECT_CLIENT_LINES * ECT_LINE_ROOM,
 };
 
 /** A request whose reply is a list of signals. */
 typedef struct ect_visit {
     enum { ECT_VISIT_NONE, ECT_VISIT_GET, ECT_VISIT_LIST, ECT_VISIT_WATCH } op;
-    size_t slave, last; /**< position in the chain, from 0, now and at the end */
+    size_t slave, last; /**< present and last position in the chain, from 0 */
     ect_chain_cursor_t cursor;
     size_t matched;
     bool literal; /**< the pattern is a plain name */
@@ -44,7 +44,7 @@ typedef struct ect_visit {
     char pattern[2 * ECT_SIGNAL_NAME];
 } ect_visit_t;
 
-/** Gets each request that changes the chain, before it is carried out. */
+/** Gets each request that changes the chain, before its execution. */
 typedef struct ect_observer {
     void (*changes)(void *ctx, const char *request, size_t length); /**< NULL: none */
     void *ctx;
@@ -52,12 +52,12 @@ typedef struct ect_observer {
 
 typedef struct ect_client {
     int fd;          /**< -1: free */
-    uint32_t events; /**< for which epoll waits */
-    bool readable;   /**< there are bytes to receive */
-    bool ended;      /**< it sends nothing more */
-    bool deaf;       /**< it reads nothing more: replies are dropped, only `set` and `fault` are carried out */
-    bool blocked;    /**< the socket took only a part of the unsent bytes */
-    bool closing;    /**< nothing more is received; closed when all replies are sent */
+    uint32_t events; /**< events requested from epoll */
+    bool readable;   /**< bytes can be received */
+    bool ended;      /**< the client has ended sending */
+    bool deaf;    /**< the client has closed the connection: replies are dropped, only `set` and `fault` are executed */
+    bool blocked; /**< the socket has accepted only a part of the unsent bytes */
+    bool closing; /**< reception has ended; the connection is closed after the last reply */
     size_t received;
     size_t line; /**< length of the first complete request; 0: none */
     char request[ECT_ENDPOINT_REQUEST];
@@ -67,10 +67,10 @@ typedef struct ect_client {
     ect_scenario_t *scenario;       /**< NULL: none */
     const ect_about_t *about;       /**< NULL: none */
     const ect_observer_t *observer; /**< NULL: none */
-    ect_plans_t *plans;             /**< requests that wait for their time */
+    ect_plans_t *plans;             /**< requests with a future time */
     ect_visit_t visit;
     ect_watch_t *watch; /**< NULL: none */
-    size_t every_room;  /**< most signals that it may watch at every change */
+    size_t every_room;  /**< most signals that the client may watch at every change */
 } ect_client_t;
 
 /** @return whether there is room for the lines of a step */
@@ -79,7 +79,7 @@ bool ect_client_room(const ect_client_t *client);
 /** @return whether a step has work without receiving */
 bool ect_client_busy(const ect_client_t *client);
 
-/** Finds the end of the first request. To be called after each reception. */
+/** Finds the end of the first request. Call it after each reception. */
 void ect_client_received(ect_client_t *client);
 
 /**
@@ -88,12 +88,12 @@ void ect_client_received(ect_client_t *client);
  */
 void ect_client_step(ect_client_t *client, ect_chain_t *chain, size_t every_room, uint64_t now_ns);
 
-/** Updates the lamps that the client watches. Cost: a comparison a twin with a watched lamp. */
+/** Updates the lamps that the client watches. Cost: one comparison for each twin with a watched lamp. */
 void ect_client_show_lamps(const ect_client_t *client, const ect_chain_t *chain);
 
 /**
- * The client has closed its connection. It no longer watches anything, no reply is written, and of the requests that it
- * has sent only `set` and `fault` are carried out.
+ * Handles a connection closed by the client: its watches end, no reply is written, and of the received requests only
+ * `set` and `fault` are executed.
  */
 void ect_client_end_of_input(ect_client_t *client);
 

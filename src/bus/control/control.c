@@ -17,12 +17,12 @@ enum { ROUND_NS = 10000000, RETRY_NS = 1000000000, ACCEPT = ECT_CONTROL_CLIENTS,
 
 struct ect_control {
     int fd, epoll;
-    int spare;          /* a descriptor that is closed when no other is free */
-    bool accepts;       /* a connection waits for accept */
-    uint64_t retry_ns;  /* next attempt after descriptors had run out; ECT_NEVER: none */
-    uint64_t round_ns;  /* when the watched values are compared next; ECT_NEVER: no client watches in rounds */
-    size_t turn;        /* client that is served next */
-    size_t clients_end; /* clients from here on are free; a frame need not read them */
+    int spare;          /* spare descriptor, closed when no other is free */
+    bool accepts;       /* a connection is pending */
+    uint64_t retry_ns;  /* next accept() after a lack of descriptors; ECT_NEVER: none */
+    uint64_t round_ns;  /* time of the next round; ECT_NEVER: no client watches in rounds */
+    size_t turn;        /* next client to serve */
+    size_t clients_end; /* first index after the last client in use, so that a frame does not check free ones */
     ect_client_t clients[ECT_CONTROL_CLIENTS];
     const ect_stats_t *stats;
     ect_scenario_t *scenario;
@@ -30,7 +30,7 @@ struct ect_control {
     ect_observer_t observer;
     ect_plans_t plans;
     char path[ECT_ENDPOINT_PATH];
-    ino_t identity; /* of its file */
+    ino_t identity; /* of the socket's file */
 };
 
 static int open_spare(void)
@@ -120,7 +120,7 @@ int ect_control_fd(const ect_control_t *c)
     return c->epoll;
 }
 
-/* --- accepting ---------------------------------------------------------------------------------------------------- */
+/* --- new connections ---------------------------------------------------------------------------------------------- */
 
 static void turn_away(int fd, const char *message)
 {
@@ -133,8 +133,8 @@ static void turn_away(int fd, const char *message)
     close(fd);
 }
 
-/* A connection that cannot be accepted keeps the descriptor readable: it is refused with the spare descriptor, or
- * later. */
+/* A pending connection keeps the listening socket readable, so it is accepted with the spare descriptor and closed, or
+ * retried later. */
 static void no_descriptor(ect_control_t *c, uint64_t now_ns)
 {
     if (c->spare >= 0)
@@ -177,7 +177,7 @@ static void accept_client(ect_control_t *c, uint64_t now_ns)
     turn_away(fd, "the twin serves 16 connections, and all are taken: end one of them");
 }
 
-/* --- in and out --------------------------------------------------------------------------------------------------- */
+/* --- reception and transmission ----------------------------------------------------------------------------------- */
 
 static bool wants_more(const ect_client_t *client)
 {
@@ -185,7 +185,7 @@ static bool wants_more(const ect_client_t *client)
            ect_client_room(client);
 }
 
-/* A request that its sender did not end, but ended sending, is one. */
+/* At the end of input, an unterminated line is a request too. */
 static void end_of_requests(ect_client_t *client)
 {
     client->ended = true;
@@ -225,7 +225,7 @@ static void flush(ect_client_t *client)
     client->blocked = client->unsent > 0;
 }
 
-/* A client that has ended sending may read on: its answers, or what it watches. */
+/* A client that has ended sending may still read replies and watched values. */
 static bool is_done(const ect_client_t *client)
 {
     bool works = client->visit.op != ECT_VISIT_NONE || (client->line > 0 && !client->closing);
@@ -234,7 +234,7 @@ static bool is_done(const ect_client_t *client)
     return client->unsent == 0 && (client->closing || (client->ended && !works && !client->watch));
 }
 
-/* Updates the events for which epoll waits, or ends the connection. */
+/* Updates the events requested from epoll, or closes the connection. */
 static void update_events(const ect_control_t *c, ect_client_t *client, uint32_t who)
 {
     uint32_t events = (wants_more(client) ? EPOLLIN : 0u) | (client->blocked ? (uint32_t)EPOLLOUT : 0u);
@@ -244,7 +244,7 @@ static void update_events(const ect_control_t *c, ect_client_t *client, uint32_t
         client->events = events;
 }
 
-/* --- the loop's side ---------------------------------------------------------------------------------------------- */
+/* --- functions for the event loop --------------------------------------------------------------------------------- */
 
 static bool can_step(const ect_client_t *client)
 {
@@ -257,7 +257,7 @@ static bool ready(const ect_client_t *client)
                                (client->unsent > 0 && !client->blocked) || is_done(client));
 }
 
-/* Records which clients have sent bytes, can take bytes, or have closed. */
+/* Reads from epoll which clients are readable, writable or closed. */
 static void read_events(ect_control_t *c)
 {
     struct epoll_event events[WAITABLE];
@@ -299,7 +299,7 @@ static void serve_client(ect_control_t *c, ect_client_t *client, uint32_t who, e
     update_events(c, client, who);
 }
 
-/* Rounds are begun for all clients at the same time, as long as one of them wants any. */
+/* Begins rounds for all clients at the same time while any client watches in rounds. */
 static void begin_rounds(ect_control_t *c, uint64_t now_ns)
 {
     bool due = now_ns >= c->round_ns;
@@ -318,7 +318,7 @@ static void begin_rounds(ect_control_t *c, uint64_t now_ns)
         c->round_ns = now_ns + ROUND_NS;
 }
 
-/* Serves the next client that has work. */
+/* Serves the next client with work. */
 static void serve_one(ect_control_t *c, ect_chain_t *chain, uint64_t now_ns)
 {
     for (size_t i = 0; i < WAITABLE; i++) {
@@ -368,9 +368,9 @@ void ect_control_record(ect_control_t *c, const ect_chain_t *chain, uint64_t now
     }
 }
 
-/* --- requests at their time --------------------------------------------------------------------------------------- */
+/* --- requests with a time ----------------------------------------------------------------------------------------- */
 
-/* The client has had its reply long ago. */
+/* Reports to the scenario, because the client has already got its reply. */
 static void report_refusal(const ect_control_t *c, const cJSON *request, const char *why)
 {
     char *text = c->scenario && c->scenario->refused ? cJSON_PrintUnformatted(request) : NULL;
@@ -384,7 +384,7 @@ uint64_t ect_control_planned(const ect_control_t *c)
     return ect_plans_due(&c->plans);
 }
 
-/* For observers the request comes now. */
+/* Observers get the request at its execution. */
 static void act(ect_control_t *c, ect_chain_t *chain, cJSON *request, uint64_t now_ns)
 {
     char message[ECT_SIGNAL_MESSAGE];

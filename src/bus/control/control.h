@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The control socket of a running chain: clients read, set and watch signals. docs/CONTROL.md is its protocol,
- * endpoint.h its place.
+ * The control socket of a running chain: clients read, set and watch signals. docs/CONTROL.md describes the protocol,
+ * endpoint.h the path of the socket.
  *
  * Frames come first: ::ect_control_serve does one bounded piece of work and returns. It accepts one client, or lets one
  * client receive once, do one step (client.h) and send once; the next call serves the next client. A client that stops
- * reading blocks only its own replies. Work that is left is kept in the clients, never in a queue that grows.
+ * reading blocks only its own replies. Remaining work is stored in the clients, never in a growing queue.
  *
  * Context: the thread of the runner.
  */
@@ -43,17 +43,15 @@ void ect_control_close(ect_control_t *control);
 
 /**
  * Sets the counters that the request `stats` reads, and the scenario in which `fault` sets faults.
- * @param stats, scenario  must outlive the control; NULL (as at first): the request is
- * refused
+ * @param stats, scenario  must outlive the control; NULL, the initial value: the request is refused
  */
 void ect_control_show(ect_control_t *control, const ect_stats_t *stats, ect_scenario_t *scenario);
 
-/** Sets what the request `about` reports. @param about  must outlive the control; NULL (as at first): `about` is
- * refused */
+/** Sets the contents of `about`. @param about  must outlive the control; NULL, the initial value: `about` is refused */
 void ect_control_describe(ect_control_t *control, const ect_about_t *about);
 
 /**
- * Sets a function that gets each request which changes the chain (`set`, `fault`), before it is carried out.
+ * Sets a function that gets each request that changes the chain (`set`, `fault`), before its execution.
  * @param changes  `request` is the line without its end, `length` bytes; NULL: none
  */
 void ect_control_observe(ect_control_t *control, void (*changes)(void *ctx, const char *request, size_t length),
@@ -62,7 +60,7 @@ void ect_control_observe(ect_control_t *control, void (*changes)(void *ctx, cons
 /** Path of the socket, valid until it is closed. */
 const char *ect_control_path(const ect_control_t *control);
 
-/** A descriptor that is readable when ::ect_control_serve has something to do. */
+/** A descriptor that is readable when ::ect_control_serve has work. */
 int ect_control_fd(const ect_control_t *control);
 
 /** The time of the next ::ect_control_serve without a readable descriptor: 0 now; ECT_NEVER. */
@@ -71,18 +69,20 @@ uint64_t ect_control_due(const ect_control_t *control);
 /** Does one bounded piece of work. Cost: at most four system calls and one step of a client (client.h). */
 void ect_control_serve(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns);
 
-/** Time of the first request that waits for its time ("at"); ECT_NEVER: none. */
+/** Time of the next request with a time ("at"); ECT_NEVER: none. */
 uint64_t ect_control_planned(const ect_control_t *control);
 
 /**
- * Carries out the requests whose time has come. To be called before the devices run. A refusal at that time goes to
- * `refused` of the scenario (::ect_control_show).
+ * Executes the requests that are due. Call it before the devices run. A refusal is reported to `refused` of the
+ * scenario
+ * (::ect_control_show).
  */
 void ect_control_act(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns);
 
 /**
- * Records changes for clients that watch every change. To be called after each ::ect_chain_poll.
- * Cost: a comparison a signal that is watched so, at most ECT_CONTROL_EVERY, and one a twin with a watched lamp.
+ * Records changes for clients that watch every change. Call it after each ::ect_chain_poll.
+ * Cost: one comparison for each signal watched at every change, at most ECT_CONTROL_EVERY, and one for each twin with a
+ * watched lamp.
  */
 void ect_control_record(ect_control_t *control, const ect_chain_t *chain, uint64_t now_ns);
 

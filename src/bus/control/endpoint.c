@@ -22,7 +22,7 @@ int ect_endpoint_folder(char *path)
     int length = runtime && *runtime ? snprintf(path, ECT_ENDPOINT_PATH, "%s/ectwin", runtime)
                                      : snprintf(path, ECT_ENDPOINT_PATH, "/tmp/ectwin-%u", geteuid());
     errno = ENAMETOOLONG;
-    return length < ECT_ENDPOINT_PATH - 32 ? 0 : -1; /* a name follows */
+    return length < ECT_ENDPOINT_PATH - 32 ? 0 : -1; /* leaves room for a name */
 }
 
 static bool is_socket_name(const char *name)
@@ -79,7 +79,7 @@ static int make_folder(const char *path)
     return ect_endpoint_trust(path);
 }
 
-/* bind() or connect() to a path of any length: a folder can be named by a descriptor. */
+/* bind() or connect() with a path of any length, relative to the folder's descriptor in /proc/self/fd. */
 static int at_path(int (*call)(int fd, const struct sockaddr *address, socklen_t size), int fd, const char *path)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
@@ -115,7 +115,7 @@ static int close_failed(int fd)
     return -1;
 }
 
-/* With a full backlog a blocking connect() waits, up to this timeout. */
+/* The send timeout also limits a blocking connect() to a socket with a full backlog. */
 static int connect_to(const char *path, int flags, uid_t *owner)
 {
     const struct timeval patience = {.tv_sec = ECT_ENDPOINT_PATIENCE_S};
@@ -154,7 +154,7 @@ void ect_endpoint_clear(const char *path)
         (void)unlink(path);
 }
 
-/* Mode 0600 from its first moment. */
+/* Creates the socket with mode 0600. */
 static int bind_new(int fd, const char *path)
 {
     mode_t before = umask(0177);
@@ -163,7 +163,7 @@ static int bind_new(int fd, const char *path)
     return bound;
 }
 
-/* The nth name to try. @return false: too long */
+/* Composes the nth candidate for a path. @return false: too long */
 static bool compose(char *path, const char *folder, const char *before, const char *name, int n, const char *after)
 {
     char number[16] = "";
@@ -174,8 +174,8 @@ static bool compose(char *path, const char *folder, const char *before, const ch
     return length < ECT_ENDPOINT_PATH;
 }
 
-/* Between bind() and listen() a socket looks dead, and another process would clear its file: that file has a name of
- * its own at first. */
+/* Between bind() and listen() a socket appears dead, and another process would remove its file; so the file first gets
+ * a hidden name. */
 static int bind_aside(int fd, const char *folder, const char *pid, char *path)
 {
     for (int n = 1; n <= MOST_NAMES; n++) {
@@ -189,7 +189,7 @@ static int bind_aside(int fd, const char *folder, const char *pid, char *path)
     return -1;
 }
 
-/* Gives a socket the first free name; those of processes that have died are free. */
+/* Renames a socket to the first free name; names of dead sockets are free. */
 static int publish(const char *aside, const char *folder, const char *name, int most, char *path)
 {
     for (int n = 1; n <= most; n++) {
@@ -248,7 +248,7 @@ int ect_endpoint_listen(const char *name, char *path, char *message)
                  folder, why);
         return -1;
     }
-    ect_endpoint_each(folder, clear_one, NULL); /* sockets that killed processes have left */
+    ect_endpoint_each(folder, clear_one, NULL); /* sockets left behind by killed processes */
     int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (fd >= 0 && listen_in(fd, folder, name, path) == 0)
         return fd;

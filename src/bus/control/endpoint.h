@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The place of the control sockets of running twins, for the twin and its clients.
+ * The paths of the control sockets of running twins, for the twins and their clients.
  *
  * Each user has a folder, mode 0700: $XDG_RUNTIME_DIR/ectwin, or /tmp/ectwin-UID. Each process has a socket in it, mode
- * 0600: PID.sock, or PID-2.sock and so on when a live socket has that name (containers that share the folder have equal
- * process ids); NAME.sock for a process that its user has named. Any user may make a folder in /tmp: neither side
- * trusts a folder of another user.
+ * 0600: PID.sock, or PID-2.sock and so on if a live socket has this name (containers with a common folder may have
+ * equal process ids); NAME.sock for a process with a name. Any user may create a folder in /tmp, so neither side trusts
+ * a folder of another user.
  */
 #ifndef ECT_BUS_CONTROL_ENDPOINT_H
 #define ECT_BUS_CONTROL_ENDPOINT_H
@@ -38,20 +38,20 @@ int ect_endpoint_folder(char *path);
 int ect_endpoint_trust(const char *folder);
 
 /**
- * Calls `found` with the path of each socket in a folder, dead ones as well, until it returns false. A name that begins
- * with a dot is left out. No folder is as an empty one.
+ * Calls `found` with the path of each socket in a folder, dead ones included, until `found` returns false. Names that
+ * begin with a dot are skipped. A missing folder counts as empty.
  */
 void ect_endpoint_each(const char *folder, bool (*found)(void *ctx, const char *path), void *ctx);
 
 /** Writes the path of the socket with a name, which need not exist. @return as ::ect_endpoint_folder */
 int ect_endpoint_find(const char *name, char *path);
 
-/** @return NULL: the text is fit for a name; else the reason, a line for the user */
+/** Checks a name. @return NULL: valid; else the reason, a line for the user */
 const char *ect_endpoint_unfit(const char *name);
 
 /**
- * Opens a listening socket in the folder, which is made if necessary. Dead sockets of this user in the folder are
- * removed. The socket listens from the moment at which its file exists.
+ * Opens a listening socket in the folder, which is created if necessary. Dead sockets of this user in the folder are
+ * removed. The socket already listens when its file appears.
  * @param name          ::ect_endpoint_unfit accepts it; NULL: the process id
  * @param[out] path     of the socket; ECT_ENDPOINT_PATH bytes
  * @param[out] message  on failure one line for the user; ECT_ENDPOINT_MESSAGE bytes
@@ -62,9 +62,9 @@ int ect_endpoint_listen(const char *name, char *path, char *message);
 /** The inode of a socket's file, for ::ect_endpoint_close. @return 0: no such socket */
 ino_t ect_endpoint_identity(const char *path);
 /**
- * Closes a listening socket, and removes its file if that is still the one with this inode. (A process that has given
- * up its rights cannot connect in order to check.)
- * @param identity  ::ect_endpoint_identity of the file when it was new
+ * Closes a listening socket, and removes its file if the file still has this inode. (A process that has dropped its
+ * rights cannot connect for a check.)
+ * @param identity  ::ect_endpoint_identity after ::ect_endpoint_listen
  */
 void ect_endpoint_close(int fd, const char *path, ino_t identity);
 
@@ -76,10 +76,10 @@ void ect_endpoint_close(int fd, const char *path, ino_t identity);
  */
 int ect_endpoint_connect(const char *path, uid_t *owner);
 
-/** The same without waiting: the descriptor is non-blocking, and EAGAIN comes at once. */
+/** As ::ect_endpoint_connect, without waiting: the descriptor is non-blocking, and EAGAIN is returned at once. */
 int ect_endpoint_connect_now(const char *path, uid_t *owner);
 
-/** Removes a socket of this user at which no process listens. Any other file stays. */
+/** Removes a socket of this user if no process listens. Other files are kept. */
 void ect_endpoint_clear(const char *path);
 
 ECT_C_END

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Room that is kept behind a text: its quote, and the end of the line. */
+/* Room reserved after a text for the quote and the end of the line. */
 enum { END_ROOM = 3, ESCAPE_ROOM = 6 };
 
 static void put(ect_line_t *line, const char *text, size_t length)
@@ -20,7 +20,7 @@ static void put(ect_line_t *line, const char *text, size_t length)
     line->length += length;
 }
 
-/* Puts the first character of a text. @return its bytes */
+/* Writes the first character of a text. @return number of bytes read */
 static size_t put_character(ect_line_t *line, const char *text)
 {
     char escape[ESCAPE_ROOM + 1];
@@ -41,7 +41,7 @@ static size_t put_character(ect_line_t *line, const char *text)
     return 1;
 }
 
-/* @return whether there is room for a member with `length` bytes of value; if not, it is left out */
+/* Writes the key of a member with `length` bytes of value. @return false: no room, nothing is written */
 static int key_of(ect_line_t *line, const char *key, size_t length)
 {
     size_t size = strlen(key);

@@ -3,9 +3,9 @@
  * @file
  * One line of JSON, written member by member into a buffer of fixed size, without allocation.
  *
- * A line is always complete and valid: a text that does not fit is cut between two characters, a member that does not
- * fit is left out, and a text is UTF-8. A control character of ASCII is written as an escape; '?' stands for a byte
- * that is no UTF-8, for U+007F and for the control characters from U+0080 to U+009F.
+ * A line is always complete and valid: a text that does not fit is truncated between two characters, a member that does
+ * not fit is omitted, and texts are UTF-8. A control character of ASCII is written as an escape; '?' replaces invalid
+ * UTF-8, U+007F and the control characters from U+0080 to U+009F.
  */
 #ifndef ECT_BUS_CONTROL_LINE_H
 #define ECT_BUS_CONTROL_LINE_H
@@ -24,22 +24,22 @@ typedef struct ect_line {
     char text[ECT_LINE_ROOM]; /**< not terminated */
 } ect_line_t;
 
-/** Begins a line; members and ::ect_line_end follow. */
+/** Begins a line. Then add members, and call ::ect_line_end. */
 void ect_line_begin(ect_line_t *line);
 
-/** Adds a member that is text, in quotes. */
+/** Adds a member whose value is a string. */
 void ect_line_string(ect_line_t *line, const char *key, const char *value);
 
 /** Adds a member whose value is JSON: a number, `true`, `false`. */
 void ect_line_plain(ect_line_t *line, const char *key, const char *value);
 
-/** Adds a member that is a count. */
+/** Adds a member whose value is an unsigned integer. */
 void ect_line_number(ect_line_t *line, const char *key, uint64_t value);
 
 /** Adds the member "time": seconds, to the microsecond. */
 void ect_line_time(ect_line_t *line, uint64_t time_ns);
 
-/** Ends a line; line->text then ends with a line feed. */
+/** Ends the line, with a line feed in line->text. */
 void ect_line_end(ect_line_t *line);
 
 ECT_C_END

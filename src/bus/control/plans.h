@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Requests of clients that wait for their time of the bus. Internal to bus/control.
+ * Requests of clients with a future time of the bus ("at"). Internal to bus/control.
  */
 #ifndef ECT_BUS_CONTROL_PLANS_H
 #define ECT_BUS_CONTROL_PLANS_H
@@ -15,25 +15,25 @@
 
 ECT_C_BEGIN
 
-/** Most requests that wait. */
+/** Most pending requests. */
 enum { ECT_PLANS = 64 };
 
-/** All zero: none waits. */
+/** The pending requests. Zeroed: none. */
 typedef struct ect_plans {
     struct {
         uint64_t due_ns;
         cJSON *request;
-    } plan[ECT_PLANS]; /**< in the order of their times; of the same time in the order of ::ect_plans_add */
+    } plan[ECT_PLANS]; /**< sorted by time; equal times in the order of ::ect_plans_add */
     size_t count;
 } ect_plans_t;
 
-/** Adds a copy of a request. @return why not; NULL: added */
+/** Adds a copy of a request. @return the reason of a refusal; NULL: added */
 const char *ect_plans_add(ect_plans_t *plans, uint64_t due_ns, const cJSON *request);
 
 /** Time of the first request; ECT_NEVER: none. */
 uint64_t ect_plans_due(const ect_plans_t *plans);
 
-/** Takes the first request away, which is then the caller's, to be deleted. Only with one that waits. */
+/** Removes the first request; call it only with a pending one. @return the request, to be deleted by the caller */
 cJSON *ect_plans_take(ect_plans_t *plans);
 
 /** Deletes all requests. */

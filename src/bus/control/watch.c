@@ -7,15 +7,15 @@
 #include "bus/chain/lamps.h"
 #include "wire/assert.h"
 
-/* NOTES and TABLE are powers of 2; TABLE is twice the signals, so that a search in it ends soon. */
+/* NOTES and TABLE are powers of 2; TABLE has twice the number of signals, which keeps searches short. */
 enum { NOTES = 256 * 1024, TABLE = 2 * ECT_WATCH_MOST, VALUE_ROOM = ECT_SIGNAL_TEXT_ROOM };
 
 /* The data of a comparison, close together in memory. */
 typedef struct peek {
     const uint8_t *value;
-    uint32_t reported; /* offset of the value that was reported last */
+    uint32_t reported; /* offset of the last reported value */
     uint16_t size;
-    bool text; /* bytes behind its terminator do not count */
+    bool text; /* compare only up to the terminator */
 } peek_t;
 
 typedef struct watched {
@@ -32,15 +32,15 @@ typedef struct note {
 struct ect_watch {
     bool every, lost;
     size_t count;
-    size_t round;          /* next signal of the round; count: it is over */
+    size_t round;          /* next signal of the round; `count`: the round has ended */
     size_t reported_used;  /* bytes of `reported` */
-    size_t first, end;     /* of the notes; both only increase */
-    uint16_t table[TABLE]; /* open addressing by the address of the value: signal + 1, 0 free */
+    size_t first, end;     /* positions in the notes, which only increase */
+    uint16_t table[TABLE]; /* hash table by the address of the value, open addressing: signal + 1; 0: free */
     peek_t peeks[ECT_WATCH_MOST];
     watched_t watched[ECT_WATCH_MOST];
-    size_t lamps[ECT_WATCH_MOST]; /* slaves of which a lamp is watched */
+    size_t lamps[ECT_WATCH_MOST]; /* slaves with a watched lamp */
     size_t lamp_count;
-    uint16_t choices[ECT_WATCH_MOST]; /* watched signals with a turn, in the order of these */
+    uint16_t choices[ECT_WATCH_MOST]; /* watched signals with a turn, sorted by turn */
     size_t choice_count;
     uint8_t reported[ECT_WATCH_MOST * VALUE_ROOM];
     uint8_t notes[NOTES];
@@ -82,7 +82,7 @@ bool ect_watch_lost(const ect_watch_t *watch)
     return watch->lost;
 }
 
-/* The place of a signal in the table, or a free place for it. */
+/* @return the entry of a signal in the table, or a free entry */
 static uint16_t *place_of(ect_watch_t *watch, const ect_signal_ref_t *ref)
 {
     size_t at = (size_t)(((uint64_t)(uintptr_t)ref->value * UINT64_C(0x9E3779B97F4A7C15)) >> 40) % TABLE;
@@ -127,7 +127,7 @@ bool ect_watch_add(ect_watch_t *watch, const ect_signal_ref_t *ref, size_t slave
     if (ref->signal->turn > 0)
         add_choice(watch, watch->count);
     if (watch->round == watch->count)
-        watch->round++; /* no round is under way, and this does not begin one */
+        watch->round++; /* prevents an addition from starting a round */
     watch->count++;
     ECT_ASSERT(watch->count <= ECT_WATCH_MOST && watch->reported_used <= sizeof watch->reported);
     *place = (uint16_t)watch->count;
@@ -154,8 +154,8 @@ static bool changed(const ect_watch_t *watch, const peek_t *peek)
     }
 }
 
-/* The signal to report before a changed one: the first changed choice of its slave, or itself. A list of changes can be
- * played: the scene is switched before its values are set. */
+/* @return the signal to report before a changed one: the first changed choice of the slave, or the signal itself. So a
+ * list of changes can be replayed: a scene is selected before its values are set. */
 static size_t first_change(const ect_watch_t *watch, size_t signal)
 {
     for (size_t n = 0; n < watch->choice_count; n++) {
@@ -222,7 +222,7 @@ void ect_watch_describe(ect_line_t *line, const ect_signal_ref_t *ref, size_t sl
         ect_line_string(line, "twin", ref->twin);
     ect_line_string(line, "name", ref->name);
     if (ect_signal_is_number(ref->signal))
-        ect_line_plain(line, "value", strpbrk(text, "in") ? "null" : text); /* JSON has no inf and no nan */
+        ect_line_plain(line, "value", strpbrk(text, "in") ? "null" : text); /* JSON has neither inf nor nan */
     else
         ect_line_string(line, "value", text);
 }

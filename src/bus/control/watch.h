@@ -3,10 +3,11 @@
  * @file
  * The signals that one connection watches, and the values reported last.
  *
- * There are two modes. In rounds: at intervals all watched values are compared with the reported ones, a few at a time,
- * and differing ones are reported; a value that returned in between is no change. Every change: after each poll of the
- * devices changes are recorded with their time, at a comparison each, and written when no frame waits. In both, a
- * signal with a turn (ect_signal_t) precedes the changed values that its own change may have replaced.
+ * There are two modes. "In rounds": at intervals all watched values are compared with the reported ones, a few at a
+ * time, and differences are reported; a value that changes and returns between two rounds is not reported. "Every
+ * change": after each poll of the devices, changes are recorded with their time, at the cost of one comparison for each
+ * signal, and written when no frame waits. In both modes, a signal with a turn (ect_signal_t) precedes the changed
+ * values that its own change may have replaced.
  *
  * Context: the thread of the chain. The memory of the twins must outlive the watch.
  */
@@ -33,17 +34,17 @@ ect_watch_t *ect_watch_new(void);
 void ect_watch_free(ect_watch_t *watch);
 
 /**
- * Watches one more signal, from its present value on. No effect for a signal that is watched already.
+ * Watches one more signal, from its present value on. No effect if the signal is already watched.
  * @param slave  position in the chain, from 0
- * @return false: ECT_WATCH_MOST are watched already
+ * @return false: ECT_WATCH_MOST signals are already watched
  */
 bool ect_watch_add(ect_watch_t *watch, const ect_signal_ref_t *ref, size_t slave);
 
-/** The number of signals that are watched. */
+/** The number of watched signals. */
 size_t ect_watch_count(const ect_watch_t *watch);
 
 /**
- * The twins of which a lamp is watched (bus/chain/lamps.h): their lamps need an update before a comparison.
+ * The twins with a watched lamp (bus/chain/lamps.h): their lamps must be updated before a comparison.
  * @param[out] slaves  positions in the chain, from 0; valid until the next ::ect_watch_add. @return their number
  */
 size_t ect_watch_lamps(const ect_watch_t *watch, const size_t **slaves);
@@ -52,7 +53,7 @@ size_t ect_watch_lamps(const ect_watch_t *watch, const size_t **slaves);
 void ect_watch_every(ect_watch_t *watch);
 bool ect_watch_is_every(const ect_watch_t *watch);
 
-/** Records changes. Only in the mode "every change". Cost: a comparison a signal. */
+/** Records changes. Only in the mode "every change". Cost: one comparison for each watched signal. */
 void ect_watch_record(ect_watch_t *watch, uint64_t now_ns);
 
 /** Begins a round, unless one is under way. */
@@ -61,17 +62,17 @@ void ect_watch_round(ect_watch_t *watch);
 /** @return whether there may be changes to write */
 bool ect_watch_pending(const ect_watch_t *watch);
 
-/** @return whether changes were lost, since more were recorded than there is room for */
+/** @return whether changes were lost because the buffer was full */
 bool ect_watch_lost(const ect_watch_t *watch);
 
 /**
- * Writes the next change. @param[in,out] budget  comparisons left
- * @return false: none found; if the budget is not used up, nothing is pending
+ * Writes the next change. @param[in,out] budget  number of allowed comparisons
+ * @return false: none found; with `budget` above 0, no change is pending
  */
 bool ect_watch_next(ect_watch_t *watch, unsigned int *budget, uint64_t now_ns, ect_line_t *line);
 
-/** Writes the members "slave", "twin" (where it has a name), "name" and "value" of a signal. @param value
- * ect_signal_size() bytes */
+/** Writes the members "slave", "twin" (if the twin has a name), "name" and "value". @param value  ect_signal_size()
+ * bytes */
 void ect_watch_describe(ect_line_t *line, const ect_signal_ref_t *ref, size_t slave, const void *value);
 
 ECT_C_END

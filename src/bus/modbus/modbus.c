@@ -20,39 +20,40 @@
 #include "wire/assert.h"
 #include "wire/bytes.h"
 
-/* MBAP: transaction, protocol (0), bytes that follow; then the unit identifier, and the request. */
+/* MBAP header: transaction, protocol (0), length, unit identifier; then the request. */
 enum { PROTOCOL_AT = 2, LENGTH_AT = 4, UNIT_AT = 6, PDU_AT = 7, SHORTEST = 2, LONGEST = ECT_MODBUS_ADU - UNIT_AT };
 enum { EXCEPTIONS = 0x80 }; /* function codes from here on are those of exceptions */
 
 enum { ACCEPT = ECT_MODBUS_CLIENTS, WAITABLE = ECT_MODBUS_CLIENTS + 1 };
-enum { ITEMS = 65536 }; /* of a table, as many as there are addresses */
+enum { ITEMS = 65536 }; /* of a table: all addresses */
 #define RETRY_NS  1000000000ull
 #define NS_PER_MS 1000000ull
 
 typedef struct client {
     int fd;       /* -1: none */
-    bool blocked; /* it does not read its replies: no request is received from it */
+    bool blocked; /* the client does not read its replies, so no request is received */
     size_t got;
-    uint64_t idle_ns; /* when it is closed if no request comes */
+    uint64_t idle_ns; /* end of the timeout for requests */
     uint8_t adu[ECT_MODBUS_ADU];
 } client_t;
 
 struct ect_modbus_server {
     int fd, epoll;
-    uint32_t ready;    /* a bit a client, and one for ACCEPT */
-    uint32_t turn;     /* client that is served next */
-    uint64_t retry_ns; /* next attempt after descriptors had run out; ECT_NEVER: none */
-    uint64_t due_ns;   /* as ect_modbus_server_due: each frame asks for it */
+    uint32_t ready;    /* bit n: client n; one more bit for ACCEPT */
+    uint32_t turn;     /* next client to serve */
+    uint64_t retry_ns; /* next accept() after a lack of descriptors; ECT_NEVER: none */
+    uint64_t due_ns;   /* cached ect_modbus_server_due, which is called for each frame */
     client_t clients[ECT_MODBUS_CLIENTS];
     modbus_t *replies;
     modbus_mapping_t mapping;
-    int replied[2]; /* libmodbus writes into the first, the reply is read from the second; -1: replies go to clients */
+    int replied[2]; /* for observers: libmodbus writes to the first, the reply is read from the second; -1: replies go
+                       to clients */
     ect_modbus_observer_t *observer; /* NULL: none */
     void *observer_ctx;
     char address[ECT_ADDRESS_TEXT];
 };
 
-/* --- opening ------------------------------------------------------------------------------------------------------ */
+/* --- open --------------------------------------------------------------------------------------------------------- */
 
 static bool wait_for(const ect_modbus_server_t *s, int operation, int fd, uint32_t events, uint32_t who)
 {
@@ -60,8 +61,8 @@ static bool wait_for(const ect_modbus_server_t *s, int operation, int fd, uint32
     return epoll_ctl(s->epoll, operation, fd, &event) == 0;
 }
 
-/* The tables have all addresses; the device decides with each request which of them exist. The system provides memory
- * only where it is used. */
+/* The tables have all addresses, because the device checks the addresses of each request. Unused memory is not
+ * committed. */
 static bool make_replies(ect_modbus_server_t *s)
 {
     uint8_t *bits = calloc(ITEMS, sizeof *bits);
@@ -74,7 +75,7 @@ static bool make_replies(ect_modbus_server_t *s)
                                     .tab_input_bits = bits,
                                     .tab_registers = registers,
                                     .tab_input_registers = registers};
-    s->replies = modbus_new_tcp("127.0.0.1", 0); /* never connects: each reply lends it a socket */
+    s->replies = modbus_new_tcp("127.0.0.1", 0); /* never connects: each reply sets its socket */
     return bits && registers && s->replies && modbus_set_response_timeout(s->replies, 0, 1) == 0;
 }
 
@@ -109,7 +110,7 @@ ect_modbus_server_t *ect_modbus_server_at(int fd, char *message)
     return s;
 }
 
-/* Replies are read back before they leave. */
+/* Creates the pair through which replies are read back before they are sent. */
 static bool open_replied(ect_modbus_server_t *s)
 {
     return socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, s->replied) == 0;
@@ -138,7 +139,7 @@ static int listen_at(const ect_address_t *address)
     int fd = socket(address->at.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (fd < 0)
         return -1;
-    (void)setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on); /* connections of one that has just ended */
+    (void)setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on); /* in spite of connections of a previous process */
     if (bind(fd, (const struct sockaddr *)&address->at, address->size) == 0 && listen(fd, SOMAXCONN) == 0)
         return fd;
     int error = errno;
@@ -212,7 +213,7 @@ static void *at(const ect_modbus_server_t *s, const ect_modbus_range_t *range)
                                             : (void *)(s->mapping.tab_registers + range->first);
 }
 
-/* From the device into the tables from which answers are made. */
+/* Copies a range from the device to the tables, from which libmodbus makes replies. */
 static ect_modbus_result_t read_range(ect_modbus_server_t *s, const ect_modbus_t *modbus, void *instance,
                                       const ect_modbus_range_t *range, uint64_t now_ns)
 {
@@ -229,7 +230,7 @@ static ect_modbus_result_t read_range(ect_modbus_server_t *s, const ect_modbus_t
     return result;
 }
 
-/* And what a request has put there into the device. */
+/* Copies a range written by a request from the tables to the device. */
 static void write_range(const ect_modbus_server_t *s, const ect_modbus_t *modbus, void *instance,
                         const ect_modbus_range_t *range, uint64_t now_ns)
 {
@@ -243,8 +244,7 @@ static void write_range(const ect_modbus_server_t *s, const ect_modbus_t *modbus
     modbus->write(instance, range, values, now_ns);
 }
 
-/* libmodbus checks requests too, but waits for its response timeout and discards input when one is wrong: it only gets
- * right requests. */
+/* libmodbus gets only valid requests, because it reacts to an invalid one by a sleep and discards input. */
 static bool reply_to(ect_modbus_server_t *s, int fd, const uint8_t *adu, size_t length, const ect_modbus_t *modbus,
                      void *instance, uint64_t now_ns)
 {
@@ -263,7 +263,7 @@ static bool reply_to(ect_modbus_server_t *s, int fd, const uint8_t *adu, size_t 
     return sent;
 }
 
-/* @return bytes of the reply; 0: there is none */
+/* @return bytes of the reply; 0: none */
 static size_t read_reply(ect_modbus_server_t *s, const uint8_t *adu, size_t length, const ect_modbus_t *modbus,
                          void *instance, uint64_t now_ns, uint8_t reply[ECT_MODBUS_ADU])
 {
@@ -291,13 +291,13 @@ static bool reply_to_client(ect_modbus_server_t *s, const client_t *client, cons
 
 /* --- a client ----------------------------------------------------------------------------------------------------- */
 
-/* The length of the request in the buffer, or of its header while that is incomplete. */
+/* @return length of the request in the buffer; of the header while the header is incomplete */
 static size_t size_of(const client_t *client)
 {
     return client->got < UNIT_AT ? UNIT_AT : UNIT_AT + (size_t)ect_load_be16(client->adu + LENGTH_AT);
 }
 
-/* Bytes that cannot begin a request; the beginning of the next one is then unknown. */
+/* @return whether the bytes are no request; the start of the next request is then unknown */
 static bool is_broken(const client_t *client)
 {
     uint16_t length = ect_load_be16(client->adu + LENGTH_AT);
@@ -307,7 +307,7 @@ static bool is_broken(const client_t *client)
            (client->got > PDU_AT && client->adu[PDU_AT] >= EXCEPTIONS);
 }
 
-/* Receives the header, then the rest, as far as available. @return false: the connection ends */
+/* Receives available bytes, first of the header, then of the request. @return false: the connection has ended */
 static bool receive(client_t *client)
 {
     for (unsigned int part = 0; part < 2 && client->got < size_of(client); part++) {
@@ -324,7 +324,7 @@ static bool receive(client_t *client)
     return true;
 }
 
-/* A request waits until its whole reply fits into the socket. */
+/* @return whether the longest reply fits into the socket; until then the request waits */
 static bool has_room(const client_t *client)
 {
     struct pollfd fd = {.fd = client->fd, .events = POLLOUT};
@@ -337,7 +337,7 @@ static void set_blocked(const ect_modbus_server_t *s, client_t *client, uint32_t
         client->blocked = blocked;
 }
 
-/* Without a twin that replies, the request is dropped. */
+/* The request is dropped if no twin replies. */
 static bool execute(ect_modbus_server_t *s, client_t *client, ect_chain_t *chain, uint64_t now_ns)
 {
     void *instance;
@@ -380,7 +380,7 @@ static void serve_client(ect_modbus_server_t *s, uint32_t who, ect_chain_t *chai
         drop(client);
 }
 
-/* --- accepting ---------------------------------------------------------------------------------------------------- */
+/* --- new connections ---------------------------------------------------------------------------------------------- */
 
 static uint32_t free_place(const ect_modbus_server_t *s, const ect_modbus_t *modbus)
 {
@@ -416,7 +416,7 @@ static void accept_client(ect_modbus_server_t *s, const ect_chain_t *chain, uint
     client->idle_ns = now_ns + modbus->idle_ms * NS_PER_MS;
 }
 
-/* --- the loop's side ---------------------------------------------------------------------------------------------- */
+/* --- functions for the event loop --------------------------------------------------------------------------------- */
 
 uint64_t ect_modbus_server_due(const ect_modbus_server_t *s)
 {

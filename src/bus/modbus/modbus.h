@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Modbus TCP: a server in front of the Modbus side (seams/modbus.h) of the first twin of a chain.
+ * A Modbus TCP server for the Modbus tables (seams/modbus.h) of the first twin of a chain.
  *
  * Frames come first: ::ect_modbus_server_serve does one bounded piece of work. It accepts one client, or receives the
- * present request of one client and replies to it; the next call serves the next client. The server keeps the beginning
- * of one request a client; further bytes wait in the socket, where TCP stops the client. A client that does not read
- * its reply is not served until it does. The device sets the number of connections; a further one is closed at once, as
- * is one without a request for the device's timeout, or with bytes that are not Modbus TCP.
+ * present request of one client and replies to it; the next call serves the next client. The server stores at most one
+ * request of each client; further bytes wait in the socket, where TCP's flow control stops the client. A client that
+ * does not read its replies is not served meanwhile. The device sets the number of connections. A further connection is
+ * closed at once, as is one without a request for the device's timeout, or with bytes that are not Modbus TCP.
  *
- * Every unit identifier gets a reply: a client reaches the server by its address (MODBUS Messaging on TCP/IP
+ * Every unit identifier gets a reply, because the IP address alone selects the server (MODBUS Messaging on TCP/IP
  * Implementation Guide V1.0b §4.4.2.1).
  *
  * Context: the thread of the runner. Built without libmodbus, ::ect_modbus_server_open fails with a message.
@@ -35,10 +35,10 @@ enum {
 typedef struct ect_modbus_server ect_modbus_server_t;
 
 /**
- * Opens a listening server. @param where  "PORT", at 127.0.0.1; "ADDRESS:PORT", the address in numbers, one of IPv6 in
- * brackets. Port 0: any free port
+ * Opens a listening server.
+ * @param where  "PORT", at 127.0.0.1; or "ADDRESS:PORT", a numeric address, IPv6 in brackets. Port 0: any free port
  * @param[out] message  on failure one line for the user; ECT_MODBUS_MESSAGE bytes
- * @return the server, to be closed with ::ect_modbus_server_close, or NULL (errno; EINVAL: `where` is none of these)
+ * @return the server, to be closed with ::ect_modbus_server_close, or NULL (errno; EINVAL: invalid `where`)
  */
 ect_modbus_server_t *ect_modbus_server_open(const char *where, char *message);
 
@@ -55,7 +55,7 @@ void ect_modbus_server_close(ect_modbus_server_t *server);
 /** The address of the server, "127.0.0.1:1502", "[::1]:502"; valid until it is closed. */
 const char *ect_modbus_server_address(const ect_modbus_server_t *server);
 
-/** A descriptor that is readable when ::ect_modbus_server_serve has something to do. */
+/** A descriptor that is readable when ::ect_modbus_server_serve has work. */
 int ect_modbus_server_fd(const ect_modbus_server_t *server);
 
 /** The time of the next ::ect_modbus_server_serve without a readable descriptor; ECT_NEVER without connections. */
@@ -64,7 +64,7 @@ uint64_t ect_modbus_server_due(const ect_modbus_server_t *server);
 /** Does one bounded piece of work. Cost: at most six system calls and one request; two more calls with an observer. */
 void ect_modbus_server_serve(ect_modbus_server_t *server, ect_chain_t *chain, uint64_t now_ns);
 
-/** Gets a request that was carried out, and its reply; both end with the call. */
+/** Gets an executed request and its reply, both valid during the call. */
 typedef void ect_modbus_observer_t(void *ctx, const uint8_t *request, size_t length, const uint8_t *reply,
                                    size_t reply_length);
 
@@ -75,10 +75,10 @@ bool ect_modbus_server_observe(ect_modbus_server_t *server, ect_modbus_observer_
 ect_modbus_server_t *ect_modbus_server_new(char *message);
 
 /**
- * Carries out a request that no client has sent.
- * @param request     with its header, `length` bytes; of any content
+ * Executes a request without a client.
+ * @param request     with header, `length` bytes of any content
  * @param[out] reply  ECT_MODBUS_ADU bytes
- * @return bytes of the reply; 0: it is no request, or no twin replies
+ * @return bytes of the reply; 0: not a request, or no twin replies
  */
 size_t ect_modbus_server_request(ect_modbus_server_t *server, ect_chain_t *chain, uint64_t now_ns,
                                  const uint8_t *request, size_t length, uint8_t *reply);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* In place of modbus.c where libmodbus was not there when this was built. */
+/* Replaces modbus.c in a build without libmodbus. */
 #include <errno.h>
 #include <stdio.h>
 #include <unistd.h>

@@ -5,7 +5,7 @@
 
 #include "wire/bytes.h"
 
-/* The most that a request writes, in bits, in registers, in registers when it also reads (§6.11, §6.12, §6.17). */
+/* Most bits, most registers, and most registers of a request that also reads (§6.11, §6.12, §6.17). */
 enum { WRITE_BITS = 1968, WRITE_REGISTERS = 123, WRITE_REGISTERS_AND_READ = 121 };
 
 static bool take_range(ect_modbus_range_t *range, ect_modbus_table_t table, const uint8_t *bytes, uint16_t most)
@@ -29,7 +29,7 @@ static bool take_one(const uint8_t *pdu, size_t length, ect_modbus_table_t table
     return table != ECT_MODBUS_COILS || value == 0x0000 || value == 0xFF00;
 }
 
-/* A range, the number of bytes that follow, and these. */
+/* Parses a range, the number of bytes, and the bytes. */
 static bool take_write(const uint8_t *bytes, size_t length, ect_modbus_table_t table, uint16_t most,
                        ect_modbus_request_t *request)
 {

@@ -3,7 +3,7 @@
  * @file
  * Parser of Modbus requests: bytes in, ranges of tables out (MODBUS Application Protocol V1.1b3 §6).
  *
- * Functions 1 to 6, 15, 16 and 23, those with which an Anybus CompactCom 40 reaches process data. Context: any.
+ * Supported are functions 1 to 6, 15, 16 and 23, those of an Anybus CompactCom 40 for process data. Context: any.
  */
 #ifndef ECT_BUS_MODBUS_MODBUS_REQUEST_H
 #define ECT_BUS_MODBUS_MODBUS_REQUEST_H
@@ -24,7 +24,7 @@ typedef struct ect_modbus_request {
 
 /**
  * Parses a request and checks its length, the number of items, and the value of a coil. The device checks addresses.
- * @param pdu          `length` bytes: function code and what follows
+ * @param pdu           `length` bytes: function code and data
  * @param[out] request  set with ECT_MODBUS_DONE
  * @return ECT_MODBUS_DONE · ECT_MODBUS_NO_FUNCTION · ECT_MODBUS_BAD_VALUE
  */

@@ -20,7 +20,7 @@ enum { HEADER = 16, SIZE_AT = 8, CHECKSUM = ECT_SII_CHECKED_BYTES };
 
 static const uint8_t magic[SIZE_AT] = {'E', 'C', 'T', 'W', 'S', 'I', 'I', '1'};
 
-/* The file holds a header, the factory's image, and this one. */
+/* The file consists of a header, the factory image, and the present image. */
 struct ect_eeprom {
     int fd;
     uint32_t size;
@@ -36,7 +36,7 @@ static bool write_all(int fd, const ect_eeprom_t *e, const uint8_t *factory)
            pwrite(fd, e->image, e->size, HEADER + e->size) == (ssize_t)e->size && fsync(fd) == 0;
 }
 
-/* A file of its own is written whole and takes the name then: the file under that name is never half written. */
+/* Writes a temporary file and renames it, so the named file is always complete. */
 static bool replace_file(ect_eeprom_t *e, const char *path, const uint8_t *factory)
 {
     char other[ECT_EEPROM_PATH + sizeof ".new"];
@@ -56,7 +56,7 @@ static bool replace_file(ect_eeprom_t *e, const char *path, const uint8_t *facto
     return false;
 }
 
-/* Another twin may have replaced the file between open() and flock(). */
+/* Locks the file, and checks that no other twin has replaced it since open(). */
 static bool take_lock(int fd, const char *path)
 {
     struct stat ours, named;
@@ -71,7 +71,7 @@ static bool checksum_good(const uint8_t *image)
     return image[CHECKSUM] == ect_crc_sii(image);
 }
 
-/* Word by word: the master has changed the factory's `before` to `image`; the same changes are applied to `now`. */
+/* Applies the master's changes, `image` against the old factory image `before`, to the new factory image `now`. */
 static void merge(uint8_t *image, const uint8_t *before, const uint8_t *now, uint32_t size)
 {
     bool good = checksum_good(image);
@@ -85,7 +85,7 @@ static void merge(uint8_t *image, const uint8_t *before, const uint8_t *now, uin
         image[CHECKSUM] = ect_crc_sii(image);
 }
 
-/* @return 1 read; 0 the file is new; -1 not ours (errno: EINVAL) or not readable */
+/* @return 1: read; 0: the file is new; -1 (errno; EINVAL: another kind of file) */
 static int read_all(ect_eeprom_t *e, uint8_t *before)
 {
     uint8_t header[HEADER];
@@ -168,7 +168,8 @@ void ect_eeprom_write(void *eeprom, const uint8_t *image, uint32_t size)
     while (to > from && image[to - 1] == e->image[to - 1])
         to--;
     memcpy(e->image + from, image + from, to - from);
-    /* The file has its size already, so the disk cannot be full. A failed write is lost with the process. */
+    /* The file has its final size, so a full disk is impossible. After a failed write the change is lost with the
+     * process. */
     if (to > from && pwrite(e->fd, image + from, to - from, (off_t)(HEADER + e->size + from)) < 0)
         return;
 }

@@ -14,20 +14,20 @@ enum { NAME = 128, PROTOCOLS = 16, NONE = -1 };
 enum { EVERYWHERE = ECT_IN_PREOP_AND_ABOVE | ECT_IN(ECT_STATE_BOOT) };
 
 struct ect_files {
-    ect_foe_t foe; /* the first member: functions are given this */
+    ect_foe_t foe; /* first member: functions get its address */
     ect_device_t device;
     const ect_protocol_t *protocols[PROTOCOLS + 2];
     uint32_t password;
     int folder;
-    int file; /* that is open */
+    int file; /* the open file */
     bool writing;
     char name[NAME + 1];
-    char draft[NAME + 8]; /* the name while it is not whole */
+    char draft[NAME + 8]; /* name of an incomplete file */
 };
 
 static ect_files_t *files_of(const ect_foe_t *foe)
 {
-    return (ect_files_t *)(uintptr_t)foe; /* the entry is constant for the stack only */
+    return (ect_files_t *)(uintptr_t)foe; /* only the stack regards the entry as constant */
 }
 
 /* --- one file ----------------------------------------------------------------------------------------------------- */
@@ -77,7 +77,7 @@ static void close_file(ect_files_t *f)
         (void)unlinkat(f->folder, f->draft, 0);
 }
 
-/* Neither a link nor a folder nor a pipe. */
+/* Refuses links, folders and pipes. */
 static uint32_t check_place(const ect_files_t *f, bool write)
 {
     struct stat status;
@@ -91,7 +91,7 @@ static uint32_t open_file(const ect_foe_t *foe, void *instance, const ect_foe_fi
     enum { READ = O_RDONLY, WRITE = O_WRONLY | O_CREAT | O_EXCL, SAFELY = O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK };
     ect_files_t *f = files_of(foe);
     (void)instance;
-    close_file(f); /* of a twin that was switched off meanwhile */
+    close_file(f); /* left open by a power cycle of the twin */
     if (f->password != 0 && request->password != f->password)
         return ECT_FOE_ACCESS;
     if (!take_name(f, request->name, request->length)) {
@@ -115,7 +115,7 @@ static uint32_t read_file(const ect_foe_t *foe, void *instance, uint32_t offset,
     (void)instance;
     (void)text;
     uint16_t got = 0;
-    while (got < *length) { /* only the end of the file makes it shorter */
+    while (got < *length) { /* only the last block is shorter */
         ssize_t more = pread(f->file, (uint8_t *)data + got, (size_t)*length - got, (off_t)offset + got);
         if (more < 0) {
             close_file(f);
@@ -129,7 +129,7 @@ static uint32_t read_file(const ect_foe_t *foe, void *instance, uint32_t offset,
     return ECT_FOE_OK;
 }
 
-/* Under its own name; then it counts. */
+/* Renames the complete file. */
 static bool finish(ect_files_t *f)
 {
     if (renameat(f->folder, f->draft, f->folder, f->name) != 0)
@@ -183,7 +183,7 @@ static void make_device(ect_files_t *f, const ect_device_t *device)
     f->device = *device;
     for (const ect_protocol_t *const *p = device->protocols; p && *p; p++)
         f->protocols[count++] = *p;
-    f->protocols[0] = &f->foe.protocol; /* before an FoE that the twin does not serve; EoE stays the last */
+    f->protocols[0] = &f->foe.protocol; /* before an unsupported FoE; EoE remains the last one */
     f->device.protocols = f->protocols;
     f->device.mailbox_protocols |= ECT_MAILBOX_FOE;
     f->device.instance_size = offset + sizeof(ect_foe_transfer_t);

@@ -16,9 +16,9 @@
 #include "seams/record.h"
 #include "wire/assert.h"
 
-/* A file is a head and a bank. The bank is kept in memory too and read from there: whatever others do to the file
- * meanwhile, the twin knows what it has written. Without a path there is no file. A thread of the C library waits for
- * the disk. */
+/* A file consists of a header and a bank. Reads use a copy of the bank in memory, so changes of the file by other
+ * programs have no effect on the twin. Without a path there is no file. The C library's aio thread waits for the disk.
+ */
 enum { HEAD = 32, FILE_SIZE = HEAD + ECT_MEMORY_BANK, NAME = ECT_MEMORY_PATH + 16, MOST_KEPT = 9 };
 
 static const uint8_t head[HEAD] = "ectwin store 1\n";
@@ -26,7 +26,7 @@ static const uint8_t head[HEAD] = "ectwin store 1\n";
 typedef struct bank {
     int fd; /* -1: none */
     uint8_t *image;
-    bool written; /* since the last synchronisation began */
+    bool written; /* written since the start of the last synchronisation */
     bool syncing;
     struct aiocb sync;
 } bank_t;
@@ -49,7 +49,7 @@ static int bank_read(void *ctx, unsigned int bank, uint32_t offset, void *buffer
     return 0;
 }
 
-/* The header of a record is written last. */
+/* A save ends with the header of its record. */
 static void note_save(const ect_memory_t *m, uint32_t offset, const void *data, uint32_t length)
 {
     static const uint8_t nothing[ECT_RECORD_HEADER];
@@ -70,14 +70,14 @@ static int bank_write(void *ctx, unsigned int bank, uint32_t offset, const void 
     return pwrite(b->fd, data, length, (off_t)HEAD + (off_t)offset) == (ssize_t)length ? 0 : -1;
 }
 
-/* A file can be overwritten, so only the header goes: a save that is cut off leaves a bank without a record. */
+/* Erases only the header, because files can be overwritten; an interrupted save then leaves a bank without a record. */
 static int bank_erase(void *ctx, unsigned int bank)
 {
     static const uint8_t nothing[ECT_RECORD_HEADER];
     return bank_write(ctx, bank, 0, nothing, sizeof nothing);
 }
 
-/* A file that was deleted, cut or renamed meanwhile keeps nothing for the next start. */
+/* A deleted, truncated or renamed file would not be read at the next start. */
 static bool still_there(const bank_t *b)
 {
     struct stat info;
@@ -94,7 +94,7 @@ static bool begin_sync(bank_t *b)
     return true;
 }
 
-/* @return as ect_storage_t::flush, of the synchronisation that was begun */
+/* Ends the synchronisation in progress. @return as ect_storage_t::flush */
 static int end_sync(bank_t *b, bool wait)
 {
     const struct aiocb *const all[] = {&b->sync};
@@ -129,7 +129,7 @@ static int bank_flush(void *ctx, unsigned int bank, bool wait)
 
 /* --- opening ------------------------------------------------------------------------------------------------------ */
 
-/* The name of a new file is on the disk when its folder is. */
+/* Synchronises the folder, which contains the name of a new file. */
 static int sync_folder(const char *name)
 {
     char folder[NAME];
@@ -142,7 +142,7 @@ static int sync_folder(const char *name)
     return result;
 }
 
-/* Holes are not read: the banks of a thousand twins are nearly empty. */
+/* Skips holes: the banks of a thousand twins are nearly empty. */
 static bool read_image(const bank_t *b)
 {
     for (off_t at = lseek(b->fd, HEAD, SEEK_DATA); at >= 0 && at < FILE_SIZE;) {
@@ -161,7 +161,7 @@ static const char *make_empty(const bank_t *b, const char *name)
     return done ? NULL : strerror(errno);
 }
 
-/* make_empty() was cut off, or met a full disk. */
+/* @return whether make_empty() was interrupted, or failed on a full disk */
 static bool is_unmade(const bank_t *b, const uint8_t found[HEAD])
 {
     static const uint8_t nothing[HEAD];
@@ -170,7 +170,7 @@ static bool is_unmade(const bank_t *b, const uint8_t found[HEAD])
     return b->image[0] == 0 && memcmp(b->image, b->image + 1, ECT_MEMORY_BANK - 1) == 0;
 }
 
-/* Nothing but a file of our own is taken, and nothing else is changed. @return why not, NULL */
+/* Accepts only files of this module; other files are unchanged. @return the reason of a refusal; NULL: accepted */
 static const char *take_file(const bank_t *b, const char *name)
 {
     static const char foreign[] = "it is no record of a twin; it is left unchanged";
@@ -178,7 +178,7 @@ static const char *take_file(const bank_t *b, const char *name)
     uint8_t found[HEAD];
     if (fstat(b->fd, &info) < 0 || !S_ISREG(info.st_mode))
         return "it is not a regular file";
-    if (flock(b->fd, LOCK_EX | LOCK_NB) < 0) /* two twins on one file would undo each other's records */
+    if (flock(b->fd, LOCK_EX | LOCK_NB) < 0) /* two twins would overwrite each other's records */
         return errno == EWOULDBLOCK ? "another twin uses it" : strerror(errno);
     if (info.st_size == 0)
         return make_empty(b, name);
@@ -202,8 +202,8 @@ static bool has_record(const ect_storage_t *storage, unsigned int bank, uint32_t
     return ect_record_header(storage, bank, magic, record) > 0 && ect_record_data_good(record) > 0;
 }
 
-/* A bank without a header has never been written to, or its last save was cut off. After a power failure the header of
- * the record before that save may be there still: it is older than the record in the other bank. */
+/* A bank without a header was never written, or its last save was interrupted. After a power failure it may still have
+ * the header of the previous record, which is older than the record in the other bank. */
 static bool is_ordinary(const ect_storage_t *storage, unsigned int bank)
 {
     static const uint8_t empty[ECT_RECORD_HEADER];
@@ -216,7 +216,7 @@ static bool is_ordinary(const ect_storage_t *storage, unsigned int bank)
     return has_record(storage, bank ^ 1u, magic, &other) && (int32_t)(record.sequence - other.sequence) < 0;
 }
 
-/* Gives a file another name, the first one that is free, or the last one. */
+/* Renames a file to the first free name, or the last name. */
 static bool rename_damaged(const char *name, char *other, size_t room)
 {
     for (int n = 1; n < MOST_KEPT; n++) {
@@ -230,7 +230,8 @@ static bool rename_damaged(const char *name, char *other, size_t room)
     return rename(name, other) == 0;
 }
 
-/* Keeps a damaged file for its user to mend; an empty one takes its place. @return why not, NULL */
+/* Keeps a damaged file under another name, for repair by the user, and creates an empty one. @return the reason of a
+ * failure; NULL: done */
 static const char *keep_aside(ect_memory_t *m, unsigned int bank, const char *name, char *message)
 {
     bank_t *b = &m->banks[bank];
