@@ -45,7 +45,7 @@ __thread bool ect_in_dlsym __attribute__((tls_model("initial-exec")));
 
 static void *find(const char *name)
 {
-    bool nested = ect_in_dlsym; /* a call of a function that dlsym() runs to choose another */
+    bool nested = ect_in_dlsym; /* a call from a resolver function (ifunc) that dlsym() runs */
     ect_inside++;
     ect_in_dlsym = true;
     void *found = dlsym(RTLD_NEXT, name);
@@ -56,7 +56,7 @@ static void *find(const char *name)
 
 static __typeof__(&pthread_sigmask) set_mask;
 
-/* No signal is blocked here, so that this comes before the program can have a handler. */
+/* Does not block signals, and therefore runs before the program can install a handler. */
 static void find_mask(void)
 {
     if (!set_mask)
@@ -103,7 +103,7 @@ static void *symbol(void *handle, const char *name, bool *whole)
     return found;
 }
 
-/* The library of the bus is in the folder of this library, as in a build, or in the one above, as installed. */
+/* The library of the bus is in this library's folder, as in a build, or in the parent folder, as installed. */
 static void *open_library(char path[PATH_MAX])
 {
     static const char *const places[] = {"", "../"};
@@ -180,7 +180,7 @@ static bool start(uint64_t now_ns)
     const char *words = getenv("ECTWIN_INPROCESS");
     char *copy = words ? strdup(words) : NULL;
     if (copy)
-        leave_mark(ECT_BUS_MARK_OPENED); /* a bus that does not start gives a line of its own */
+        leave_mark(ECT_BUS_MARK_OPENED); /* if the bus does not start, a line of its own reports this */
     if (copy && (state.library.open || load(&state.library)))
         state.bus = open_bus(copy, now_ns);
     free(copy);
@@ -197,7 +197,7 @@ bool ect_bus_running(void)
     return state.bus != NULL;
 }
 
-/* The bus stays the parent's. */
+/* The bus remains with the parent. */
 static void in_child(void)
 {
     state.bus = NULL;
@@ -281,7 +281,7 @@ int ect_bus_control_fd(void)
     return state.control_fd;
 }
 
-/* The expectations of the scenario, a line each. */
+/* Prints the expectations of the scenario, one line each. */
 static void report_verdict(void)
 {
     enum { ROOM = 65536 };

@@ -23,7 +23,7 @@ static uint64_t charged_now(const void *caller)
     return ect_virtual_now();
 }
 
-/* Processor time stays real: it measures the program, not the bus. */
+/* Processor time remains real: it is a measure of the program, not of the bus. */
 REPLACES int clock_gettime(clockid_t clock, struct timespec *time)
 {
     if (ect_in_dlsym) {
@@ -69,7 +69,7 @@ REPLACES time_t time(time_t *result)
     return now;
 }
 
-/* @return the time that is left when a handler of a signal has ended the sleep; 0: slept to the end */
+/* @return the remaining time if a signal handler has ended the sleep; 0: complete */
 static uint64_t sleep_until(uint64_t until_ns)
 {
     if (ect_virtual_wait(NULL, until_ns) != ECT_WAIT_INTERRUPTED)

@@ -42,25 +42,25 @@ static inline uint64_t ect_deadline_on(clockid_t clock, const struct timespec *t
     return at_ns > ECT_DAY_OFFSET_NS ? at_ns - ECT_DAY_OFFSET_NS : 0;
 }
 
-/** An absolute time whose clock the caller does not name: a time of day is beyond 2026, a monotonic one far below. */
+/** An absolute time of an unknown clock: a time of day is later than 2026, a monotonic time is far smaller. */
 static inline uint64_t ect_deadline(const struct timespec *time)
 {
     return ect_deadline_on(ect_ns_of(time) > ECT_DAY_OFFSET_NS / 2 ? CLOCK_REALTIME : CLOCK_MONOTONIC, time);
 }
 
-/** A span of time from now; NULL: without a limit. */
+/** The end of a time span that begins now; NULL: no limit. */
 static inline uint64_t ect_deadline_in(const struct timespec *span)
 {
     return span ? ect_virtual_now() + ect_ns_of(span) : UINT64_MAX;
 }
 
-/** A timeout in milliseconds from now; negative: without a limit. */
+/** The end of a timeout in milliseconds that begins now; negative: no limit. */
 static inline uint64_t ect_deadline_in_ms(int timeout_ms)
 {
     return timeout_ms < 0 ? UINT64_MAX : ect_virtual_now() + (uint64_t)timeout_ms * 1000000u;
 }
 
-/** Sets a timer as timer_settime(2) does: a first time of 0 stops it. */
+/** Sets a timer as timer_settime(2) does: an it_value of 0 stops the timer. */
 static inline void ect_timer_set(ect_timer_t *timer, clockid_t clock, bool absolute, const struct itimerspec *value)
 {
     uint64_t span_ns = ect_ns_of(&value->it_value);

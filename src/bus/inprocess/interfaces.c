@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The interfaces of the bus, by name and index, and in the lists of all: behind those of the machine. */
+/* The interfaces of the bus, by name, by index, and at the end of lists of all interfaces. */
 #define _GNU_SOURCE
 #include "bus/inprocess/interfaces.h"
 
@@ -49,7 +49,7 @@ static int about(unsigned long request, struct ifreq *its, unsigned int end)
         its->ifr_hwaddr.sa_family = ARPHRD_ETHER;
         memcpy(its->ifr_hwaddr.sa_data, hardware_address, sizeof hardware_address);
         return 0;
-    case SIOCGIFADDR: /* of the Internet: none */
+    case SIOCGIFADDR: /* no IP address */
         errno = EADDRNOTAVAIL;
         return -1;
     default: /* SIOCSIFMTU */
@@ -67,8 +67,8 @@ bool ect_interface_has(unsigned long request)
     return i < sizeof requests / sizeof *requests;
 }
 
-/* A kernel lists interfaces with an address of the Internet alone; those of the bus have the address 0.0.0.0 here, for
- * a master looks for adapters. Without a buffer the result is the length. */
+/* A kernel lists only interfaces with an IPv4 address; those of the bus are listed with 0.0.0.0, because masters search
+ * adapters here. Without a buffer the result is the length. */
 static int list(int fd, struct ifconf *its)
 {
     int room = its->ifc_req ? its->ifc_len : 0;
@@ -157,14 +157,15 @@ REPLACES void if_freenameindex(struct if_nameindex *list)
 /* --- addresses -----------------------------------------------------------------------------------------------------
  */
 
-/* An entry of getifaddrs(3), in one piece. */
+/* An entry of getifaddrs(3), in one block of memory. */
 typedef struct entry {
     struct ifaddrs its; /* first */
     struct sockaddr_ll address, broadcast;
     char name[IF_NAMESIZE];
 } entry_t;
 
-static struct rtnl_link_stats nothing; /* the counters of each entry, by which freeifaddrs() knows it */
+static struct rtnl_link_stats
+    nothing; /* the counters of each entry of the bus, by which freeifaddrs() recognises the entry */
 
 static struct ifaddrs *new_entry(unsigned int end)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** @file
- * The interfaces of the bus among those of the machine. */
+ * The interfaces of the bus, listed after those of the machine. */
 #ifndef ECT_BUS_INPROCESS_INTERFACES_H
 #define ECT_BUS_INPROCESS_INTERFACES_H
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Threads, mutexes, conditions, semaphores and futexes on the virtual clock. One thread runs at a time (threads.h), so
- * the try variants of the real functions keep the state of an object, and only waiting is done here.
+ * the real try functions manage the state of an object, and only waits are implemented here.
  */
 #define _GNU_SOURCE
 #include <errno.h>
@@ -33,14 +33,14 @@ typedef struct created {
     int ended;
 } created_t;
 
-static created_t *created; /* not joined yet; changed by the thread that has the turn */
+static created_t *created; /* not yet joined threads; changed only by the thread with the turn */
 
 static void *run_created(void *arg)
 {
     created_t *its = arg;
     ect_raw_thread();
     ect_virtual_thread_begin(its->record, !ect_sanitizer_is_loaded());
-    return its->start(its->arg); /* its end is that of the thread's key, also after pthread_exit */
+    return its->start(its->arg); /* the end of the thread is the destructor of a key, also after pthread_exit() */
 }
 
 REPLACES int pthread_create(pthread_t *restrict thread, const pthread_attr_t *restrict attributes,
@@ -51,7 +51,7 @@ REPLACES int pthread_create(pthread_t *restrict thread, const pthread_attr_t *re
     created_t *its = calloc(1, sizeof *its);
     if (!its)
         return EAGAIN;
-    (void)ect_virtual_now(); /* takes the turn, which `created` needs */
+    (void)ect_virtual_now(); /* takes the turn, which guards `created` */
     *its = (created_t){.start = start, .arg = arg};
     its->record = ect_virtual_thread_new(&its->ended);
     int error = its->record ? REAL(pthread_create)(thread, attributes, run_created, its) : EAGAIN;
@@ -119,8 +119,8 @@ REPLACES int pthread_timedjoin_np(pthread_t thread, void **result, const struct 
 /* --- mutexes -------------------------------------------------------------------------------------------------------
  */
 
-/* A thread may have tried before it has the turn: an unlock since then has found no thread to wake. The timed lock
- * returns EDEADLK if this thread holds the mutex, which no try shows. */
+/* Repeats a try made before the thread got the turn, because an unlock since then has found no waiting thread. The
+ * timed lock returns EDEADLK if this thread holds the mutex, which the try variant cannot report. */
 static int lock_with_turn(pthread_mutex_t *mutex)
 {
     static const struct timespec over = {.tv_sec = -1};
@@ -164,7 +164,7 @@ REPLACES int pthread_mutex_clocklock(pthread_mutex_t *restrict mutex, clockid_t 
     return lock_until(mutex, ect_deadline_on(clock, until));
 }
 
-/* The thread that holds the lock may wait for its turn. */
+/* Yields, because the holder of the lock may be waiting for its turn. */
 REPLACES int pthread_spin_lock(pthread_spinlock_t *lock)
 {
     if (ect_inside > 0)
@@ -193,14 +193,14 @@ static void relock(pthread_mutex_t *mutex)
 
 static int wait_until(const pthread_cond_t *condition, pthread_mutex_t *mutex, uint64_t until_ns)
 {
-    (void)ect_virtual_now(); /* takes the turn: no signal comes between unlock and wait */
+    (void)ect_virtual_now(); /* takes the turn: no signal can be lost between unlock and wait */
     int error = REAL(pthread_mutex_unlock)(mutex);
     if (error != 0)
         return error;
     (void)ect_virtual_wake(mutex, 1);
     ect_wait_t result = ect_virtual_wait(condition, until_ns);
     relock(mutex);
-    return result == ECT_WAIT_TIMED_OUT ? ETIMEDOUT : 0; /* after a handler of a signal: a spurious wake-up */
+    return result == ECT_WAIT_TIMED_OUT ? ETIMEDOUT : 0; /* after a signal handler: a spurious wake-up */
 }
 
 REPLACES int pthread_cond_wait(pthread_cond_t *restrict condition, pthread_mutex_t *restrict mutex)
@@ -354,17 +354,17 @@ REPLACES int sem_post(sem_t *semaphore)
 /* --- barriers ------------------------------------------------------------------------------------------------------
  */
 
-/* The count of a barrier cannot be read from it. */
+/* Data of a barrier, because its count cannot be read. */
 typedef struct barrier {
     struct barrier *next;
     const pthread_barrier_t *at;
     unsigned int count;
     unsigned int waiting;
-    unsigned int inside; /* threads that have not left pthread_barrier_wait() yet */
+    unsigned int inside; /* threads in pthread_barrier_wait() */
     unsigned int round;
 } barrier_t;
 
-static barrier_t *barriers; /* changed by the thread that has the turn */
+static barrier_t *barriers; /* changed only by the thread with the turn */
 
 static barrier_t **place_of(const pthread_barrier_t *barrier)
 {
@@ -441,7 +441,7 @@ static long wait_futex(const int *word, int operation, int expected, const struc
     bool absolute = (operation & FUTEX_CMD_MASK) == FUTEX_WAIT_BITSET;
     clockid_t clock = (operation & FUTEX_CLOCK_REALTIME) != 0 ? CLOCK_REALTIME : CLOCK_MONOTONIC;
     uint64_t until_ns = absolute && timeout ? ect_deadline_on(clock, timeout) : ect_deadline_in(timeout);
-    (void)ect_virtual_now(); /* takes the turn: no wake comes between this comparison and the wait */
+    (void)ect_virtual_now(); /* takes the turn: no wake-up can be lost between this comparison and the wait */
     if (__atomic_load_n(word, __ATOMIC_SEQ_CST) != expected) {
         errno = EAGAIN;
         return -1;

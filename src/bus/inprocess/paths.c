@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* /sys/class/net with the interfaces of the bus in it: paths there lead to a folder that `ectwin with` has made. */
+/* /sys/class/net with the interfaces of the bus: its paths are mapped to a folder made by `ectwin with`. */
 #define _GNU_SOURCE
 #include <dirent.h>
 #include <fcntl.h>
@@ -18,7 +18,7 @@
 
 static const char system_folder[] = "/sys/class/net";
 
-/* The part of a path behind the folder, without slashes in front; NULL: it is elsewhere. */
+/* @return the part of a path after /sys/class/net, without leading slashes; NULL: another path */
 static const char *inside_of(const char *path)
 {
     size_t length = sizeof system_folder - 1;
@@ -27,7 +27,7 @@ static const char *inside_of(const char *path)
     return path + length + strspn(path + length, "/");
 }
 
-/* The path to use in place of the program's. */
+/* @return the mapped path */
 static const char *path_of(const char *path, char room[PATH_MAX])
 {
     const char *rest = ect_inside > 0 ? NULL : inside_of(path);
@@ -45,10 +45,9 @@ static const char *path_of(const char *path, char room[PATH_MAX])
     return room;
 }
 
-/* --- opening -------------------------------------------------------------------------------------------------------
- */
+/* --- open --------------------------------------------------------------------------------------------------------- */
 
-/* The third argument, which open() has if it may make a file. */
+/* @return the third argument of open(), present if a file may be created */
 static mode_t mode_of(int flags, va_list arguments)
 {
     return (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(arguments, mode_t) : 0;
@@ -94,7 +93,7 @@ REPLACES int openat64(int folder, const char *path, int flags, ...)
     return REAL(openat64)(folder, path_of(path, room), flags, mode);
 }
 
-/* The variants that a compiler with _FORTIFY_SOURCE calls when there is no third argument. */
+/* The variants called with _FORTIFY_SOURCE and without a third argument. */
 int __open_2(const char *path, int flags);
 REPLACES int __open_2(const char *path, int flags)
 {
@@ -231,7 +230,7 @@ REPLACES char *realpath(const char *restrict path, char *restrict resolved)
     return REAL(realpath)(path_of(path, room), resolved);
 }
 
-/* The variants that a compiler with _FORTIFY_SOURCE calls when it knows the room. */
+/* The variants called with _FORTIFY_SOURCE and a buffer of known size. */
 ssize_t __readlink_chk(const char *path, char *target, size_t size, size_t room);
 REPLACES ssize_t __readlink_chk(const char *path, char *target, size_t size, size_t room)
 {

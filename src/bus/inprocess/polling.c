@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* poll, select, epoll and timer descriptors on the virtual clock. Sockets of the bus are eventfds, so the real calls,
- * without waiting, find out what is ready. */
+/* poll, select, epoll and timer descriptors on the virtual clock. Sockets of the bus are eventfds, so the real
+ * functions, with timeout 0, report the ready descriptors. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
@@ -29,7 +29,7 @@ typedef struct polling {
     int result;
 } polling_t;
 
-/* Most masters wait for sockets of the bus alone. */
+/* @return whether all descriptors are sockets of the bus, as with most masters */
 static bool are_ports(const struct pollfd *fds, nfds_t count)
 {
     nfds_t i = 0;
@@ -62,7 +62,7 @@ static bool poll_now(void *arg)
     return p->result != 0;
 }
 
-/* The result of a call whose wait a handler of a signal may have ended before anything was ready. */
+/* @return the result of a call whose wait may have been interrupted by a signal handler */
 static int result_of(ect_wait_t wait, int ready)
 {
     if (wait != ECT_WAIT_INTERRUPTED)
@@ -71,7 +71,7 @@ static int result_of(ect_wait_t wait, int ready)
     return -1;
 }
 
-/* Such a pipe is probably that of a child process. */
+/* @return whether there is a pipe, probably to a child process */
 static bool has_pipe(const struct pollfd *fds, nfds_t count)
 {
     struct stat its;
@@ -247,7 +247,7 @@ static uint64_t receive_deadline(int fd)
     return ect_virtual_now() + ect_ns_of_timeval(&timeout);
 }
 
-/* A pipe, a socket or an event descriptor of another thread, or of another process. */
+/* The descriptor may be a pipe, a socket or an eventfd of another thread or process. */
 void ect_time_before_read(const char *call, int fd, int flags)
 {
     struct pollfd one = {.fd = fd, .events = POLLIN};
@@ -307,7 +307,7 @@ REPLACES int timerfd_create(int clock, int flags)
     if (!its)
         return fd;
     *its = (timer_fd_t){.timer = {.next_ns = UINT64_MAX, .expired = expire}, .fd = fd, .clock = clock};
-    ect_virtual_add_timer(&its->timer); /* takes the turn, which `timer_fds` needs */
+    ect_virtual_add_timer(&its->timer); /* takes the turn, which guards `timer_fds` */
     its->next = timer_fds;
     timer_fds = its;
     return fd;

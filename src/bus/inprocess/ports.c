@@ -21,7 +21,7 @@
 
 enum {
     DESCRIPTORS = 65536,
-    WAITING_MOST = 1024, /* frames; as in the kernel, a socket that is full loses the next ones */
+    WAITING_MOST = 1024, /* limit of waiting frames; as in the kernel, a full socket drops further ones */
     HEADER = 14,
     TAG = 4,
     LONGEST = 1518,
@@ -34,8 +34,8 @@ typedef struct waiting {
 } waiting_t;
 
 struct ect_port {
-    ect_port_t *next; /* of the bound ones */
-    int fd;           /* the eventfd, as it was made */
+    ect_port_t *next; /* next bound socket */
+    int fd;           /* the original eventfd */
     unsigned int descriptors;
     int end;           /* -1: not bound */
     uint16_t protocol; /* network order */
@@ -43,7 +43,7 @@ struct ect_port {
     bool nonblocking;
     waiting_t *first, **last;
     size_t count;
-    bool fresh; /* a frame has come since the eventfd was last written */
+    bool fresh; /* a frame has arrived since the last write to the eventfd */
     bool shown; /* the eventfd is readable */
 };
 
@@ -70,7 +70,7 @@ int ect_port_open(int type, int protocol)
     *port = (ect_port_t){.fd = fd, .descriptors = 1, .end = -1, .protocol = (uint16_t)protocol};
     port->last = &port->first;
     port->nonblocking = (type & SOCK_NONBLOCK) != 0;
-    /* The master reads O_NONBLOCK of the eventfd. */
+    /* The eventfd gets O_NONBLOCK too, because the master may read its flags. */
     if (!port->nonblocking)
         (void)REAL(fcntl)(fd, F_SETFL, O_RDWR);
     ect_time_lock();
@@ -129,7 +129,7 @@ bool ect_port_has_frame(const ect_port_t *port)
     return port->first != NULL;
 }
 
-/* Each frame is a new event of an edge-triggered epoll, so the eventfd is written although it is readable. */
+/* The eventfd is written even if readable, because each frame is a new event for edge-triggered epoll. */
 static void show(ect_port_t *port)
 {
     eventfd_t value;
@@ -155,7 +155,7 @@ static int fail(int error)
     return -1;
 }
 
-/* The kernel takes a VLAN tag out of a frame before a packet socket sees it. */
+/* Removes the VLAN tag, as the kernel does before a packet socket gets the frame. */
 static size_t without_tag(const uint8_t *frame, size_t length, size_t *tag)
 {
     *tag = length >= HEADER + TAG && frame[12] == 0x81 && frame[13] == 0x00 ? TAG : 0;
@@ -188,7 +188,7 @@ static void deliver(unsigned int end, const uint8_t *frame, size_t length)
     }
 }
 
-/* @return whether the bus is on; a failure was reported */
+/* @return false: the bus cannot be powered on, which is reported */
 static bool start_bus(void)
 {
     int started = ect_bus_start(ect_time_now(), deliver);
@@ -250,7 +250,7 @@ int ect_port_set(ect_port_t *port, int level, int name, const void *value, sockl
         ect_time_unlock();
         return 0;
     }
-    /* Without these the master receives by calls, as it does where a kernel has none. */
+    /* Refused, so that the master uses system calls, as with a kernel without these options. */
     if (level == SOL_PACKET && (name == PACKET_RX_RING || name == PACKET_TX_RING || name == PACKET_FANOUT))
         return fail(ENOPROTOOPT);
     return 0;

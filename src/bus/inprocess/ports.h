@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Packet sockets of the master that end at the bus in this process.
+ * Packet sockets of the master that are connected to the bus in this process.
  *
- * A socket is an eventfd, so that a real poll, select or epoll finds it readable while frames wait; on the virtual
- * clock it becomes so in ::ect_ports_show, which precedes these calls. Descriptors that dup, dup2 and fcntl make of it
- * stand for the same socket.
+ * Each socket is an eventfd, readable for the real poll, select or epoll while frames wait; on the virtual clock
+ * ::ect_ports_show, called before these functions, makes it readable. Duplicates by dup, dup2 and fcntl refer to the
+ * same socket.
  */
 #ifndef ECT_BUS_INPROCESS_PORTS_H
 #define ECT_BUS_INPROCESS_PORTS_H
@@ -18,29 +18,29 @@
 
 typedef struct ect_port ect_port_t;
 
-/** The socket behind a descriptor; NULL: none of ours. Cost: a look into a table. */
+/** @return the socket of a descriptor; NULL: not a socket of the bus. Cost: one access to a table. */
 ect_port_t *ect_port_of(int fd);
 
-/** Whether a frame waits in it. With the lock. */
+/** @return whether a frame can be received. With the lock. */
 bool ect_port_has_frame(const ect_port_t *port);
-/** Makes the descriptors of all sockets readable, or not, as frames wait. With the lock. */
+/** Updates the readability of the descriptors of all sockets. With the lock. */
 void ect_ports_show(void);
 
-/** Makes a socket. @param type as of socket(2) @param protocol network order @return the descriptor; -1 (errno) */
+/** Creates a socket. @param type as of socket(2) @param protocol network order @return the descriptor; -1 (errno) */
 int ect_port_open(int type, int protocol);
-/** The descriptor `copy` stands for the socket too; without effect when `fd` is none of ours. */
+/** Adds the descriptor `copy` to the socket of `fd`; no effect if `fd` is not a socket of the bus. */
 void ect_port_copied(int fd, int copy);
-/** A descriptor is closed. */
+/** Handles the end of a descriptor. */
 void ect_port_closed(int fd);
 
-/** Whether the interface at an end (0, 1) is up, and taking it up or down: a cable that is plugged in or pulled. */
+/** State of the interface at an end (0, 1). Up and down also plug in and pull the cable. */
 bool ect_port_is_up(unsigned int end);
 void ect_port_take(unsigned int end, bool up);
 
-/** The master has set or cleared O_NONBLOCK of a descriptor. */
+/** Sets or clears O_NONBLOCK. */
 void ect_port_set_nonblocking(ect_port_t *port, bool on);
 
-/** The functions of a socket with the results of their system calls: -1 and errno on failure. */
+/** Socket functions, with results as those of the system calls: -1 and errno on failure. */
 int ect_port_bind(ect_port_t *port, const struct sockaddr *address, socklen_t length);
 int ect_port_set(ect_port_t *port, int level, int name, const void *value, socklen_t length);
 int ect_port_get(ect_port_t *port, int level, int name, void *value, socklen_t *length);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Waits for child processes on the virtual clock, which is stopped meanwhile: the child's speed does not show in a run.
- */
+/* Waits for child processes on the virtual clock, which is stopped meanwhile, so that a run does not depend on the
+ * child's speed. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <stdint.h>
@@ -30,7 +30,7 @@ static bool look(void *arg)
     return its->result != 0 || its->info.si_pid != 0;
 }
 
-/* Waits until the real call does not wait. @return 0; -1 (EINTR): a handler of a signal has run before that */
+/* Waits until the real call would not block. @return 0; -1 (EINTR): a signal handler has run before */
 static int wait_for(idtype_t kind, id_t id, int options, const char *call)
 {
     awaited_t its = {.kind = kind, .id = id, .options = options & (WEXITED | WSTOPPED | WCONTINUED)};

@@ -4,9 +4,9 @@
  * Direct system calls of the master, made without the C library, as by Rust's rustix.
  *
  * The kernel (Linux 5.11, x86-64: Syscall User Dispatch) sends SIGSYS for each system call from outside the text of the
- * C library; the handler passes the call to the function that this library replaces, or on to the kernel. The dispatch
- * slows down every system call of a thread. Therefore it is on only if an object other than the C library contains a
- * system call instruction. Without dispatch, direct system calls are not intercepted.
+ * C library; the handler passes the call to the replaced function, or to the kernel. The dispatch slows down every
+ * system call of a thread. Therefore the dispatch is on only if an object other than the C library contains a system
+ * call instruction. Without dispatch, direct system calls are not intercepted.
  */
 #ifndef ECT_BUS_INPROCESS_RAW_H
 #define ECT_BUS_INPROCESS_RAW_H
@@ -33,8 +33,8 @@ typedef long ect_raw_route_t(const ect_raw_call_t *call);
 void ect_raw_begin(ect_raw_route_t *route, int argc, char **argv);
 
 /**
- * Searches the objects that have been loaded since the previous call. If one of them contains a system call, turns the
- * dispatch on in this thread and in threads created later. Context: any thread, without the lock.
+ * Searches the objects loaded since the previous call. If one of them contains a system call, turns the dispatch on in
+ * this thread and in threads created later. Context: any thread, without the lock.
  */
 void ect_raw_look(void);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* System calls of the program itself as calls of the functions that this library replaces. */
+/* Direct system calls of the program, mapped to the functions that this library replaces. */
 #define _GNU_SOURCE
 #include <fcntl.h>
 #include <stdint.h>
@@ -178,7 +178,7 @@ static const ect_raw_entry_t table[] = {{SYS_socket, make_socket},
                                         {SYS_newfstatat, make_newfstatat},
                                         {SYS_readlinkat, make_readlinkat}};
 
-/* The functions compare paths with those of the bus, and would read at any address. */
+/* Checks the address of a path, because the replaced functions read the path. */
 static bool has_bad_path(const ect_raw_call_t *call)
 {
     static const struct {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* System calls of the program itself that read the virtual clock, or wait. */
+/* Direct system calls of the program that read the virtual clock, or wait. */
 #define _GNU_SOURCE
 #include <fcntl.h>
 #include <poll.h>
@@ -23,7 +23,7 @@
 
 static const char vector_path[] = "/proc/self/auxv";
 
-/* A mask of the kernel, which is shorter than that of the C library. */
+/* Converts a signal mask of the kernel, which is shorter than that of the C library. */
 static const sigset_t *mask_of(long address, sigset_t *its)
 {
     uint64_t mask;
@@ -84,7 +84,7 @@ static long make_select(const long *a)
     return ect_raw_result(select((int)a[0], (fd_set *)a[1], (fd_set *)a[2], (fd_set *)a[3], (struct timeval *)a[4]));
 }
 
-/* The sixth argument has the address and the length of the mask. */
+/* The sixth argument points to address and length of the mask. */
 static long make_pselect6(const long *a)
 {
     sigset_t mask;
@@ -175,7 +175,7 @@ static long make_futex(const long *a)
 static long make_waitid(const long *a)
 {
     const ect_raw_call_t call = {.number = SYS_waitid, .a = {a[0], a[1], a[2], a[3], a[4]}};
-    if (a[4] != 0) /* the C library has no such argument */
+    if (a[4] != 0) /* the C library's function lacks this argument */
         return ect_raw_pass(&call);
     return ect_raw_result(waitid((idtype_t)a[0], (id_t)a[1], (siginfo_t *)a[2], (int)a[3]));
 }
@@ -206,7 +206,7 @@ static const ect_raw_entry_t table[] = {{SYS_clock_gettime, make_clock_gettime},
                                         {SYS_futex, make_futex},
                                         {SYS_waitid, make_waitid}};
 
-/* The auxiliary vector as a file. */
+/* Opens a file with the auxiliary vector. */
 static long open_vector(long flags)
 {
     enum { MOST = 64 };

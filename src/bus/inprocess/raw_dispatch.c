@@ -22,7 +22,7 @@
 #include "bus/inprocess/real.h"
 #include "bus/inprocess/time.h"
 
-/* Constants of newer headers than the C library's. */
+/* Constants missing from older headers. */
 enum {
     DISPATCH = 59, /* PR_SET_SYSCALL_USER_DISPATCH */
     DISPATCH_ON = 1,
@@ -31,7 +31,7 @@ enum {
 };
 enum { ALLOW, BLOCK };    /* values of the selector */
 enum { INSTRUCTION = 2 }; /* length of `syscall` */
-enum { KERNEL_MASK = 8 }; /* length of a mask of signals */
+enum { KERNEL_MASK = 8 }; /* length of a signal mask of the kernel */
 
 /* The kernel's struct sigaction. */
 typedef struct kernel_action {
@@ -43,7 +43,7 @@ typedef struct kernel_action {
 
 static volatile char selector = BLOCK;
 static bool on;
-static bool refused; /* by the kernel or the C library */
+static bool refused; /* the kernel or the C library does not support dispatch */
 static ect_objects_t objects;
 static ect_raw_route_t *route;
 static ElfW(auxv_t) * vector;
@@ -83,7 +83,7 @@ void ect_raw_hide_vdso(ElfW(auxv_t) * entry)
 /* --- calls that concern the handler itself -------------------------------------------------------------------------
  */
 
-/* The mask in the context is the thread's when the handler returns. */
+/* Sets the mask in the context, which becomes the thread's mask when the handler returns. */
 static long set_mask(const ect_raw_call_t *call, ucontext_t *at)
 {
     ect_raw_call_t its = *call;
@@ -131,7 +131,7 @@ static long set_action(const ect_raw_call_t *call)
     return ect_raw_pass(&its);
 }
 
-/* The end of a handler with a restorer of the program's own: its frame is on the stack of the call. */
+/* rt_sigreturn by a restorer of the program: the signal frame is on the stack of the call. */
 static _Noreturn void return_from_signal(const ucontext_t *at)
 {
     __asm__ volatile("mov %0, %%rsp\n\tjmp *%1" : : "r"(at->uc_mcontext.gregs[REG_RSP]), "r"(restore) : "memory");
@@ -153,8 +153,8 @@ static long control_process(const ect_raw_call_t *call)
     return result;
 }
 
-/* The call is made once more, by the program itself. Its child, or its thread without the C library's data, cannot be
- * in this handler. */
+/* Lets the program repeat the call without dispatch, because a child, or a thread without the C library's data, cannot
+ * return from this handler. */
 static long let_go(ucontext_t *at, bool of_system)
 {
     static const char line[] =
@@ -167,7 +167,7 @@ static long let_go(ucontext_t *at, bool of_system)
     return at->uc_mcontext.gregs[REG_RAX];
 }
 
-/* @return the kernel's result; a child that needs a stack or memory of its own is let go */
+/* Executes fork() and clone(). @return the kernel's result; a child with a stack or memory of its own: see let_go() */
 static long make_child(const ect_raw_call_t *call, ucontext_t *at, bool of_system)
 {
     unsigned long flags = call->number == SYS_clone ? (unsigned long)call->a[0] : SIGCHLD;
@@ -205,9 +205,9 @@ static long make_here(const ect_raw_call_t *call, ucontext_t *at, bool of_system
     case SYS_prctl:
         return control_process(call);
     case SYS_clone3:
-        return -ENOSYS; /* as in an older kernel: clone() follows */
+        return -ENOSYS; /* as from an older kernel; the caller then uses clone() */
     case SYS_arch_prctl:
-        return let_go(at, of_system); /* it may change the register by which the C library finds its data */
+        return let_go(at, of_system); /* may change FS, the register of the C library's thread data */
     default:
         return make_child(call, at, of_system);
     }
@@ -216,9 +216,8 @@ static long make_here(const ect_raw_call_t *call, ucontext_t *at, bool of_system
 /* --- the handler ---------------------------------------------------------------------------------------------------
  */
 
-/* A function that AddressSanitizer instruments may begin with an mmap() of the sanitizer's own (a frame by which a use
- * after return is found, as by default since GCC 13). That call is dispatched too, and would enter the handler again
- * without end. */
+/* Not instrumented: AddressSanitizer may begin a function with mmap() (a frame for the detection of use after return,
+ * default since GCC 13). This call is dispatched too, and would recurse endlessly. */
 __attribute__((no_sanitize("address"))) static void on_call(int number, siginfo_t *info, void *context)
 {
     ucontext_t *at = context;
@@ -241,17 +240,16 @@ __attribute__((no_sanitize("address"))) static void on_call(int number, siginfo_
     errno = error;
 }
 
-/* --- on ------------------------------------------------------------------------------------------------------------
- */
+/* --- turning the dispatch on -------------------------------------------------------------------------------------- */
 
-/* Before 2.34 libpthread has a part of the C library's system calls. */
+/* Before glibc 2.34 libpthread contains a part of the system calls. */
 static bool library_is_known(void)
 {
     long minor = strtol(strchr(gnu_get_libc_version(), '.') + 1, NULL, 10);
     return minor >= 34;
 }
 
-/* By the function of the handler, so that the linker has found what that calls. */
+/* Uses the same function as the handler, so that the dynamic linker has resolved its symbols. */
 static bool find_restorer(void)
 {
     kernel_action_t action = {0};
@@ -302,7 +300,7 @@ void ect_raw_look(void)
 
 void ect_raw_begin(ect_raw_route_t *its, int argc, char **argv)
 {
-    char **word = argv + argc + 1; /* the environment as the kernel has written it */
+    char **word = argv + argc + 1; /* the environment as written by the kernel */
     while (*word)
         word++;
     vector = (ElfW(auxv_t) *)(void *)(word + 1);

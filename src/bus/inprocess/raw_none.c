@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Processors whose kernel has no dispatch of system calls: calls that pass the C library are not seen. */
+/* For processors without Syscall User Dispatch: direct system calls are not intercepted. */
 #include "bus/inprocess/raw.h"
 
 bool ect_raw_is_on(void)

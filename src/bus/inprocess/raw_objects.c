@@ -7,8 +7,8 @@
 
 enum { WINDOW = 64 };
 
-/* An instruction that loads RAX: `mov $imm,%eax` of a small number, `xor %eax,%eax`, `push $imm; pop %rax`, a move from
- * a register or from memory. */
+/* @return whether an instruction loads RAX: `mov $imm,%eax` with a small number, `xor %eax,%eax`, `push $imm; pop
+ * %rax`, or a move from a register or from memory */
 static bool loads_number(const uint8_t *at)
 {
     switch (at[0]) {
@@ -29,8 +29,8 @@ static bool loads_number(const uint8_t *at)
     }
 }
 
-/* The bytes are those of an offset: of 16 bits, as no instruction that follows a system call begins, or of a call or a
- * jump of 24 bits. */
+/* @return whether the bytes are part of an offset: of 16 bits, followed by bytes with which no instruction after a
+ * system call begins, or of 24 bits in a call or jump */
 static bool is_offset(const uint8_t *text, size_t at, size_t length)
 {
     const uint8_t *behind = text + at + 2;
@@ -40,8 +40,7 @@ static bool is_offset(const uint8_t *text, size_t at, size_t length)
     return jumps && (behind[1] == 0 || behind[1] == 0xFF);
 }
 
-/* The return from a handler of a signal: libgcc has these bytes as a constant, and a restorer alone waits for nothing.
- */
+/* @return whether the bytes are rt_sigreturn: libgcc contains them as a constant, and a restorer alone never blocks */
 static bool is_return(const uint8_t *text, size_t at)
 {
     return at >= 4 && memcmp(text + at - 4, "\x0F\0\0", 4) == 0;
@@ -103,7 +102,7 @@ static void add_text(ect_objects_t *its, kind_t kind, ect_text_t text)
 
 typedef struct search {
     ect_objects_t *its;
-    unsigned long long before; /* objects loaded at the last search */
+    unsigned long long before; /* number of objects at the last search */
 } search_t;
 
 static int add_object(struct dl_phdr_info *info, size_t size, void *ctx)

@@ -16,10 +16,9 @@ enum { ECT_TEXTS_MOST = 16 };
 
 typedef struct ect_objects {
     ect_text_t c_library;
-    ect_text_t
-        passed[ECT_TEXTS_MOST]; /**< the dynamic linker, the kernel's own page, sanitizers: the system's own calls */
+    ect_text_t passed[ECT_TEXTS_MOST]; /**< texts without dispatch: the dynamic linker, the vDSO, sanitizers */
     size_t passed_count;
-    bool has_calls;          /**< another object has the instruction */
+    bool has_calls;          /**< another object contains the instruction */
     unsigned long long adds; /**< objects loaded so far */
 } ect_objects_t;
 

@@ -9,12 +9,12 @@
 #include "bus/inprocess/real.h"
 
 static bool taken;
-static struct sigaction own; /* the program's */
+static struct sigaction own; /* the program's action */
 
 int ect_raw_take_signal(void (*handler)(int number, siginfo_t *info, void *context))
 {
-    /* Neither mask nor SA_ONSTACK: the handler runs as the call would, and a handler of the program within it makes
-     * calls of its own. */
+    /* No mask and no SA_ONSTACK: the handler runs in the context of the call, and a nested handler of the program may
+     * make system calls. */
     const struct sigaction action = {.sa_sigaction = handler, .sa_flags = SA_SIGINFO | SA_NODEFER | SA_RESTART};
     sigset_t only;
     if (REAL(sigaction)(SIGSYS, &action, &own) != 0)

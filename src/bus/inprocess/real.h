@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The functions behind those that the library replaces, and the guard by which its own calls reach them.
+ * The real functions of the C library, and the guard that lets calls of this library reach them.
  */
 #ifndef ECT_BUS_INPROCESS_REAL_H
 #define ECT_BUS_INPROCESS_REAL_H
 
 #include <stdbool.h>
 
-/** The next definition of a function behind this library, found once for each place of use. */
+/** The definition of a function after this library's one, found once at each place of use. */
 #define REAL(name)                                                                                                     \
     (__extension__({                                                                                                   \
         static void *found;                                                                                            \
@@ -17,10 +17,10 @@
         (__typeof__(&name))found;                                                                                      \
     }))
 
-/** A replacement that the master's program sees. */
+/** Marks a replacement, visible to the master. */
 #define REPLACES __attribute__((visibility("default")))
 
-/** Depth of the calls into the bus: inside, every replacement is the real function. */
+/** Depth of calls into the bus; above 0, each replacement calls the real function. */
 extern __thread int ect_inside __attribute__((tls_model("initial-exec")));
 
 /**
@@ -30,8 +30,8 @@ extern __thread int ect_inside __attribute__((tls_model("initial-exec")));
 extern __thread bool ect_in_dlsym __attribute__((tls_model("initial-exec")));
 
 /**
- * dlsym(RTLD_NEXT, name), during which every replacement is the real function, and no handler of a signal runs: one of
- * SIGCHLD may be the first to call waitpid(). SIGSYS alone is not blocked: system calls without the C library raise it.
+ * dlsym(RTLD_NEXT, name), during which each replacement calls the real function and no signal handler runs: a handler
+ * of SIGCHLD may be the first to call waitpid(). Only SIGSYS is not blocked, because direct system calls raise SIGSYS.
  */
 void *ect_real(const char *name);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Threads on the real clock: each one that makes system calls of its own needs the dispatch. */
+/* Threads on the real clock: the dispatch is turned on in each thread. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <pthread.h>

@@ -20,7 +20,7 @@ const bool ect_time_is_virtual = false;
 
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 static int wake_fd = -1;
-static uint64_t sleeps_until_ns = ECTWIN_NEVER; /* the thread of the library */
+static uint64_t sleeps_until_ns = ECTWIN_NEVER; /* end of the library thread's sleep */
 
 void ect_time_lock(void)
 {
@@ -41,7 +41,7 @@ uint64_t ect_time_now(void)
 
 void ect_time_charge(uint64_t cost_ns)
 {
-    (void)cost_ns; /* the call costs what it costs */
+    (void)cost_ns; /* the real clock includes the cost */
 }
 
 void ect_time_before_read(const char *call, int fd, int flags)
@@ -109,8 +109,8 @@ static void *run(void *unused)
     return NULL;
 }
 
-/* Without a thread the devices run with frames only. A preloaded library that keeps a list of threads, as a sanitizer
- * does, has not seen this one: pthread_detach() would be an error to it. */
+/* Without a thread the devices run only with frames. The thread is created detached, because a sanitizer with a list of
+ * threads does not know it, and would report pthread_detach() as an error. */
 void ect_time_bus_started(void)
 {
     pthread_t thread;

@@ -13,7 +13,7 @@
 #include "bus/inprocess/real.h"
 #include "bus/inprocess/threads.h"
 
-/* Whether a pending signal is not in the mask. */
+/* @return whether a signal is pending that is not in the mask */
 static bool is_due(const sigset_t *mask)
 {
     sigset_t pending;
@@ -59,7 +59,7 @@ static bool handles_ends_of_children(void)
     return action.sa_handler != SIG_DFL && action.sa_handler != SIG_IGN && sigismember(&mask, SIGCHLD) == 0;
 }
 
-/* The handler of SIGCHLD may run when the thread does not sleep, so that no sleep is interrupted. */
+/* A condition of its own, because the handler of SIGCHLD may run while the thread does not sleep. */
 static bool child_has_ended(void *arg)
 {
     const bool *before = arg;
@@ -72,7 +72,7 @@ static bool never(void *unused)
     return false;
 }
 
-/* @param ended  whether a child had ended before the call */
+/* @param ended  true: a child had ended before the call */
 static int wait_for_handler(const char *call, bool ended)
 {
     (void)ect_virtual_wait_until(handles_ends_of_children() ? child_has_ended : never, &ended, call, UINT64_MAX);
@@ -90,7 +90,7 @@ REPLACES int sigsuspend(const sigset_t *mask)
     if (ect_inside > 0)
         return REAL(sigsuspend)(mask);
     sigset_t before;
-    bool ended = has_ended_child(); /* before the mask: an end after this ends the wait */
+    bool ended = has_ended_child(); /* before setting the mask: a later end ends the wait */
     if (ect_signals_mask(mask, &before) == 0)
         (void)wait_for_handler("sigsuspend()", ended);
     ect_signals_unmask(mask, &before);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** @file
- * The signal mask of a wait, as ppoll(2) and its kin take it. */
+ * The signal mask of a wait, as in ppoll(2), pselect(2) and epoll_pwait(2). */
 #ifndef ECT_BUS_INPROCESS_SIGNALS_H
 #define ECT_BUS_INPROCESS_SIGNALS_H
 
@@ -8,13 +8,13 @@
 
 /**
  * Sets the mask of a wait.
- * @param mask         NULL: the mask stays
+ * @param mask         NULL: unchanged
  * @param[out] before  the present mask, for ::ect_signals_unmask
- * @return 0: wait; -1 (EINTR): the handler of a signal that was blocked before has run
+ * @return 0: wait; -1 (EINTR): the handler of a previously blocked signal has run
  */
 int ect_signals_mask(const sigset_t *mask, sigset_t *before);
 
-/** Restores the mask; errno stays. */
+/** Restores the mask; errno is unchanged. */
 void ect_signals_unmask(const sigset_t *mask, const sigset_t *before);
 
 #endif

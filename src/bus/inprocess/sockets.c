@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The socket functions of the C library, for packet sockets on the interfaces of the bus; all others are the real
- * ones. */
+/* The socket functions of the C library: packet sockets on interfaces of the bus are handled here, other sockets by the
+ * real functions. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
@@ -27,7 +27,7 @@ REPLACES int socket(int domain, int type, int protocol)
 {
     if (ect_inside > 0 || domain != AF_PACKET || (type & 0xF) != SOCK_RAW)
         return REAL(socket)(domain, type, protocol);
-    ect_raw_look(); /* the master is loaded by now */
+    ect_raw_look(); /* all objects of the master are loaded now */
     return ect_port_open(type, protocol);
 }
 
@@ -70,7 +70,7 @@ static int on_port(int fd, unsigned long request, void *argument)
     int result;
     if (ect_interface_request(fd, request, argument, &result))
         return result;
-    /* The argument of other requests, if there is one, may be of any type. */
+    /* Arguments of unknown requests are not read: they may be of any type. */
     errno = ect_interface_has(request) ? ENODEV : request >> 8 == SIOCGIFINDEX >> 8 ? EOPNOTSUPP : ENOTTY;
     return -1;
 }
@@ -83,7 +83,7 @@ REPLACES int ioctl(int fd, unsigned long request, ...)
     va_end(arguments);
     if (ours(fd))
         return on_port(fd, request, argument);
-    /* A master may put such a question to a socket of any kind. */
+    /* Requests for interfaces are allowed on sockets of any kind. */
     int result;
     bool interface = ect_inside == 0 && ect_interface_request(fd, request, argument, &result);
     return interface ? result : REAL(ioctl)(fd, request, argument);
@@ -144,7 +144,7 @@ REPLACES ssize_t writev(int fd, const struct iovec *pieces, int count)
 /* --- receiving -----------------------------------------------------------------------------------------------------
  */
 
-/* A descriptor that is none of ours may keep the master waiting. */
+/* Called for a descriptor that is not of the bus, on which the master may block. */
 static void before(const char *call, int fd, int flags)
 {
     if (ect_inside == 0)
@@ -228,7 +228,7 @@ REPLACES ssize_t read(int fd, void *data, size_t size)
     return REAL(read)(fd, data, size);
 }
 
-/* The variants that a compiler with _FORTIFY_SOURCE calls. */
+/* The variants called with _FORTIFY_SOURCE. */
 ssize_t __read_chk(int fd, void *data, size_t size, size_t room);
 REPLACES ssize_t __read_chk(int fd, void *data, size_t size, size_t room)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Timers of POSIX, interval timers and alarm on the virtual clock. Timers of processor time stay real. */
+/* POSIX timers, interval timers and alarm() on the virtual clock. Timers of processor time remain real. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <pthread.h>
@@ -28,7 +28,7 @@ typedef struct posix_timer {
     bool deleted;
 } posix_timer_t;
 
-static posix_timer_t *posix_timers; /* changed by the thread that has the turn */
+static posix_timer_t *posix_timers; /* changed only by the thread with the turn */
 
 static void send_signal(ect_timer_t *timer)
 {
@@ -64,14 +64,14 @@ static void *notify(void *arg)
     return NULL;
 }
 
-/* One thread for all expiries of a timer. */
+/* Starts the thread for all expiries of a timer. */
 static int start_thread(posix_timer_t *its)
 {
     pthread_t thread;
     pthread_attr_t detached;
     pthread_attr_init(&detached);
     pthread_attr_setdetachstate(&detached, PTHREAD_CREATE_DETACHED);
-    int error = pthread_create(&thread, &detached, notify, its); /* the replaced one */
+    int error = pthread_create(&thread, &detached, notify, its); /* the replacement */
     pthread_attr_destroy(&detached);
     return error;
 }
@@ -140,7 +140,7 @@ REPLACES int timer_delete(timer_t timer)
     ect_virtual_recall(&its->signal);
     its->deleted = true;
     if (its->notify)
-        (void)ect_virtual_wake(its, 1); /* its thread frees it */
+        (void)ect_virtual_wake(its, 1); /* freed by its thread */
     else
         free(its);
     return 0;
@@ -191,7 +191,7 @@ static void send_alarm(ect_timer_t *timer)
     (void)ect_virtual_send(&alarm_signal, 0);
 }
 
-/* A timer that runs never shows 0: that is a timer that is stopped. */
+/* A running timer never returns 0, which means a stopped timer. */
 static struct timeval as_timeval(uint64_t time_ns)
 {
     uint64_t time_us = (time_ns + 999) / 1000;
@@ -238,7 +238,7 @@ REPLACES unsigned int alarm(unsigned int seconds)
     return (unsigned int)(before.it_value.tv_sec + (before.it_value.tv_usec > 0));
 }
 
-/* The child of fork has no timers. */
+/* The child of fork() has no timers. */
 static void in_child(void)
 {
     posix_timers = NULL;
