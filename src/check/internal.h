@@ -10,9 +10,9 @@
  *   pdos.c     assignments and mappings
  *   offers.c   names, protocols, object services, clocks, SII
  *   plant.c    signals
- *   check.c    all of it, in an order in which each may rely on the ones before
+ *   check.c    all checks, in an order in which each relies on the previous ones
  *
- * Each function returns whether there was no mistake; the first one is in the report.
+ * Each function returns true if there is no mistake; the report has the first mistake.
  */
 #ifndef ECT_CHECK_INTERNAL_H
 #define ECT_CHECK_INTERNAL_H
@@ -21,21 +21,21 @@
 
 typedef struct report {
     const ect_device_t *device;
-    ect_od_t od; /* its list, without an instance */
+    ect_od_t od; /* the device's dictionary, without an instance */
     char *text;
     size_t room;
 } report_t;
 
-/* Writes the line. Always false, so that a check ends with it. */
+/* Writes the line. Returns false, for the return statement of a check. */
 bool wrong(const report_t *r, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* Whether a text is there, visible (ISO 646), and 1 to `most` characters long; `what` names it. */
+/* Checks that a text exists, is printable (ISO 646), and has 1 to `most` characters. `what`: its name. */
 bool text_good(const report_t *r, const char *what, const char *text, size_t most);
 
-/* Its ESC, and no more SyncManagers and FMMUs than that has. */
+/* Checks that the ESC exists, and has enough SyncManagers and FMMUs. */
 bool check_esc(const report_t *r);
 bool check_layout(const report_t *r);
 bool check_objects(const report_t *r);
-/* Room in the instance that an entry's value takes. */
+/* @return bytes of an entry's value in the instance */
 size_t storage_of(const ect_entry_t *entry);
 bool is_integer_type(uint16_t type);
 bool is_signed_type(uint16_t type);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Device files: a device as text, YAML, read as the model of a device that runs as a twin and becomes an ESI file, an
- * EEPROM image, a document and C source. docs/NEW-DEVICE.md has all keys.
+ * Device files: the description of a device as text, YAML. The resulting model is the source of a twin, an ESI file, an
+ * EEPROM image, a document and C source. docs/NEW-DEVICE.md lists all keys.
  *
  * ```yaml
  * ectwin-device: 1                   # version of the format
@@ -17,13 +17,13 @@
  * outputs: [0x7000]
  * ```
  *
- * Projects of the public EEPROM generator for SOES, `esi.json`, are read as well.
+ * Projects of the public EEPROM generator for SOES, `esi.json`, can be read too.
  *
- * A file is refused with one line `FILE:LINE: ERROR`, which has the cure. All content is checked: a file that is
- * accepted is a twin without a note, but for protocols that twins do not serve.
+ * An invalid file is refused with one line `FILE:LINE: ERROR`, which includes the cure. All content is checked: an
+ * accepted file gives a twin without notes, except on unsupported protocols.
  *
- * Host only. Context: mainline. Cost: linear in the bytes of the file, but for `array`, and quadratic in the entries of
- * one object. Clauses: ETG.1000.6 (objects), ETG.1004 (units), ETG.1020 (types).
+ * Host only. Context: mainline. Cost: linear in the bytes of the file, except for `array`, and quadratic in the entries
+ * of an object. Clauses: ETG.1000.6 (objects), ETG.1004 (units), ETG.1020 (types).
  */
 #ifndef ECT_DEVFILE_DEVFILE_H
 #define ECT_DEVFILE_DEVFILE_H
@@ -46,11 +46,11 @@ ECT_C_BEGIN
  * Reads a file.
  * @param path  a regular file of at most ::ECT_DEVFILE_BYTES
  * @param[out] text, room  the error, one line
- * @return a file with one device, to be freed by ::ect_esi_close; NULL: no device file, or a wrong one
+ * @return a file with one device, to be freed by ::ect_esi_close; NULL: not a device file, or invalid
  */
 ect_esi_t *ect_devfile_open(const char *path, char *text, size_t room);
 
-/** The same from memory. @param path  prefix of messages */
+/** Reads a file in memory, as ::ect_devfile_open. @param path  prefix of messages */
 ect_esi_t *ect_devfile_parse(const char *path, const void *data, size_t length, char *text, size_t room);
 
 ECT_C_END

@@ -3,9 +3,9 @@
  * @file
  * Declarations that the files of devfile/ share. No other room includes this header.
  *
- * A draft holds the objects of a file while their PDOs are not known yet: what a PDO maps decides on the rights of an
- * entry. From the lowest to the highest: value.c (types and values of an entry), draft.c (objects, and the
- * model made of them), fields.c (names of bits and values), table.c, objects.c, pdos.c, layout.c (parts of a file),
+ * A draft contains the objects of a file until their PDOs are known: the mapping determines the access rights of an
+ * entry. From the lowest to the highest: value.c (types and values of an entry), draft.c (objects, and the model),
+ * fields.c (names of bits and values), table.c, objects.c, pdos.c, layout.c (parts of a file),
  * generator.c (another format), devfile.c (the file).
  */
 #ifndef ECT_DEVFILE_INTERNAL_H
@@ -25,7 +25,7 @@ typedef struct ect_word {
     size_t line;
 } ect_word_t;
 
-/** The words that describe an entry, by ::ect_word_key. */
+/** Keys of an entry. */
 typedef enum ect_word_key {
     ECT_WORD_NAME,
     ECT_WORD_TYPE,
@@ -44,8 +44,8 @@ typedef enum ect_word_key {
 typedef struct ect_draft_entry {
     uint8_t subindex;
     uint16_t type, bits;
-    uint16_t access; /**< without those of PDOs; 0: not given */
-    bool rx, tx;     /**< mapped by a PDO of outputs, of inputs */
+    uint16_t access; /**< without the rights of PDO mapping; 0: not given */
+    bool rx, tx;     /**< mapped by an RxPDO, by a TxPDO */
     bool limited;
     int64_t minimum, maximum; /**< with `limited` */
     ect_esi_bytes_t initial;
@@ -64,7 +64,7 @@ typedef struct ect_draft_object {
     size_t line;
 } ect_draft_object_t;
 
-/** A device while its file is read. */
+/** A device under construction. */
 typedef struct ect_draft {
     ect_mistake_t mistake;
     ect_yaml_t yaml;
@@ -72,10 +72,10 @@ typedef struct ect_draft {
     ect_esi_device_t *device;
     ect_draft_object_t *objects;
     size_t object_count, entry_count;
-    uint32_t *positions; /**< of each index: its position plus 1; 0: none */
-    ect_field_t *fields; /**< of the model, growing */
+    uint32_t *positions; /**< by index: position + 1; 0: none */
+    ect_field_t *fields; /**< of the model; grows */
     size_t field_count;
-    uint16_t mailbox_bytes; /**< of each mailbox of the standard; 0: no mailbox */
+    uint16_t mailbox_bytes; /**< size of each mailbox in the standard layout; 0: no mailbox */
 } ect_draft_t;
 
 /* --- value.c ------------------------------------------------------------------------------------------------------ */
@@ -83,7 +83,7 @@ typedef struct ect_draft {
 /** The key of a word: "min". */
 extern const char *const ect_word_names[ECT_WORDS];
 
-/** Makes an entry of its words, but for its sub-index; mistakes are reported. @param line  of the entry */
+/** Makes an entry from its words, without the sub-index; reports mistakes. @param line  of the entry */
 void ect_draft_words(ect_draft_t *d, ect_draft_entry_t *entry, const ect_word_t *words, size_t line);
 
 /** Replaces the default of an entry. */
@@ -95,57 +95,57 @@ bool ect_draft_is_integer(const ect_draft_entry_t *entry);
 /** @return the default of an integer */
 int64_t ect_draft_initial(const ect_draft_entry_t *entry);
 
-/** @return the number of a word within a range; of another text `minimum`, and a mistake is reported */
+/** @return the number of a word, minimum..maximum; any other text is a mistake and returns `minimum` */
 int64_t ect_draft_number(ect_draft_t *d, const char *key, ect_word_t word, int64_t minimum, int64_t maximum);
 
-/** @return whether a word is "true"; one that is neither "true" nor "false" is a mistake */
+/** @return true for "true", false for "false"; any other text is a mistake */
 bool ect_draft_flag(ect_draft_t *d, const char *key, ect_word_t word);
 
-/** @return bytes of pairs of hexadecimal digits, perhaps with blanks between them; of another text none, a mistake */
+/** @return bytes of pairs of hexadecimal digits; blanks between them are allowed; any other text is a mistake */
 ect_esi_bytes_t ect_draft_hex(ect_draft_t *d, const char *key, ect_word_t word, size_t most);
 
 /* --- draft.c ------------------------------------------------------------------------------------------------------ */
 
-/** Adds an object. @param word  its index @return NULL: the index is taken or reserved, a mistake */
+/** Adds an object. @param word  its index @return NULL: the index is in use or reserved, a mistake */
 ect_draft_object_t *ect_draft_add(ect_draft_t *d, ect_word_t word, uint8_t code, const char *name);
 
-/** Adds an entry to the object that was added last. @return NULL: too many, or its sub-index is taken, a mistake */
+/** Adds an entry to the last added object. @return NULL: too many, or the sub-index is in use, a mistake */
 ect_draft_entry_t *ect_draft_entry(ect_draft_t *d, uint8_t subindex, const ect_draft_entry_t *entry);
 
 /** @return the object of an index; NULL: none */
 ect_draft_object_t *ect_draft_find(const ect_draft_t *d, uint16_t index);
 
-/** Adds what a word of a list of PDO entries names: "0x6000", "0x6000:1", "gap 4". */
+/** Adds the entries named by a word of a PDO list: "0x6000", "0x6000:1", "gap 4". */
 void ect_draft_map(ect_draft_t *d, ect_esi_pdo_t *pdo, ect_word_t word);
 
-/** The word of a scalar; another node is a mistake. */
+/** @return the word of a scalar; any other node is a mistake */
 ect_word_t ect_draft_word(ect_draft_t *d, const yaml_node_t *node, const char *key);
 
-/** Hands the objects to the model. */
+/** Transfers the objects to the model. */
 void ect_draft_end(ect_draft_t *d);
 
 /* --- the parts of a YAML file ------------------------------------------------------------------------------------- */
 
-/** fields.c: `bits` and `values` of an entry that has its type. */
+/** fields.c: reads `bits` and `values` of an entry whose type is set. */
 void ect_draft_bits(ect_draft_t *d, const yaml_node_t *bits, const ect_draft_entry_t *entry);
 void ect_draft_values(ect_draft_t *d, const yaml_node_t *values, ect_draft_entry_t *entry);
 
-/** fields.c: the same of the cells of a table; "" for none. */
+/** fields.c: reads bits and values from cells of a table; "": none. */
 void ect_draft_cells(ect_draft_t *d, ect_word_t bits, ect_word_t values, ect_draft_entry_t *entry);
 
-/** table.c: the objects of a table, FILE.csv, relative to the folder of the device file. */
+/** table.c: reads the objects of a table, FILE.csv, relative to the folder of the device file. */
 void ect_draft_table(ect_draft_t *d, ect_word_t word);
 
-/** objects.c: `objects`, or the name of a table. */
+/** objects.c: reads `objects`, a mapping or the name of a table. */
 void ect_draft_objects(ect_draft_t *d, const yaml_node_t *objects);
 
-/** draft.c: adds a PDO. @return NULL: its index is taken, a mistake */
+/** draft.c: adds a PDO. @return NULL: the index is in use, a mistake */
 ect_esi_pdo_t *ect_draft_add_pdo(ect_draft_t *d, uint16_t index, bool tx, size_t line);
 
-/** pdos.c: `inputs` or `outputs`. */
+/** pdos.c: reads `inputs` or `outputs`. */
 void ect_draft_pdos(ect_draft_t *d, const yaml_node_t *list, bool tx);
 
-/** layout.c: adds a SyncManager, of a mailbox with its bytes. */
+/** layout.c: adds a SyncManager. @param bytes  size of a mailbox */
 ect_esi_sm_t *ect_draft_sm(ect_draft_t *d, const char *type, uint8_t control, uint16_t bytes);
 
 /** layout.c: adds a clock mode. */
@@ -157,10 +157,10 @@ void ect_draft_assign(ect_draft_t *d);
 /** generator.c: @return true: a project of the EEPROM generator */
 bool ect_draft_is_project(ect_draft_t *d, const yaml_node_t *root);
 
-/** generator.c: reads such a project. */
+/** generator.c: reads a project of the EEPROM generator. */
 void ect_draft_project(ect_draft_t *d, const yaml_node_t *root);
 
-/** layout.c: `mailbox`, `syncmanagers`, `dc`, `eeprom`; NULL: the standard. SyncManagers come last, behind the PDOs. */
+/** layout.c: read `mailbox`, `syncmanagers`, `dc`, `eeprom`; NULL: the standard. Read SyncManagers last, after PDOs. */
 void ect_draft_mailbox(ect_draft_t *d, const yaml_node_t *mailbox);
 void ect_draft_clocks(ect_draft_t *d, const yaml_node_t *list);
 void ect_draft_eeprom(ect_draft_t *d, const yaml_node_t *eeprom);

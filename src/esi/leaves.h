@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Leaves: all elements without children and all attributes of an ESI file, as texts. For comparing files completely,
- * whatever the model (esi/model.h) has members for.
+ * Leaves: all elements without children and all attributes of an ESI file, as texts, for complete comparisons of files,
+ * beyond the members of the model (esi/model.h).
  */
 #ifndef ECT_ESI_LEAVES_H
 #define ECT_ESI_LEAVES_H
@@ -11,10 +11,10 @@
 #include "wire/linkage.h"
 
 /**
- * Receives a leaf; both texts are valid during the call.
- * @param path  elements separated by '/', each followed by its index, its name, or from the second of a kind on its
- * number; an attribute behind '@': `Device/Mailbox/CoE@SegmentedSdo`
- * @param modelled  the value reaches a twin, if nothing else in the file overrules it
+ * Called for a leaf; both texts are valid during the call.
+ * @param path  elements separated by '/', each followed by its index or name, or from the second of the same name on by
+ * its number; an attribute follows '@': `Device/Mailbox/CoE@SegmentedSdo`
+ * @param modelled  the value affects a twin, unless another part of the file overrides it
  * @param value  of the attribute, or the text of the element, trimmed; "" for an empty element
  */
 typedef void (*ect_esi_leaf_t)(void *ctx, bool modelled, const char *path, const char *value);

@@ -3,10 +3,10 @@
  * @file
  * Model: one device of an ESI file, as plain structures.
  *
- * Made by esi/read.h from a file, used by esi/twin.h to build a device that runs, and by `ectwin verify` to compare.
- * Nothing is interpreted here: a default is that of the file, not one that follows from it. All memory belongs to the
- * ::ect_esi_t that it came from. Texts are UTF-8 and never NULL unless stated otherwise; where a file has a name in
- * several languages it is the English one (LcId 1033), else the first.
+ * esi/read.h makes a model from a file; esi/twin.h builds a running device from it, and `ectwin verify` compares it.
+ * The model is not interpreted: defaults are those of the file, not derived ones. All memory belongs to the
+ * ::ect_esi_t. Texts are UTF-8 and never NULL unless stated otherwise; of names in several languages, the model has the
+ * English one (LcId 1033), or else the first.
  *
  * Clauses: ETG.2000 and its schema 1.17.
  */
@@ -22,11 +22,11 @@
 /** A value that may be absent. */
 typedef struct ect_esi_number {
     bool given;
-    uint8_t bytes; /**< 1 to 8: the file has it as that many bytes without a sign (`<MinData>`); 0: as a number */
+    uint8_t bytes; /**< 1 to 8: given as this number of unsigned bytes (`<MinData>`); 0: given as a number */
     int64_t value;
 } ect_esi_number_t;
 
-/** Bytes in the order of the wire (`<Data>`, `<DefaultData>`, `<ConfigData>`). */
+/** Little-endian bytes (`<Data>`, `<DefaultData>`, `<ConfigData>`). */
 typedef struct ect_esi_bytes {
     const uint8_t *bytes; /**< NULL when absent */
     size_t length;
@@ -49,11 +49,11 @@ typedef struct ect_esi_pdo {
     const char *name;
     bool tx;                 /**< inputs: from the slave to the master */
     bool fixed;              /**< content cannot be changed */
-    bool mandatory;          /**< is always assigned */
+    bool mandatory;          /**< always assigned */
     bool virtual_pdo;        /**< maps registers, not a SyncManager */
     int sm;                  /**< assigned by default to this SyncManager, -1 to none */
     uint16_t samples;        /**< `OSFac`, 1 when absent */
-    const uint16_t *exclude; /**< PDOs that cannot be assigned beside it */
+    const uint16_t *exclude; /**< PDOs that cannot be assigned together with this one */
     size_t exclude_count;
     const ect_esi_entry_t *entries;
     size_t entry_count;
@@ -73,7 +73,7 @@ typedef struct ect_esi_sm {
     int line;
 } ect_esi_sm_t;
 
-/** `<InitCmd>` of CoE: what a master writes at a transition. */
+/** `<InitCmd>` of CoE: a value that a master writes at a transition. */
 typedef struct ect_esi_init {
     const char *transitions; /**< "PS", several separated by a blank */
     uint16_t index;
@@ -126,7 +126,7 @@ typedef struct ect_esi_flags {
 /** A type's or an object's default and limits. */
 typedef struct ect_esi_info {
     ect_esi_bytes_t initial; /**< `DefaultData`, or `DefaultString`, or `DefaultValue` as 8 bytes little endian */
-    bool initial_is_number;  /**< from `DefaultValue`: only the first bytes that the type has count */
+    bool initial_is_number;  /**< from `DefaultValue`: only as many bytes as the type has are valid */
     ect_esi_number_t minimum, maximum;
     uint32_t unit;       /**< ETG.1004, 0 when absent */
     const char *name;    /**< the sub-item's; "" for the object itself */
@@ -135,7 +135,7 @@ typedef struct ect_esi_info {
 
 /** `<SubItem>` of a data type. */
 typedef struct ect_esi_item {
-    int subindex; /**< -1: not given, it holds the elements of an array */
+    int subindex; /**< -1: absent, the item stands for the elements of an array */
     const char *name;
     const char *display; /**< `DisplayName`, "" when absent */
     const char *type;
@@ -175,7 +175,7 @@ typedef struct ect_esi_object {
 /** `<Dictionary>`; empty when there is none. */
 typedef struct ect_esi_dictionary {
     const ect_esi_type_t *types;
-    const ect_esi_type_t *const *types_by_name; /**< ascending; of several with one name the first of the file first */
+    const ect_esi_type_t *const *types_by_name; /**< ascending; equal names in the order of the file */
     size_t type_count;
     const ect_esi_object_t *objects;
     size_t object_count;
@@ -186,7 +186,7 @@ typedef struct ect_esi_slot {
     const char *name;
     unsigned int instances_min, instances_max;
     uint32_t pdo_increment, index_increment; /**< for each slot between the module and the first slot */
-    bool own_increments;    /**< counted from this slot's first instance, else from the device's first slot */
+    bool own_increments;    /**< counted from this slot's first instance; false: from the device's first slot */
     const uint32_t *idents; /**< `<ModuleIdent>` */
     size_t ident_count;
     uint32_t preset;            /**< the ident with `Default`, 0 none */
@@ -230,7 +230,7 @@ typedef struct ect_esi_device {
     const char *group_name; /**< "" when the group is not in the file */
     const char *physics;
     size_t place;              /**< among the devices of its file, from 0 */
-    const struct ect_esi *esi; /**< the file, which owns this */
+    const struct ect_esi *esi; /**< the file, owner of the model */
     int line;
 
     uint32_t preop_ms, safeop_op_ms, back_to_init_ms, back_to_safeop_ms; /**< 0 when absent */
@@ -239,7 +239,7 @@ typedef struct ect_esi_device {
     bool identification_134, alias_supported;
     bool lrd_lwr; /**< `UseLrdLwr`: LRW is not supported */
     ect_esi_number_t identification_ado;
-    uint32_t profile; /**< `<ProfileNo>`, the first, and in the upper half its `<AddInfo>`: 1000h; 0 none */
+    uint32_t profile; /**< value of 1000h: the first `<ProfileNo>`, and `<AddInfo>` in the upper half; 0: none */
 
     const char *const *fmmus; /**< "Outputs", "Inputs", "MBoxState", … */
     size_t fmmu_count;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** @file
- * Numbers as ESI files have them. */
+ * Numbers in the formats of ESI files. */
 #ifndef ECT_ESI_NUMBER_H
 #define ECT_ESI_NUMBER_H
 
@@ -12,8 +12,8 @@
 ECT_C_BEGIN
 
 /**
- * Reads a number as ESI files have them: decimal with a sign, `#x` or `0x` and hexadecimal digits.
- * @return false: it is none, or none of 64 bits
+ * Parses a number: decimal with an optional sign, or `#x` or `0x` and hexadecimal digits.
+ * @return false: not a number, or more than 64 bits
  */
 bool ect_esi_parse_number(const char *text, int64_t *value);
 

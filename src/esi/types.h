@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Data types of an ESI file and what they are in a dictionary.
+ * Data types of ESI files, and the corresponding types of a dictionary.
  *
  * Clauses: ETG.1020 (codes), IEC 61131-3 names as ETG.2000 uses them.
  */
@@ -11,7 +11,7 @@
 #include "esi/model.h"
 #include "wire/linkage.h"
 
-/** A type resolved to what an entry can be. */
+/** A type, resolved to a basic type of an entry. */
 typedef struct ect_esi_basic {
     uint16_t code; /**< ECT_TYPE_... */
     uint32_t bits;
@@ -20,19 +20,19 @@ typedef struct ect_esi_basic {
 
 ECT_C_BEGIN
 
-/** @return the type of that name in a dictionary, or NULL */
+/** @return the type with a name in a dictionary; NULL: none */
 const ect_esi_type_t *ect_esi_find_type(const ect_esi_dictionary_t *dictionary, const char *name);
 
 /**
  * Resolves a name to a basic type: IEC names (`UINT`, `STRING(20)`, `ARRAY [0..7] OF BYTE`), types of the dictionary
- * that rest on one, and enumerations. A type that is not known becomes the number of that many bits, or bytes.
+ * with such a base, and enumerations. An unknown type becomes an integer of the same number of bits, or bytes.
  * @param dictionary  may be NULL
- * @param bits        length at the place that uses it, 0 when it has none: then that of the type
- * @return true; false when it is a record, or when neither name nor place has a length
+ * @param bits        length of the entry; 0: that of the type
+ * @return false: a record, or the length is unknown
  */
 bool ect_esi_resolve(const ect_esi_dictionary_t *dictionary, const char *name, uint32_t bits, ect_esi_basic_t *basic);
 
-/** @return the name that ETG.2000 has for a code with that many bits; static, or made in `room` bytes of `text` */
+/** @return the ETG.2000 name of a code with this number of bits; static, or in `room` bytes of `text` */
 const char *ect_esi_type_name(uint16_t code, uint32_t bits, char *text, size_t room);
 
 ECT_C_END

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Units of ETG.1004 and their usual names: a prefix, a unit, and a unit that divides: "mm/s".
+ * Units of ETG.1004 and their usual names: a prefix, a unit, and a unit as denominator: "mm/s".
  *
- * The number of a unit is that of ESI files: power of ten in bits 24 to 31, numerator in 16 to 23, denominator in 8
- * to 15. Units without a usual name here are written as numbers.
+ * Units are numbers as in ESI files: power of ten in bits 24 to 31, numerator in bits 16 to 23, denominator in bits 8
+ * to 15. Units without a usual name are written as numbers.
  */
 #ifndef ECT_ESI_UNITS_H
 #define ECT_ESI_UNITS_H
@@ -20,7 +20,7 @@ ECT_C_BEGIN
 /** Reads a name, or a number. @return false: neither; `unit` is unchanged */
 bool ect_esi_unit_parse(const char *text, uint32_t *unit);
 
-/** @return `text` with the name, or NULL: the unit has none, and `text` is "" */
+/** @return `text` with the name; NULL: the unit has none, `text` is "" */
 const char *ect_esi_unit_text(uint32_t unit, char *text, size_t room);
 
 ECT_C_END

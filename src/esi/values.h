@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The values of a dictionary before the first write: for files that are made from a description.
+ * The initial values of a dictionary, for files made from a description.
  *
  * Host only. Context: mainline.
  */
@@ -12,52 +12,52 @@
 #include "seams/device.h"
 #include "wire/linkage.h"
 
-/** How a sub-item is called in files: names there must differ, and those of a dictionary need not. */
+/** The name of a sub-item in files, where names must be unique; in a dictionary they need not be. */
 typedef struct ect_item_name {
-    char unique[16];  /**< "SubIndex 007", or "" when `name` is one of its own */
+    char unique[16];  /**< "SubIndex 007"; "": `name` is unique */
     const char *name; /**< the entry's, never NULL */
 } ect_item_name_t;
 
 ECT_C_BEGIN
 
 /**
- * The dictionary over an instance that has its defaults, and the identity of the installation in 1018h. The device's
- * own functions are not called. The data of a list of addresses (::ect_device_t::addresses) are unchanged.
+ * Makes a dictionary over an instance with the defaults, and with the identity of the installation in 1018h. The
+ * device's functions are not called. The data of a list of addresses (::ect_device_t::addresses) are unchanged.
  * @param identity  NULL: the description's
- * @return the list; its instance lives as long as the arena
+ * @return the dictionary; the arena owns its instance
  */
 ect_od_t ect_esi_values(ect_arena_t *arena, const ect_device_t *device, const ect_identity_t *identity);
 
 /**
- * The value of an entry in wire form; of a text its characters.
+ * Encodes the value of an entry, little-endian; of a text its characters.
  * @param[out] size  bytes
- * @return the bytes, as long as the arena
+ * @return the bytes, owned by the arena
  */
 const uint8_t *ect_esi_entry_value(ect_arena_t *arena, const ect_od_t *od, const ect_entry_t *entry, size_t *size);
 
-/** Whether a file should have the value as a default: not process data of zero. */
+/** @return whether a file contains the value as a default; false: process data of zero */
 bool ect_esi_has_default(const ect_entry_t *entry, const uint8_t *value, size_t size);
 
-/** Whether its elements are alike and without gaps, so that one line can describe them all. */
+/** @return whether the elements are equal and without gaps, so that one type can describe all */
 bool ect_esi_is_array(const ect_object_t *object);
 
-/** The name of an entry of a record or array; sub-index 0 is "SubIndex 000" in every file. */
+/** @return the name of an entry of a record or array; that of sub-index 0 is always "SubIndex 000" */
 ect_item_name_t ect_esi_item_name(const ect_object_t *object, const ect_entry_t *entry);
 
-/** First bit of an entry when the whole object is read: sub-index 0 has 16 bits, entries of bits have no padding. */
+/** @return bit offset of an entry in the whole object: sub-index 0 has 16 bits, bit entries are not padded */
 uint32_t ect_esi_item_offset(const ect_object_t *object, const ect_entry_t *entry);
 
-/** Bits of the whole object. */
+/** @return bits of the whole object */
 uint32_t ect_esi_object_bits(const ect_od_t *od, const ect_object_t *object);
 
-/** The ETG.2000 name of a type of that many bits, or NULL: there is none for 12 bits of a number. Memory of the arena.
- */
+/** @return the ETG.2000 name of a type with this number of bits, owned by the arena; NULL: none, as for 12-bit integers
+ **/
 const char *ect_esi_type_of(ect_arena_t *arena, uint16_t data_type, uint32_t bits);
 
-/** "ro", "rw", "wo"; "" without any right. */
+/** @return "ro", "rw" or "wo"; "": no access right */
 const char *ect_esi_access(uint16_t access);
 
-/** The states of a restriction (ETG.2000): "PreOP", "PreOP_SafeOP" …; "" when all are allowed, or none. */
+/** @return the states of a restriction (ETG.2000): "PreOP", "PreOP_SafeOP" …; "": all states, or none */
 const char *ect_esi_states(bool preop, bool safeop, bool op);
 
 ECT_C_END

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Writes ESI files from device descriptions: what an engineering tool imports (ETG.2000, its schema 1.14 and later).
+ * Writer of ESI files, made from device descriptions for import into engineering tools (ETG.2000, schema 1.14 and
+ * later).
  *
- * The same descriptions in the same order give the same bytes. A file has only elements that follow from the
- * description; docs/ESI.md has the table of elements, and the reason for the form of blocks of bytes. Attributes that
- * the standard calls obsolete, or advises against, are not written.
+ * The same descriptions in the same order give the same bytes. A file contains only elements that follow from the
+ * description; docs/ESI.md has the table of elements, and the reason for the format of byte blocks. Attributes that are
+ * obsolete or not recommended by the standard are not written.
  *
  * Host only. Context: mainline.
  */
@@ -22,13 +23,13 @@
 
 /** A device of a file. */
 typedef struct ect_esi_part {
-    const ect_device_t *device;     /**< one that ect_device_check() has no objection to */
+    const ect_device_t *device;     /**< valid by ::ect_device_check */
     const ect_identity_t *identity; /**< NULL: the description's */
     const ect_plant_t *plant;       /**< names of bits and values; NULL: none */
     /**
-     * The twin that `device` is of, or NULL. Elements of its file that a description has no place for are copied:
+     * The twin of `device`; NULL: none. Elements of its file without a member in a description are copied:
      * children of the mailbox protocols (`InitCmd`), `OpMode/Sm`, `Info/VendorSpecific` (`AlternativeSmMapping`), and,
-     * unless modules were chosen for it, `Slots` and `Modules`, in which case the device is written without modules.
+     * unless modules were selected for it, `Slots` and `Modules`; the device is then written without modules.
      */
     const ect_esi_twin_t *twin;
 } ect_esi_part_t;
@@ -38,10 +39,10 @@ ECT_C_BEGIN
 /**
  * Writes a file with devices of one vendor.
  * @param parts, count   at least one; the vendor is that of the first
- * @param[out] length    bytes of the file, without the zero behind them
+ * @param[out] length    bytes of the file, without the terminator
  * @param[out] text, room  the reason of the failure, one line
- * @return the file (UTF-8), as long as the arena; NULL: the devices have different vendors, two have the same product
- *         code and revision, which no tool could distinguish, or there is no memory left
+ * @return the file (UTF-8), owned by the arena; NULL: different vendors, two devices with the same product code and
+ *         revision, which tools cannot distinguish, or out of memory
  */
 const char *ect_esi_write(ect_arena_t *arena, const ect_esi_part_t *parts, size_t count, size_t *length, char *text,
                           size_t room);

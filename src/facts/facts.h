@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Facts: the content of a source (a description, an EEPROM image, an ESI file, a slave's dictionary) in a form that all
- * sources have in common, so that any two can be compared.
+ * Facts: the content of a source (a description, an EEPROM image, an ESI file, a slave's dictionary) in a common form,
+ * so that any two sources can be compared.
  *
- * A fact is a kind, a place (index and element) and a text. A source has facts of what it knows and is silent of the
- * rest: only kinds that two sources know are compared. A source that knows all of a kind (all entries of its PDOs) is
- * complete in it: a fact of the other source that it lacks is a difference, too.
+ * A fact has a kind, a place (index and element) and a text. Only kinds of facts that both sources have are compared. A
+ * source may be complete in a kind (all entries of its PDOs): a fact of this kind that only the other source has is
+ * then a difference, too.
  *
- * Host only, mainline. The program ends when memory is exhausted (esi/arena.h).
+ * Host only, mainline. Out of memory, the program ends (esi/arena.h).
  */
 #ifndef ECT_FACTS_FACTS_H
 #define ECT_FACTS_FACTS_H
@@ -22,7 +22,7 @@
 #include "seams/device.h"
 #include "wire/linkage.h"
 
-/** Subjects of facts; facts.c has a row for each. */
+/** Kinds of facts; facts.c has a row for each. */
 typedef enum ect_fact_kind {
     ECT_FACT_VENDOR,
     ECT_FACT_PRODUCT,
@@ -44,7 +44,7 @@ typedef enum ect_fact_kind {
     ECT_FACT_MAILBOX_IN,
     ECT_FACT_BOOT_OUT,
     ECT_FACT_BOOT_IN,
-    ECT_FACT_SM, /**< a SyncManager is there: its role */
+    ECT_FACT_SM, /**< existence of a SyncManager, with its role */
     ECT_FACT_SM_START,
     ECT_FACT_SM_LENGTH,
     ECT_FACT_SM_CONTROL,
@@ -52,38 +52,38 @@ typedef enum ect_fact_kind {
     ECT_FACT_SM_DEFAULT, /**< DefaultSize of an ESI file */
     ECT_FACT_SM_MINIMUM,
     ECT_FACT_SM_MAXIMUM,
-    ECT_FACT_FMMU, /**< an FMMU is there: its role */
-    ECT_FACT_PDO,  /**< a PDO is there: its direction */
+    ECT_FACT_FMMU, /**< existence of an FMMU, with its role */
+    ECT_FACT_PDO,  /**< existence of a PDO, with its direction */
     ECT_FACT_PDO_SM,
     ECT_FACT_PDO_NAME,
     ECT_FACT_PDO_FIXED,
     ECT_FACT_PDO_MANDATORY,
     ECT_FACT_PDO_EXCLUDES,
-    ECT_FACT_PDO_ENTRY, /**< an entry is there: what it maps, and its length; elements count from 1 */
+    ECT_FACT_PDO_ENTRY, /**< existence of a mapping entry, with mapped object and length; elements count from 1 */
     ECT_FACT_PDO_ENTRY_NAME,
     ECT_FACT_PDO_ENTRY_TYPE,
-    ECT_FACT_OBJECT, /**< an object is there: its code */
+    ECT_FACT_OBJECT, /**< existence of an object, with its object code */
     ECT_FACT_OBJECT_NAME,
-    ECT_FACT_ENTRY, /**< an entry is there: its length */
+    ECT_FACT_ENTRY, /**< existence of an entry, with its length */
     ECT_FACT_ENTRY_TYPE,
     ECT_FACT_ENTRY_ACCESS,
     ECT_FACT_ENTRY_NAME,
     ECT_FACT_ENTRY_DEFAULT,
     ECT_FACT_ENTRY_LIMITS,
     ECT_FACT_ENTRY_UNIT,
-    ECT_FACT_DC, /**< a mode of the clocks is there: its name */
+    ECT_FACT_DC, /**< existence of a DC mode, with its name */
     ECT_FACT_DC_ACTIVATE,
     ECT_FACT_DC_SYNC0,
     ECT_FACT_DC_SYNC1,
-    ECT_FACT_FILE,           /**< an element or attribute of an ESI file that no other kind has */
-    ECT_FACT_FILE_TEXT,      /**< one that others have: a difference only when there is no other */
+    ECT_FACT_FILE,           /**< an element or attribute of an ESI file not covered by other kinds */
+    ECT_FACT_FILE_TEXT,      /**< one covered by other kinds: reported only if there is no other difference */
     ECT_FACT_WORDS,          /**< reserved words of the header of an EEPROM */
-    ECT_FACT_CATEGORY,       /**< a category is in an EEPROM, by type; the content of those that no other kind has */
-    ECT_FACT_GENERAL,        /**< a byte of the category General that no other kind has */
+    ECT_FACT_CATEGORY,       /**< a category of an EEPROM, by type; with its content if not covered by other kinds */
+    ECT_FACT_GENERAL,        /**< a byte of category General not covered by other kinds */
     ECT_FACT_SM_BITS,        /**< status and flags of a SyncManager in an EEPROM */
     ECT_FACT_PDO_BITS,       /**< synchronization and flags of a PDO in an EEPROM */
     ECT_FACT_PDO_ENTRY_BITS, /**< flags of an entry of a PDO in an EEPROM */
-    ECT_FACT_DC_TEXT,        /**< description of a mode of the clocks in an EEPROM, and its reserved bytes */
+    ECT_FACT_DC_TEXT,        /**< description of a DC mode in an EEPROM, and its reserved bytes */
     ECT_FACT_KINDS
 } ect_fact_kind_t;
 
@@ -91,19 +91,19 @@ typedef struct ect_fact {
     ect_fact_kind_t kind;
     uint16_t index;
     uint16_t element;
-    bool made;          /**< derived from others: a source without it is not different */
+    bool made;          /**< derived from other facts: its absence in a source is no difference */
     const char *path;   /**< of ECT_FACT_FILE and ECT_FACT_FILE_TEXT; else NULL */
-    const char *text;   /**< NULL: the thing exists, its content is not known */
+    const char *text;   /**< NULL: existence only, content unknown */
     const char *source; /**< source of the fact; outlives it */
 } ect_fact_t;
 
-/** The facts of a source. All zero but for `source`: none. Freed with ::ect_facts_free. */
+/** The facts of a source. Set `source` and zero the other members; free with ::ect_facts_free. */
 typedef struct ect_facts {
-    const char *source; /**< as the user named it; outlives the facts */
+    const char *source; /**< as named by the user; must outlive the facts */
     ect_arena_t arena;
     ect_fact_t *list;
     size_t count;
-    bool complete[ECT_FACT_KINDS]; /**< of kinds that list things: the list is whole */
+    bool complete[ECT_FACT_KINDS]; /**< by kind: the source has all facts of the kind */
 } ect_facts_t;
 
 struct cJSON;
@@ -113,7 +113,7 @@ ECT_C_BEGIN
 /**
  * Adds a fact.
  * @param index, element  up to 0xFFFF each
- * @param format  NULL: the thing exists, its content is not known; the text is cut at 599 characters
+ * @param format  NULL: existence only, content unknown; the text is truncated to 599 characters
  * @return the fact, valid until the next one is added
  */
 __attribute__((format(printf, 5, 6))) ect_fact_t *ect_facts_add(ect_facts_t *facts, ect_fact_kind_t kind,
@@ -121,8 +121,8 @@ __attribute__((format(printf, 5, 6))) ect_fact_t *ect_facts_add(ect_facts_t *fac
                                                                 const char *format, ...);
 
 /**
- * Adds a text of `length` bytes, without trailing blanks and zeros. A text that is empty, a placeholder ("SubIndex
- * 001"), or with letters beyond ISO 646, which each source spells its own way, is no fact.
+ * Adds a text of `length` bytes, without trailing blanks and zeros. No fact is added for an empty text, a placeholder
+ * ("SubIndex 001"), and a text with letters beyond ISO 646, whose encoding depends on the source.
  */
 void ect_facts_add_text(ect_facts_t *facts, ect_fact_kind_t kind, unsigned int index, unsigned int element,
                         const char *text, size_t length);
@@ -134,24 +134,24 @@ void ect_facts_add_mapping(ect_facts_t *facts, unsigned int pdo, unsigned int el
 /** Adds the rights of an entry. @param access  ECT_ACCESS_... */
 void ect_facts_add_access(ect_facts_t *facts, unsigned int index, unsigned int subindex, unsigned int access);
 
-/** Adds a default in the byte order of the wire, without trailing zeros, up to 64 bytes. */
+/** Adds a default of up to 64 bytes, little-endian, without trailing zeros. */
 void ect_facts_add_default(ect_facts_t *facts, unsigned int index, unsigned int subindex, const uint8_t *bytes,
                            size_t length);
 
-/** @return true for mapping and assignment objects: their content is facts of PDOs, and differences belong there */
+/** @return true: a mapping or assignment object, whose content is compared by the kinds of PDOs */
 bool ect_facts_are_of_pdos(unsigned int index);
 
-/** @return true for identity and roles of SyncManagers (1018h, 1C00h): other facts have their content */
+/** @return true: 1018h or 1C00h, whose content is compared by other kinds */
 bool ect_facts_are_known_elsewhere(unsigned int index);
 
-/** FNV-1a of bytes: for contents that are compared and not printed. */
+/** @return FNV-1a of bytes, for contents that are compared but not printed */
 uint32_t ect_facts_sum(const void *bytes, size_t length);
 
 /**
- * Adds an element or attribute of an ESI file. Its place in the order of facts is a check sum of the path: two paths
- * with the same one, a case in four thousand million, are one fact.
+ * Adds an element or attribute of an ESI file. Its place is a 32-bit hash of the path; two paths with the same hash
+ * would be one fact.
  * @param kind  ECT_FACT_FILE or ECT_FACT_FILE_TEXT
- * @param value  up to 60 characters are kept, of a longer one its length and check sum
+ * @param value  up to 60 characters are stored; a longer value is stored as its length and hash
  */
 void ect_facts_add_leaf(ect_facts_t *facts, ect_fact_kind_t kind, const char *path, const char *value);
 
@@ -166,18 +166,17 @@ void ect_facts_add_protocols(ect_facts_t *facts, unsigned int protocols, unsigne
 void ect_facts_add_mailbox(ect_facts_t *facts, ect_fact_kind_t kind, unsigned int start, unsigned int length);
 
 /**
- * Compares and learns: prints a line for each fact of `found` that differs in `known`, then adds the facts that `known`
- * lacks. Facts of the kind ECT_FACT_FILE_TEXT follow when there are no other differences: so two files that
- * differ in any value are never the same, and no value has two lines.
- * @param[in,out] known  the expectation; keeps pointers into `found`, which must outlive it
+ * Prints a line for each fact of `found` that differs in `known`, then adds the facts missing from `known`. Differences
+ * of the kind ECT_FACT_FILE_TEXT are printed only if there are no others, so any difference of two files is reported,
+ * and no value has two lines.
+ * @param[in,out] known  the expectation; refers to `found` afterwards, which must outlive `known`
  * @return number of lines
  */
 size_t ect_facts_compare(ect_facts_t *known, const ect_facts_t *found, FILE *out);
 
 /**
- * Copies the facts of the kinds `first` to `last`, both inclusive, and whether their lists are whole: for comparing a
- * part.
- * @param[in,out] to  keeps pointers into `from`, which must outlive it
+ * Copies the facts of the kinds `first` to `last` inclusive, and their completeness, for a partial comparison.
+ * @param[in,out] to  refers to `from` afterwards, which must outlive `to`
  */
 void ect_facts_take(ect_facts_t *to, const ect_facts_t *from, ect_fact_kind_t first, ect_fact_kind_t last);
 
@@ -185,22 +184,22 @@ void ect_facts_free(ect_facts_t *facts);
 
 /* --- sources ------------------------------------------------------------------------------------------------------ */
 
-/** Facts of a description: the dictionary with CoE only. */
+/** Adds the facts of a description; of the dictionary only with CoE. */
 void ect_facts_of_device(ect_facts_t *facts, const ect_device_t *device);
 
 /**
- * Facts of an ESI file: those of the twin that is made of it, less what the twin adds, and those that only a file has.
- * Objects of the twin that the file lacks are marked as made.
+ * Adds the facts of an ESI file: those of its twin, except those added by the twin, and those that only a file has.
+ * Objects of the twin that are not in the file are marked as made.
  */
 void ect_facts_of_esi(ect_facts_t *facts, const ect_device_t *device, const ect_esi_device_t *model);
 
-/** Facts of an EEPROM image; any bytes, any size. */
+/** Adds the facts of an EEPROM image of any content and size. */
 void ect_facts_of_sii(ect_facts_t *facts, const uint8_t *bytes, size_t size);
 
-/** Facts of a dictionary as ectwin-probe writes it (reader/reader.h). @return false: `json` is no such text */
+/** Adds the facts of a dictionary written by ectwin-probe (reader/reader.h). @return false: `json` is another text */
 bool ect_facts_of_dictionary(ect_facts_t *facts, const char *json);
 
-/** The same, parsed. */
+/** Adds the facts of a parsed dictionary. */
 bool ect_facts_of_objects(ect_facts_t *facts, const struct cJSON *dictionary);
 
 ECT_C_END

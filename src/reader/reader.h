@@ -7,12 +7,12 @@
  * timeout, every list an end, and the whole run a limit: against any slave a call returns, and uses no memory beyond
  * ::ect_reader_t and the buffers of the caller.
  *
- * The reader addresses the slave by its position, or by a station address that it has already. It writes mailbox
+ * The reader addresses the slave by its position, or by an existing station address. It writes mailbox
  * requests and the registers of the EEPROM interface. A slave in INIT or BOOT, or with the error flag set, goes to
  * PREOP, with SyncManagers 0 and 1 set from its EEPROM, and back to INIT in ::ect_reader_close; a slave in PREOP,
- * SAFEOP or OP stays in its state and keeps its mailbox. ::ect_reader_config_t::changes forbids that in part or
- * altogether. A master that uses the same mailbox at the same time takes replies away from the reader, and the other
- * way round: ::ect_reader_hears_master finds one.
+ * SAFEOP or OP keeps state and mailbox. ::ect_reader_config_t::changes forbids some or all of these changes. A master
+ * that uses the same mailbox at the same time receives replies to the reader, and vice versa: ::ect_reader_hears_master
+ * detects a master.
  *
  * Host only. One thread for a reader; calls block until the reply, the timeout or the limit.
  *
@@ -34,21 +34,21 @@ enum { ECT_READER_FRAME = 1514 };
 enum { ECT_READER_MAIL = 1486 };
 /** Room for the line of ::ect_reader_t::text, terminator included. */
 enum { ECT_READER_TEXT = 160 };
-/** Most bytes of an EEPROM. A header that announces more is taken for garbage: only the header is read. */
+/** Most bytes of an EEPROM. A header that announces more is regarded as invalid: only the header is read. */
 enum { ECT_READER_SII = 128 * 1024 };
 /** Bytes of the header of an EEPROM. */
 enum { ECT_READER_HEADER = 128 };
 /** Most bytes of a value that ::ect_reader_dictionary uploads; a longer one is reported as ECT_READER_TOO_LONG. */
 enum { ECT_READER_VALUE = 4096 };
 
-/** A wire: frames out, frames in, time. All functions are called with `ctx`, from the thread of the reader. */
+/** A connection: frames out, frames in, time. All functions are called with `ctx`, from the thread of the reader. */
 typedef struct ect_reader_link {
     void *ctx;
     /** Sends a frame of `length` bytes, up to ::ECT_READER_FRAME. A frame that cannot be sent counts as lost. */
     void (*send)(void *ctx, const uint8_t *frame, size_t length);
     /**
      * Waits for the next frame, until `until_ns` at most.
-     * @return its length on the wire; more than `room` when it was cut; 0: none came
+     * @return length on the wire, above `room` if truncated; 0: no frame
      */
     size_t (*receive)(void *ctx, uint8_t *frame, size_t room, uint64_t until_ns);
     /** Monotonic time, nanoseconds. */
@@ -63,27 +63,27 @@ typedef enum ect_reader_result {
     ECT_READER_ABORTED,  /**< SDO abort or SDO information error: ::ect_reader_t::code */
     ECT_READER_REFUSED,  /**< mailbox error: ::ect_reader_t::code; AL status code: the state was refused */
     ECT_READER_SILENT,   /**< no reply within the timeout, after all tries */
-    ECT_READER_WRONG,    /**< a reply that no standard allows */
+    ECT_READER_WRONG,    /**< a reply that violates the standard */
     ECT_READER_TOO_LONG, /**< more bytes than the caller has room for; the transfer was aborted */
-    ECT_READER_LOST,     /**< no frame came back, or no slave processed it */
+    ECT_READER_LOST,     /**< no frame returned, or no slave processed it */
     ECT_READER_STOPPED,  /**< ::ect_reader_config_t::progress returned false, or the limit has passed */
-    ECT_READER_DECLINED, /**< ::ect_reader_config_t::changes forbids what the request needs */
+    ECT_READER_DECLINED, /**< ::ect_reader_config_t::changes forbids a necessary change */
 } ect_reader_result_t;
 
-/** Changes that a reader may make at a slave to read it. */
+/** Changes of a slave that a reader may make. */
 typedef enum ect_reader_changes {
-    /** The state of a slave in INIT or BOOT, or with the error flag; an EEPROM that the PDI is using is taken away. */
+    /** The state of a slave in INIT or BOOT, or with the error flag; the EEPROM is taken from the PDI. */
     ECT_READER_CHANGES_ALL,
-    /** The state of a slave in INIT. One in PREOP, SAFEOP or OP is read as it is, error flag or not. */
+    /** The state of a slave in INIT. A slave in PREOP, SAFEOP or OP keeps its state, even with the error flag. */
     ECT_READER_CHANGES_INIT,
     /** No state: a slave in INIT has no dictionary. */
     ECT_READER_CHANGES_NONE,
 } ect_reader_changes_t;
 
-/** How to read. All zero: the first slave, with the defaults. */
+/** Configuration of a reader. Zeroed: the first slave, with the defaults. */
 typedef struct ect_reader_config {
     uint16_t position;  /**< in the segment, from 0 */
-    uint16_t station;   /**< its configured station address, by which datagrams address it; 0: by position */
+    uint16_t station;   /**< configured station address, for addressing; 0: addressing by position */
     uint32_t frame_ms;  /**< until a frame counts as lost; 0: 100 */
     uint32_t reply_ms;  /**< until a mail counts as unanswered; 0: 2000 (ETG.2000 ResponseTimeout) */
     uint32_t state_ms;  /**< until a state change counts as refused; 0: 5000 */
@@ -96,10 +96,10 @@ typedef struct ect_reader_config {
     bool (*progress)(void *progress_ctx, const char *what, unsigned int done, unsigned int all);
 } ect_reader_config_t;
 
-/** A reader. Set up by ::ect_reader_open; members are read only for others. */
+/** A reader, initialised by ::ect_reader_open. The members are read-only for callers. */
 typedef struct ect_reader {
     const ect_reader_link_t *link;
-    ect_reader_config_t config;         /**< with the defaults in the place of zeros */
+    ect_reader_config_t config;         /**< with defaults instead of zeros */
     uint64_t limit_ns;                  /**< time at which every call stops */
     uint16_t count;                     /**< slaves of the segment */
     uint8_t header[ECT_READER_HEADER];  /**< of the EEPROM, when the reader was opened */
@@ -108,28 +108,28 @@ typedef struct ect_reader {
     uint16_t out_start, out_size;       /**< mailbox to the slave; size 0: none in use */
     uint16_t in_start, in_size;         /**< mailbox from the slave */
     uint16_t found_status;              /**< AL status when the reader was opened */
-    bool brought_up;                    /**< ::ect_reader_close takes it back to INIT */
-    bool sii_of_pdi;                    /**< ::ect_reader_close hands the EEPROM back to the PDI */
+    bool brought_up;                    /**< ::ect_reader_close returns the slave to INIT */
+    bool sii_of_pdi;                    /**< ::ect_reader_close returns the EEPROM to the PDI */
     uint8_t found_sms[16];              /**< registers of SyncManagers 0 and 1 before ::ect_reader_preop */
     uint8_t index;                      /**< of the last datagram */
     uint8_t counter;                    /**< of the last mail sent, 1 to 7 */
     uint32_t last_sum;                  /**< check sum of the last mail received, counter included */
-    unsigned int failures;              /**< requests without a usable reply, in a row */
-    unsigned int skipped;            /**< mails that belonged to no request: emergencies, late and repeated replies */
-    ect_reader_result_t result;      /**< of the last call */
-    uint32_t code;                   /**< of ECT_READER_ABORTED and ECT_READER_REFUSED */
-    char text[ECT_READER_TEXT];      /**< one line without a line end */
-    uint8_t frame[ECT_READER_FRAME]; /**< being sent */
-    uint8_t reply[ECT_READER_FRAME]; /**< being received */
-    uint8_t mail[ECT_READER_MAIL];   /**< last one received */
-    uint8_t data[ECT_READER_VALUE];  /**< of the dictionary's descriptions and values */
+    unsigned int failures;              /**< consecutive requests without a usable reply */
+    unsigned int skipped;               /**< mails without a request: emergencies, late and repeated replies */
+    ect_reader_result_t result;         /**< of the last call */
+    uint32_t code;                      /**< of ECT_READER_ABORTED and ECT_READER_REFUSED */
+    char text[ECT_READER_TEXT];         /**< one line without a line end */
+    uint8_t frame[ECT_READER_FRAME];    /**< being sent */
+    uint8_t reply[ECT_READER_FRAME];    /**< being received */
+    uint8_t mail[ECT_READER_MAIL];      /**< last one received */
+    uint8_t data[ECT_READER_VALUE];     /**< of the dictionary's descriptions and values */
     uint8_t value[ECT_READER_VALUE];
     uint8_t objects[0x10000 / 8]; /**< a bit for each index: all ends within 65 536 steps */
 } ect_reader_t;
 
-/** Bytes within a reply; valid during the call that hands them over. */
+/** Bytes within a reply, valid during the callback. */
 typedef struct ect_reader_bytes {
-    const uint8_t *data; /**< NULL: the slave gave none */
+    const uint8_t *data; /**< NULL: none */
     size_t length;
 } ect_reader_bytes_t;
 
@@ -140,29 +140,29 @@ typedef struct ect_reader_object {
     uint16_t type;
     uint8_t most;            /**< largest sub-index */
     uint8_t code;            /**< 7 VAR, 8 ARRAY, 9 RECORD */
-    ect_reader_bytes_t name; /**< none when the mailbox may have cut it off */
+    ect_reader_bytes_t name; /**< none if possibly truncated by the mailbox */
 } ect_reader_object_t;
 
 /** An entry of an object. */
 typedef struct ect_reader_entry {
     uint8_t subindex;
-    uint16_t type, bits, access;                       /**< as SDO information has them */
+    uint16_t type, bits, access;                       /**< as in SDO information */
     ect_reader_bytes_t name;                           /**< as of the object */
     ect_reader_bytes_t unit, preset, minimum, maximum; /**< in the byte order of the wire */
-    ect_reader_bytes_t value;                          /**< uploaded; none: not wanted, or not readable */
+    ect_reader_bytes_t value;                          /**< uploaded; none: not requested, or unreadable */
 } ect_reader_entry_t;
 
-/** A part of the dictionary that the slave has not given: the description of an object or entry, or a value. */
+/** A missing part of the dictionary: the description of an object or entry, or a value. */
 typedef struct ect_reader_gap {
     uint16_t index;
     uint8_t subindex;
     bool whole; /**< the description of the object; `subindex` is 0 */
-    bool value; /**< the value of an entry, which has been described; else the description */
+    bool value; /**< the value of a described entry; false: a description */
     ect_reader_result_t result;
     uint32_t code; /**< of ECT_READER_ABORTED and ECT_READER_REFUSED */
 } ect_reader_gap_t;
 
-/** Which values ::ect_reader_dictionary uploads. */
+/** Values that ::ect_reader_dictionary uploads. */
 typedef enum ect_reader_values {
     ECT_READER_IDENTITY_AND_PDOS, /**< 1000h, 1008h, 1018h, mappings 1600h–1BFFh, assignments 1C10h–1C2Fh */
     ECT_READER_ALL_VALUES,        /**< of all entries that are readable in PREOP */
@@ -171,39 +171,40 @@ typedef enum ect_reader_values {
 /** Receives a dictionary: one call of `begin`, then each object, followed by its entries. */
 typedef struct ect_reader_sink {
     void *ctx;
-    void (*begin)(void *ctx, bool described); /**< NULL: not of interest */
+    void (*begin)(void *ctx, bool described); /**< NULL: not called */
     void (*object)(void *ctx, const ect_reader_object_t *object);
     void (*entry)(void *ctx, const ect_reader_object_t *object, const ect_reader_entry_t *entry);
-    /** A request that brought nothing, before the entry that it is of; NULL: not of interest */
+    /** A request without a result, before the entry of the request; NULL: not called */
     void (*gap)(void *ctx, const ect_reader_gap_t *gap);
 } ect_reader_sink_t;
 
 ECT_C_BEGIN
 
 /**
- * Listens for frames of a master, before any frame of a reader: all that come back from the slaves are its own.
+ * Listens for frames of a master. Call it before the reader sends a frame, because later frames may be the reader's
+ * own.
  * @param ms  at most
- * @return true: an EtherCAT frame came; at once
+ * @return true, at once: an EtherCAT frame was received
  */
 bool ect_reader_hears_master(const ect_reader_link_t *link, uint32_t ms);
 
 /**
- * Finds the slave and reads the header of its EEPROM. Its state stays.
+ * Finds the slave and reads the header of its EEPROM. The AL state is unchanged.
  * @param link  must outlive the reader
  * @param config  copied; NULL: all defaults
- * @return ECT_READER_OK · ECT_READER_LOST no slave at that position · any result of ::ect_reader_sii. In each case
- * ::ect_reader_close is due.
+ * @return ECT_READER_OK · ECT_READER_LOST no slave at that position · any result of ::ect_reader_sii. Call
+ * ::ect_reader_close in each case.
  */
 ect_reader_result_t ect_reader_open(ect_reader_t *r, const ect_reader_link_t *link, const ect_reader_config_t *config);
 
-/** Puts back the state, SyncManagers 0 and 1 and the owner of the EEPROM as ::ect_reader_open found them. */
+/** Restores the AL state, SyncManagers 0 and 1 and the owner of the EEPROM as found by ::ect_reader_open. */
 void ect_reader_close(ect_reader_t *r);
 
 /**
- * Brings the slave to a state with a mailbox. Called by the functions below when it is due.
- * @return ECT_READER_OK · ECT_READER_REFUSED with the AL status code in `code` · ECT_READER_WRONG the EEPROM names no
- * usable mailbox · ECT_READER_SILENT the state was not reached within the timeout · ECT_READER_LOST ·
- * ECT_READER_DECLINED the slave is in a state without a mailbox that it is to keep
+ * Takes the slave to a state with a mailbox. The functions below call it if necessary.
+ * @return ECT_READER_OK · ECT_READER_REFUSED with the AL status code in `code` · ECT_READER_WRONG the EEPROM
+ * describes no usable mailbox · ECT_READER_SILENT the state was not reached within the timeout · ECT_READER_LOST ·
+ * ECT_READER_DECLINED the slave must keep a state without a mailbox
  */
 ect_reader_result_t ect_reader_preop(ect_reader_t *r);
 
