@@ -86,7 +86,7 @@ def run_report(ectwin, conform, name, twins, arguments):
 def table(names, reports):
     """The section of the document. Reasons for skips are numbered in the order in which they come."""
     reasons = {}
-    lines = [BEGIN, "\n| id | what must hold | " + " | ".join(names) + " |\n", "|---|---|" + "---|" * len(names) + "\n"]
+    lines = [BEGIN, "\n| id | requirement | " + " | ".join(names) + " |\n", "|---|---|" + "---|" * len(names) + "\n"]
     for row in zip(*(r["cases"] for r in reports)):
         cells = []
         for case in row:

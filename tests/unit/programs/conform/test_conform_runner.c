@@ -632,7 +632,7 @@ static void leaves_stuck(cf_t *c)
 {
     stuck = true;
     cf_put16(c, ECT_REG_AL_CONTROL, CF_OP);
-    c->engine->lame = true; /* not waited for as long */
+    c->engine->stuck = true; /* not waited for as long */
 }
 
 /* A case that passes and leaves the slave in another state fails; the next ones are not judged. */
