@@ -298,7 +298,7 @@ def exit_codes(ectwin, conform):
     done = call_over_network(ectwin, conform, ["fzm1"], ["--only", "CF-001"])
     expect("a good run", (0, '{"event":"ready","iface":"ecat0","slaves":1}\n'), (done.returncode, done.stderr))
     for arguments, code, text in ((["--slave", "3"], 2, "there is no slave 3: 1 replied on 'ecat0'"),
-                                  (["--only", "CF-777"], 64, "no case is left to run"),
+                                  (["--only", "CF-777"], 64, "no case is selected"),
                                   (["--slave", "x"], 64, "--slave takes a number from 1"), (["--format", "pdf"], 64, "--format is"),
                                   (["-o", "/no/such/file", "--only", "CF-001"], 2, "cannot write '/no/such/file'"),
                                   (["--pcap", "/no/such/file"], 2, "cannot write '/no/such/file'")):
@@ -552,7 +552,7 @@ def files(ectwin, conform):
         expect("written", 0, done.returncode)
         expect("the file was written", True, path.stat().st_mtime_ns != before)
         expect("its content", b"as before" * 100, path.read_bytes())
-        expect("what is left behind", ["data"], os.listdir(folder))
+        expect("remaining files", ["data"], os.listdir(folder))
         done = call(ectwin, conform, ["--files", folder, "fzm1"], ["--file", "date", "--only", "CF-084"])
         contains("a file that is not there", "'date' in PREOP: expected data or error 0x8008, got error 0x8001", done.stdout)
 

@@ -148,7 +148,7 @@ EOF
     "$ectwin" $command -s "$work/hostile.sock" >>"$work/said" 2>&1
   done
   wait $server
-  check "what a twin says is printed without control characters" "" "$(LC_ALL=C grep -n "[^ -~]" "$work/said" | cat -v)"
+  check "text from a twin is printed without control characters" "" "$(LC_ALL=C grep -n "[^ -~]" "$work/said" | cat -v)"
   has "and can still be read" '\x1b]0;owned\x07' "$work/said"
 }
 

@@ -112,7 +112,7 @@ def options(file):
     record(file, "--set", "2:data1=3", "--serial", "77", "--esc", "lan9252", "--drift", "2:50", "--break", "CF-040", "--name", "cell",
            "fzm1*2", "--", PROBE, "-i", "{}", "--values")
     start = next(body for kind, body in blocks(file) if kind == LOCAL)
-    expect("what a start holds", {"words", "version", "seed", "offset"}, set(json.loads(start[16:].rstrip(b"\0"))))
+    expect("members of a start", {"words", "version", "seed", "offset"}, set(json.loads(start[16:].rstrip(b"\0"))))
     equal(file)
 
 

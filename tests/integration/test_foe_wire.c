@@ -135,8 +135,8 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"FoE over the wire: SOEM writes and reads files of any length in PREOP", in_preop, NULL, NULL, NULL},
-        {"FoE over the wire: what is not there, leads out of the folder, or has a password, is refused", refused, NULL,
-         NULL, NULL},
+        {"FoE over the wire: missing files, names that lead out of the folder and wrong passwords are refused", refused,
+         NULL, NULL, NULL},
         {"FoE over the wire: files beside process data in OP", in_op, NULL, NULL, NULL},
         {"FoE over the wire: SOEM's way of a firmware update, in BOOT", in_boot, NULL, NULL, NULL},
     };

@@ -760,7 +760,7 @@ static void lamps(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        FROM_PREOP("FZM-001 FZM-002 FZM-003 FZM-004 FZM-005 FZM-018: what works in which state; 20 and 48 bytes",
+        FROM_PREOP("FZM-001 FZM-002 FZM-003 FZM-004 FZM-005 FZM-018: each state permits its services; 20 and 48 bytes",
                    states),
         FROM_PREOP(
             "FZM-008 FZM-009 FZM-010 FZM-011 FZM-012 FZM-013 FZM-014 FZM-026 FZM-027 FZM-028 FZM-029: settings by "

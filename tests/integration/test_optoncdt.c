@@ -388,7 +388,7 @@ int main(int argc, char **argv)
 #define E(title, function) {title, function, open_expert, close_master, NULL}
 #define O(title, function) {title, function, open_operational, close_master, NULL}
     const struct CMUnitTest tests[] = {
-        M("OPT-001 OPT-002 OPT-003 OPT-005 OPT-006: what goes in INIT, PREOP, SAFEOP and OP", states),
+        M("OPT-001 OPT-002 OPT-003 OPT-005 OPT-006: INIT, PREOP, SAFEOP and OP permit their services", states),
         M("OPT-004 OPT-009: SM3 as long as the mapping, SM2 unused (public manual, p. 151)", sync_managers),
         M("OPT-007 OPT-008 OPT-012: the object directory (public manual, pp. 157, 161, 172)", every_object),
         E("OPT-010 OPT-011: 1A00h by default, and as chosen in 21B0h (public manual, pp. 153, 157)", mapping),

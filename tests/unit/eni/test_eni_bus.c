@@ -27,7 +27,7 @@ static void ENI_010_the_previous_port_is_the_place_in_the_tree(void **state)
         {"port B of the second", THREE(PORT("B", 1002)), 1, 1},
         {"without an address it is a port of the slave before", THREE("<PreviousPort><Port>C</Port></PreviousPort>"), 1,
          2},
-        {"of several the selected one",
+        {"the selected one of several",
          THREE(PORT("B", 1002) "<PreviousPort Selected='1'><Port>D</Port><PhysAddr>1001</PhysAddr></PreviousPort>"), 0,
          3},
     };

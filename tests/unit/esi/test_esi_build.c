@@ -138,7 +138,7 @@ static void defaults(void **state)
          {4, 3, 2, 1},
          NULL},
         {"a negative number", ONE("INT", "16", "<DefaultValue>-2</DefaultValue>", ""), 2, {0xFE, 0xFF}, NULL},
-        {"what is no number", ONE("UINT", "16", "<DefaultValue>1.5</DefaultValue>", ""), 2, {0}, NULL},
+        {"not a number", ONE("UINT", "16", "<DefaultValue>1.5</DefaultValue>", ""), 2, {0}, NULL},
         {"a long number",
          ONE("ULINT", "64", "<DefaultValue>#x0102030405060708</DefaultValue>", ""),
          8,
@@ -229,9 +229,9 @@ static void limits(void **state)
          "object 2000:0: its default 10 is not within its limits -5 to 9: no limits"},
         {"a real has none", ONE("REAL", "32", LIM("0", "1", "0"), ""), false, 0, 0, NULL},
         {"a text has none", ONE("STRING(2)", "16", LIM("0", "1", "0"), ""), false, 0, 0, NULL},
-        {"of bytes that are none", ONE("INT", "16", "<MinData></MinData>", ""), false, 0, 0, NULL},
-        {"of nine bytes", ONE("INT", "16", "<MinData>000000000000000000</MinData>", ""), false, 0, 0, NULL},
-        {"of no number", ONE("INT", "16", "<MinValue>low</MinValue>", ""), false, 0, 0, NULL},
+        {"empty bytes", ONE("INT", "16", "<MinData></MinData>", ""), false, 0, 0, NULL},
+        {"nine bytes", ONE("INT", "16", "<MinData>000000000000000000</MinData>", ""), false, 0, 0, NULL},
+        {"not a number in MinValue", ONE("INT", "16", "<MinValue>low</MinValue>", ""), false, 0, 0, NULL},
     };
     (void)state;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {

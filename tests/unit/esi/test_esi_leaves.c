@@ -82,7 +82,7 @@ static void paths(void **state)
                 "</BitSize></DataType></DataTypes></Dictionary></Profile>"),
          DEVICE_LEAVES "Device/Profile/Dictionary/DataTypes/DataType=\n"
                        "*Device/Profile/Dictionary/DataTypes/DataType 2/BitSize=1\n"},
-        {"what the model knows elsewhere is not modelled here",
+        {"values that the model has from other elements are not modelled here",
          DEVICE("<Mailbox><Name>N</Name></Mailbox><Dc><Name>N</Name></Dc>"),
          DEVICE_LEAVES "Device/Mailbox/Name=N\nDevice/Dc/Name=N\n"},
     };

@@ -257,7 +257,7 @@ int main(void)
         {"numbers: decimal, #x and 0x; nothing else", numbers, NULL, NULL, NULL},
         {"bad XML, a contradiction, an attack: refused with file, line and what is wrong", refusals, NULL, NULL, NULL},
         {"100000 levels of elements are refused", deep_nesting, NULL, NULL, NULL},
-        {"what is no readable file is refused", files, NULL, NULL, NULL},
+        {"An unreadable file is refused", files, NULL, NULL, NULL},
         {"a device is selected by type, product, revision; of several revisions the newest", selectors, NULL, NULL,
          NULL},
         {"all that a file has of a device is in its model", model, NULL, NULL, NULL},

@@ -835,7 +835,7 @@ int main(void)
         {"the category SyncM has bits 0 to 3 of Enable, with OpOnly", enable_bits, NULL, NULL, NULL},
         {"an EEPROM has the file's ByteSize, and leaves out in order", eeprom_of_the_file, NULL, NULL, NULL},
         {"an EEPROM too small has no names, then no free PDOs, then no PDOs", parts_left_out, NULL, NULL, NULL},
-        {"what a start-up command writes exists and is writable", start_up_commands, NULL, NULL, NULL},
+        {"The object of a start-up command exists and is writable", start_up_commands, NULL, NULL, NULL},
         {"a start-up command that the dictionary contradicts is a note", start_up_notes, NULL, NULL, NULL},
         {"categories of the file are in the EEPROM", categories_in_the_sii, NULL, NULL, NULL},
         {"alternative assignments and PDOs of clock modes are in the model", assignments, NULL, NULL, NULL},

@@ -256,7 +256,7 @@ static void modules(void **state)
         uint16_t object;
         const char *refusal;
     } table[] = {
-        {"what the file presets", {{0, 0}}, 0, 0, 48, 0x6000, NULL},
+        {"presets of the file", {{0, 0}}, 0, 0, 48, 0x6000, NULL},
         {"another one in the first slot", {{0, 0x120}}, 1, 32, 16, 0x8000, NULL},
         {"all four", {{1, 0x120}, {2, 0x120}, {3, 0x110}}, 3, 64, 80, 0x8020, NULL},
         {"a module that the file has not", {{1, 0x130}}, 1, 0, 0, 0, "slot 2 (Others) takes no module 0x00000130"},

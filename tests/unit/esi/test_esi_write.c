@@ -41,7 +41,7 @@ static ect_esi_twin_t *read_back(const char *file)
     ect_esi_twin_t *twin = ect_esi_twin_make(path, "", NULL, 0, text, sizeof text);
     unlink(path);
     if (twin == NULL)
-        fail_msg("what we have written is not taken: %s", text);
+        fail_msg("the written file is refused: %s", text);
     return twin;
 }
 

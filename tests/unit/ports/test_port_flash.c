@@ -240,7 +240,7 @@ int main(void)
         {"record after record, with units of 1 to 32 bytes, each programmed once", record_after_record, NULL, NULL,
          NULL},
         {"a power cut in any erase or unit leaves the record before, or the new one", power_cuts, NULL, NULL, NULL},
-        {"what was written is read back at once", read_back_at_once, NULL, NULL, NULL},
+        {"Written data are read back at once", read_back_at_once, NULL, NULL, NULL},
         {"a write into a unit that may be programmed is refused, and a flash that fails is reported", refused, NULL,
          NULL, NULL},
         {"without a driver, memory", memory_instead, NULL, NULL, NULL},

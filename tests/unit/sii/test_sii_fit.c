@@ -226,8 +226,8 @@ int main(void)
         {"a mailbox gets the longer of its lengths in BOOT and elsewhere", boot_lengths, NULL, NULL, NULL},
         {"the process RAM may be filled to its last byte", exact_fit, NULL, NULL, NULL},
         {"the first words of the EEPROM are those of the controller", first_words, NULL, NULL, NULL},
-        {"what is known of a LAN9252 is what the table of the chips gives", figures, NULL, NULL, NULL},
-        {"what does not fit is refused: SyncManagers, FMMUs, process RAM", too_large, NULL, NULL, NULL},
+        {"The figures of a LAN9252 are those of the table of chips", figures, NULL, NULL, NULL},
+        {"SyncManagers, FMMUs and process RAM beyond the chip's are refused", too_large, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("sii_fit", tests, NULL, NULL);
 }

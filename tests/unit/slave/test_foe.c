@@ -488,7 +488,7 @@ static void late_errors(void **state)
     device()->ready_error = ECT_FOE_PROGRAM_ERROR;
     begin(WRITE, "data", 0);
     wire_advance(&w, 5 * MS);
-    expect_error("what was begun failed", ECT_FOE_PROGRAM_ERROR, "late error");
+    expect_error("the transfer under way failed", ECT_FOE_PROGRAM_ERROR, "late error");
     wire_advance(&w, 5 * MS);
     expect("and nothing more", NOTHING, 0);
     wire_close(&w);
@@ -545,7 +545,7 @@ static void timeouts(void **state)
     begin(READ, "data", 0);
     wire_advance(&w, 2010 * MS); /* although the mail is still there */
     assert_int_equal(device()->closed_broken, 2);
-    expect("what was sent", DATA, 1);
+    expect("the sent packet", DATA, 1);
     device()->late = 100000;
     begin(READ, "data", 0);
     wire_advance(&w, 2010 * MS);

@@ -89,7 +89,8 @@ static void read_refused(void **state)
     expect_code("allowed again", wire_sdo_upload(&w, 0, 0x2006, 4, false, data, &size), 0);
     unsigned int before = hooks.reads;
     size = sizeof data;
-    expect_code("what may not be read is not asked", wire_sdo_upload(&w, 0, 0x2003, 0, false, data, &size), 0x06010001);
+    expect_code("the hook of an unreadable entry is not called", wire_sdo_upload(&w, 0, 0x2003, 0, false, data, &size),
+                0x06010001);
     assert_int_equal(hooks.reads, before);
     wire_close(&w);
 }
@@ -160,7 +161,7 @@ static void staging_too_small(void **state)
     assert_int_equal(hooks.writes, 0);
     s->config.staging_size = 0;
     uint32_t number = 77;
-    expect_code("what comes whole needs none", wire_sdo_download(&w, 0, 0x2000, 0, false, &number, 4), 0);
+    expect_code("an expedited download needs no buffer", wire_sdo_download(&w, 0, 0x2000, 0, false, &number, 4), 0);
     wire_close(&w);
 }
 

@@ -916,7 +916,7 @@ int main(int argc, char **argv)
         T("CF-041: an event word that cannot be had delays the work, and counts", event_word_fails),
         T("Initialisation: the memory needed follows from the description", memory_needed),
         T("Initialisation: it is taken piece by piece, of nothing none; too little is reported", memory_taken),
-        T("Initialisation: what is missing is refused, -1 device or PDI, -2 a buffer", config_checked),
+        T("Initialisation: a missing member is refused, -1 device or PDI, -2 a buffer", config_checked),
         T("Initialisation: -3 when any of its accesses fails", init_fails),
         T("Initialisation: identity of the installation, or of the description", identity_default),
     };

@@ -197,8 +197,7 @@ int main(void)
          an_error_is_answered, NULL, NULL, NULL},
         {"Protocols: mails of its own follow when the mailbox is free, after emergencies and answers, and are repeated",
          mails_of_its_own, NULL, NULL, NULL},
-        {"Protocols: what was under way is forgotten when the mailbox starts again", forgets_on_restart, NULL, NULL,
-         NULL},
+        {"Protocols: transfers under way are dropped when the mailbox restarts", forgets_on_restart, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("protocols", tests, NULL, NULL);
 }

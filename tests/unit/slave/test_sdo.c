@@ -1111,7 +1111,7 @@ static void whole_record_in_segments_down(void **state)
         for (uint8_t n = 1; n <= BIG_COUNT; n++) {
             uint64_t want = n % 6 == 5 ? 0 : big.items[n].value;
             if (ect_load_le64(t->octets + 8 * (n - 1)) != want)
-                fail_msg("pieces of %u: element %u is not what was sent", piece, n);
+                fail_msg("pieces of %u: element %u differs from the sent one", piece, n);
         }
     }
     assert_int_equal(download_in_pieces(&w, 0x3000, true, 1, bytes, 200, 10, 30), TOO_SHORT);

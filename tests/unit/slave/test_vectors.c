@@ -190,7 +190,7 @@ static void follow_line(talk_t *t, const char *line)
     else if (strncmp(line, "cut ", 4) == 0)
         cut(t, strtoul(line + 4, NULL, 10));
     else if (line[0] != 0 && line[0] != '#' && strncmp(line, "ref ", 4) != 0)
-        fail_msg("what is this? %s", line);
+        fail_msg("unknown line: %s", line);
 }
 
 static void run_frames(const vector_t *v)

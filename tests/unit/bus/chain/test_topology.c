@@ -110,7 +110,7 @@ static void refused(void **state)
     } rows[] = {{"at itself", 2, 1, NULL},
                 {"at one behind it", 5, 1, NULL},
                 {"at an input", 0, 4, NULL},
-                {"where another one is", 0, 1, NULL},
+                {"the place of another one", 0, 1, NULL},
                 {"at a port that the chip lacks", 1, 2, "np40"}};
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {

@@ -927,7 +927,7 @@ int main(int argc, char **argv)
         TEST("CF-041: a frame that comes twice over a wire is executed twice behind it", twice_on_a_wire),
         TEST("frames that change their order on a wire", behind_the_next_on_a_wire),
         TEST("a frame that waits on a wire for the next one continues after 10 ms", behind_none_on_a_wire),
-        TEST("of more frames than are kept on wires the last ones are lost", kept_at_most),
+        TEST("Frames beyond the limit of kept frames on wires are lost", kept_at_most),
         TEST("a script sets faults at a time, at a frame, in a state", script),
         TEST("a script returns its next deadline", script_times),
         TEST("a fault of a script that cannot be set at its time is reported", script_reported),

@@ -221,7 +221,7 @@ int main(int argc, char **argv)
         {"a master that repeats itself is no loop", no_loop, NULL, NULL, NULL},
         {"a frame circulates when its first datagram continues a reply", one_field_differs, NULL, NULL, NULL},
         {"eight replies are remembered, and 200 frames in 100 ms are no loop", bounds, NULL, NULL, NULL},
-        {"what is no datagram is no loop", not_to_be_read, NULL, NULL, NULL},
+        {"A frame without a datagram is no circulating frame", not_to_be_read, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -323,14 +323,14 @@ int main(int argc, char **argv)
 {
 #define EEPROM_TEST(title, function) {title, function, NULL, remove_file, NULL}
     const struct CMUnitTest tests[] = {
-        EEPROM_TEST("EEPROM file: what was written is there again", survives),
+        EEPROM_TEST("EEPROM file: written words are kept", survives),
         EEPROM_TEST("EEPROM file: only the changed range is written", only_the_changed_range_is_written),
         EEPROM_TEST("EEPROM file: a newer factory's words win, the master's others stay, the check value is right",
                     newer_factory),
         EEPROM_TEST("EEPROM file: a wrong check value stays as the master wrote it", bad_checksum_stays_bad),
         EEPROM_TEST("EEPROM file: a start that was cut off, or met a full disk, is made good", cut_off_first_start),
         EEPROM_TEST("EEPROM file: closed with its descriptor, also where that is 0", descriptor_0),
-        EEPROM_TEST("EEPROM file: what is not its own is refused and left alone", refused),
+        EEPROM_TEST("EEPROM file: a foreign file is refused and unchanged", refused),
         EEPROM_TEST("EEPROM file: only its user reads or writes it", own_file),
         EEPROM_TEST("CF-065: what a master writes to the EEPROM outlasts power cycle and process", written_by_a_master),
     };

@@ -118,7 +118,7 @@ static void names(void **state)
         {"from the root", "/etc/passwd", 11, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
         {"a folder in it", "sub/inner", 9, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
         {"backslashes", "..\\data", 7, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
-        {"what is hidden", ".hidden", 7, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
+        {"a hidden file", ".hidden", 7, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
         {"a zero in it", "data\0../x", 9, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
         {"a line's end", "data\n", 5, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
         {"a blank", "my data", 7, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
@@ -304,7 +304,7 @@ int main(void)
 #define TEST(title, function) {title, function, set_up, tear_down, NULL}
     const struct CMUnitTest tests[] = {
         TEST("Attack: names that lead out of the folder, or to what is no file, are refused", names),
-        TEST("Files: what is written counts when it is whole; what was there stays until then", whole_files_only),
+        TEST("Files: a written file replaces the previous one when it is complete", whole_files_only),
         TEST("Files: they are read piece by piece", read_pieces),
         TEST("Attack: an endless file fills no disk", too_large),
         TEST("Attack: links that come up meanwhile are not followed", meanwhile),

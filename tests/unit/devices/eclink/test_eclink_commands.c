@@ -835,7 +835,7 @@ int main(int argc, char **argv)
         TEST("ECL-050: each change of CCO is one command, over 255 to 0 and after lost cycles too", counter_steps),
         TEST("ECL-025 ECL-050: 600 commands one after the other are each received once and acknowledged",
              all_values_of_cco),
-        TEST("ECL-025 ECL-050: of more than 16 commands in one update a remote gets the 16 oldest in order and the "
+        TEST("ECL-025 ECL-050: a remote gets the 16 oldest of more than 16 commands in one update in order and the "
              "last; those that CCO passed over are counted",
              faster_than_the_link),
         TEST("ECL-025 ECL-063: on fallback CAI waits until there is room, and all 49 commands arrive",

@@ -544,7 +544,8 @@ int main(int argc, char **argv)
              fallback_priorities),
         TEST("ECL-063: on fallback all commands from the remote go before commands to it, those before periodic data",
              fallback_order),
-        TEST("ECL-060 ECL-062 ECL-063: what waits for a remote is gone when it is lost", nothing_waits_for_the_lost),
+        TEST("ECL-060 ECL-062 ECL-063: data that wait for a remote are dropped when the remote is lost",
+             nothing_waits_for_the_lost),
         TEST("ECL-063: commands that a remote could not send before it was lost hold up none to it", lost_on_fallback),
         TEST("ECL-063: a remote on fallback is not held up by another's commands", fallback_is_a_matter_of_each_remote),
     };

@@ -188,7 +188,7 @@ static void errors_that_stay(void **state)
     bu_set(&r, "bu.module_error", "0");
     bu_expect(&r, "another error takes its place", INITIAL, MODULE_ERROR);
     bu_set(&r, "bu.enabled", "0");
-    bu_expect(&r, "what is not used has no errors", DISARMED, UNUSED);
+    bu_expect(&r, "unused features have no errors", DISARMED, UNUSED);
     bu_set(&r, "bu.enabled", "1");
     bu_expect(&r, "used again", DISARMED, OPERATIONAL);
     bu_set(&r, "bu.module_error", "1");

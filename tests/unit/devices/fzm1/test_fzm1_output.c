@@ -590,7 +590,7 @@ int main(int argc, char **argv)
              too_fast),
         HANDSHAKING("FZM-042 FZM-045 FZM-071: data with DSA, GATE until DSA falls", handshake),
         HANDSHAKING("FZM-071: DSA may be on before there are data", dsa_first),
-        HANDSHAKING("FZM-071: of several results each DSA fetches the next", several_pending),
+        HANDSHAKING("FZM-071: each DSA reads the next of several results", several_pending),
         HANDSHAKING("FZM-029 FZM-048 FZM-072: no DSA within the timeout: ERR, the result is dropped", timeout),
         HANDSHAKING("FZM-072: each waiting result has its own timeout", each_result_has_its_time),
         HANDSHAKING("FZM-072: DSA that does not fall is a timeout too", dsa_does_not_fall),

@@ -274,7 +274,7 @@ int main(int argc, char **argv)
         TEST("FZM-056 FZM-058: a scene that was saved is seen, changed, and saved with its group", saved_scenes),
         TEST("FZM-058: prepared scenes are forgotten by hand", forgotten),
         TEST("FZM-058: as many scenes are prepared as there is room for", as_many_as_fit),
-        TEST("FZM-030 FZM-033: what makes no sense in a scene is refused with the reason", refused),
+        TEST("FZM-030 FZM-033: nonsense in a scene is refused with the reason", refused),
         TEST("FZM-056 FZM-058: a memory that does not answer shows no scene", memory_is_silent),
     };
     if (argc > 1)

@@ -439,7 +439,9 @@ static void sii(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        TEST("FZM-001 FZM-002 FZM-003 FZM-004 FZM-005: what works in which state; it never climbs by itself", states),
+        TEST("FZM-001 FZM-002 FZM-003 FZM-004 FZM-005: each state permits its services; the slave never goes to a "
+             "higher state by itself",
+             states),
         TEST("FZM-006 FZM-007 FZM-008 FZM-036 FZM-037 FZM-039 OM-C1: mapping and assignment are fixed", mapping),
         TEST("FZM-018: 20 bytes of outputs, 48 of inputs, and no others", sizes),
         TEST("FZM-012 FZM-013 FZM-014 FZM-026 FZM-027 FZM-028 FZM-029 OM-C13: settings in PreOp, SafeOp and Op, their "
@@ -458,7 +460,7 @@ int main(int argc, char **argv)
         TEST("FZM-016 OM-C10: the measurement does not depend on SYNC0", asynchronous),
         TEST("FZM-019 OM-C18: node address 1 to 9 is alias and device id from the next restart, 0 leaves it",
              node_address),
-        TEST("FZM-030 FZM-048 FZM-067: what the user may not set is refused with the reason", signals),
+        TEST("FZM-030 FZM-048 FZM-067: signals that a user must not set are refused with the reason", signals),
         TEST("CF-057: SII", sii),
     };
     if (argc > 1)

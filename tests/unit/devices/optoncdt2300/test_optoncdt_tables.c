@@ -446,12 +446,12 @@ int main(void)
 #define T(title, function) {title, function, setup, teardown, NULL}
 #define E(title, function) {title, function, setup_expert, teardown, NULL}
     const struct CMUnitTest tests[] = {
-        T("OPT-001 OPT-003 OPT-005 OPT-006: what goes in INIT, PREOP, SAFEOP and OP", states),
+        T("OPT-001 OPT-003 OPT-005 OPT-006: INIT, PREOP, SAFEOP and OP permit their services", states),
         T("OPT-001 OPT-002: no mailbox before its SyncManagers are configured as described", mailbox_in_init),
         T("OPT-004: SAFEOP needs SM3 as long as the mapping", process_sm),
         T("OPT-005 OPT-006 OPT-009: no outputs to wait for, SM2 unused (public manual, p. 151)", no_outputs),
         T("OPT-007 OPT-008: the object directory reads as printed (public manual, pp. 157, 161, 172)", directory),
-        E("OPT-007 OPT-008: what is not there, or not to be written, is refused", refusals),
+        E("OPT-007 OPT-008: missing and read-only entries are refused", refusals),
         T("OPT-012: identity can be that of the manual (public, p. 157), ours is a placeholder", identity),
         T("OPT-011: distance 1 and distance 2 by default (public manual, p. 153)", default_mapping),
         E("OPT-010: all thirteen measurements in the printed order (public manual, p. 157)", full_mapping),

@@ -205,7 +205,7 @@ int main(int argc, char **argv)
          handling, setup, teardown, NULL},
         {"PLZ-030: every telegram is answered, with a reply, an abort or a mailbox error", every_telegram, setup,
          teardown, NULL},
-        {"PLZ-027: what is longer than a telegram comes in segments", names, setup, teardown, NULL},
+        {"PLZ-027: values longer than a telegram are sent in segments", names, setup, teardown, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

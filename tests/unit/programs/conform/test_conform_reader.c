@@ -120,7 +120,7 @@ static void results_are_verdicts(void **state)
         {"frames stop on the way", read_halfway, CF_FAIL, "no frame comes back (0x050"},
         {"the EEPROM does not acknowledge", read_without_acknowledge, CF_FAIL, "the EEPROM does not acknowledge"},
         {"Ctrl-C", read_interrupted, CF_INTERRUPTED, "interrupted"},
-        {"the time limit of the case", read_too_late, CF_FAIL, "time limit: not done within"},
+        {"the time limit of the case", read_too_late, CF_FAIL, "time limit: not finished within"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {

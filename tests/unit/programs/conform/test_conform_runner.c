@@ -194,8 +194,7 @@ static void undo_refused(void **state)
     (void)state;
     start_with_object(&run);
     assert_int_equal(run_one(&run, changes_once, CF_COE, &result), CF_FAIL);
-    assert_string_equal(result.reason,
-                        "afterwards the slave is not as before: putting back 2000h:00: abort 0x08000022");
+    assert_string_equal(result.reason, "the slave cannot be restored: putting back 2000h:00: abort 0x08000022");
     refusal = 0;
     assert_int_equal(run_one(&run, changes_nothing, CF_COE, &result), CF_PASS);
     assert_int_equal(run.engine.undo_count, 0);
@@ -376,7 +375,7 @@ static void time_limit(void **state)
     start_run(&run);
     cf_run_case(&run, &section, &entry, &result);
     assert_int_equal(result.verdict, CF_FAIL);
-    assert_string_equal(result.reason, "time limit: not done within 25 ms");
+    assert_string_equal(result.reason, "time limit: not finished within 25 ms");
     assert_in_range(result.duration_ns, 25000000, UINT64_C(60000000000));
     cf_evidence_free(&result.evidence);
     end_run(&run);
@@ -645,7 +644,7 @@ static void not_as_before(void **state)
     on_datagram = sticks;
     stuck = false;
     assert_int_equal(run_one(&run, leaves_stuck, 0, &result), CF_FAIL);
-    assert_non_null(strstr(result.reason, "afterwards the slave is not as before: back to INIT"));
+    assert_non_null(strstr(result.reason, "the slave cannot be restored: back to INIT"));
     assert_int_equal(run_one(&run, passes, 0, &result), CF_UNJUDGED);
     assert_non_null(strstr(result.reason, "not judged since CF-900: back to INIT"));
     end_run(&run);
@@ -771,10 +770,10 @@ static void three_buffers(void **state)
     assert_string_equal(result.reason, "");
     assert_int_equal(judge_layout(0x112F, &result), CF_FAIL); /* in the third buffer of SM2 */
     assert_string_equal(result.reason,
-                        "SM2 and SM3: expected apart, three buffers included, got 0x1100+48 and 0x112F+24");
+                        "SM2 and SM3: expected not to overlap, three buffers included, got 0x1100+48 and 0x112F+24");
     assert_int_equal(judge_layout(0x2FE8, &result), CF_PASS); /* 24 bytes to the end of the RAM, 0x3000 */
     assert_int_equal(judge_layout(0x2FE9, &result), CF_FAIL); /* two buffers would fit */
-    assert_string_equal(result.reason, "SM3: expected to fit the RAM up to 0x3000, got 0x2FE9 and 24 bytes");
+    assert_string_equal(result.reason, "SM3: expected within the RAM up to 0x3000, got 0x2FE9 and 24 bytes");
 }
 
 int main(void)
