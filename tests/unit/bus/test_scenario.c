@@ -523,6 +523,35 @@ static void loops_and_lines(void **state)
     }
 }
 
+static void conditions(void **state)
+{
+    static const struct {
+        const char *condition, *value;
+        bool met;
+    } rows[] = {
+        {"x=5", "5", true},     {"x=5", "5.0", true},    {"x=5", "6", false},    {"x=5", "5 mm", false},
+        {"x!=5", "5", false},   {"x!=5", "4", true},     {"x!=5", "6", true},    {"x<5", "4.9", true},
+        {"x<5", "5", false},    {"x<5", "6", false},     {"x>5", "5.1", true},   {"x>5", "5", false},
+        {"x>5", "4", false},    {"x>5", "six", false},   {"x>5", "", false},     {"x<-1", "-2", true},
+        {"x=abc", "abc", true}, {"x=abc", "ABC", false}, {"x!=abc", "ab", true}, {"x!=abc", "abc", false},
+        {"x=", "", true},       {"x=", "1", false},
+    };
+    static const char *const none[] = {"", "x", "=5", "x!5", "x<abc", "x>", "x>5 mm"};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_condition_t c;
+        assert_true(ect_condition_read(rows[i].condition, &c));
+        assert_string_equal(c.name, "x");
+        if (ect_condition_met(&c, rows[i].value) != rows[i].met)
+            fail_msg("%s is %s for '%s'", rows[i].condition, rows[i].met ? "not met" : "met", rows[i].value);
+    }
+    for (size_t i = 0; i < sizeof none / sizeof none[0]; i++) {
+        ect_condition_t c;
+        if (ect_condition_read(none[i], &c))
+            fail_msg("'%s' is a condition", none[i]);
+    }
+}
+
 /* The most columns: each intermediate row has a value of each. */
 static void most_columns(void **state)
 {
@@ -786,6 +815,7 @@ int main(int argc, char **argv)
         TEST("signals of the bus show line, step and counts of a script", progress),
         TEST("the verdict is running, met, failed or over", verdicts_as_a_signal),
         TEST("a table begins again at the time of its last row; rows between rows are on the line", loops_and_lines),
+        TEST("a condition compares numbers as numbers, other values as texts", conditions),
         TEST("a table may have the most columns, and a value of each between two rows", most_columns),
         TEST("a loop without a time, and more than a million rows, are refused", tables_without_measure),
         TEST("signals, values and slaves of a table are checked before the run", wrong_tables),

@@ -247,6 +247,8 @@ static void damaged(void **state)
 {
     char message[ECT_MEMORY_MESSAGE], other[64];
     (void)state;
+    const int before = open("/dev/null", O_RDONLY);
+    (void)close(before);
     for (unsigned int n = 1; n <= 20; n++) {
         ect_memory_t *memory = n == 1 ? must_open("damaged") : ect_memory_open("damaged", message);
         if (!memory)
@@ -272,6 +274,9 @@ static void damaged(void **state)
     }
     assert_true(size_of("damaged.0.damaged9") > 0 && size_of("damaged.1.damaged9") > 0);
     assert_true(size_of("damaged.0.damaged10") < 0 && size_of("damaged.1.damaged10") < 0);
+    const int after = open("/dev/null", O_RDONLY);
+    (void)close(after);
+    assert_int_equal(after, before); /* no descriptor is left open */
 }
 
 /* A record that was begun and put, but not sealed: the process was killed. */
