@@ -31,10 +31,10 @@ done
 
 # A twin of nothing but the image: the same EEPROM, layout and PDOs; a master brings it to OP; options replace what they name.
 for device in $("$ectwin" list | awk '{print $1}'); do
-  "$ectwin" with --behaviour none "sii:$work/$device.bin" -- "$ectwin" verify "$work/$device.bin" slave:{} >"$work/out" 2>"$work/err"
+  with --behaviour none "sii:$work/$device.bin" -- "$ectwin" verify "$work/$device.bin" slave:{} >"$work/out" 2>"$work/err"
   check "the twin of $device's image: exit code" 0 $?
   check "the twin of $device's image" "" "$(cat "$work/out")"
-  "$ectwin" with "sii:$work/$device.bin" -- "$conform" -i {} --only CF-095 >"$work/out" 2>"$work/err"
+  with "sii:$work/$device.bin" -- "$conform" -i {} --only CF-095 >"$work/out" 2>"$work/err"
   check "the twin of $device's image goes to OP (CF-095)" 1 "$(grep -c 'pass CF-095' "$work/out")"
 done
 "$ectwin" sii fzm1 --alias 17 --serial 4711 --format hex -o "$work/own.hex"
