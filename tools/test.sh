@@ -12,6 +12,7 @@ if [ $# -gt 0 ]; then
   shown chosen ctest --test-dir build/asan -j "$jobs" "$@"
   exit
 fi
+stage boards tests/check/board_image.sh
 shown unit ctest --test-dir build/asan -L unit -j "$jobs"
 # Two tests a core: many of them wait for real time to pass, and none depends on the time that the others leave it.
 shown integration ctest --test-dir build/asan -L integration -j $((2 * jobs))
