@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Ends of the networks behind twins (bus/eoe/place.h): a TAP of a kernel that is the test, and sockets with a path. */
-*path.* /
 #define _GNU_SOURCE
 #include "bus/eoe/place.h"
 
