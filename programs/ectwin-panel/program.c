@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "bus/control/endpoint.h"
+#include "bus/net/rights.h"
 #include "server.h"
 #include "text/argument.h"
 
@@ -95,6 +96,15 @@ static void open_browser(arguments_t *args, const char *url)
     }
 }
 
+/* From here on the panel serves strangers: it opens no file for writing, starts no program, makes no other sockets than
+ * local ones. */
+static void drop_rights(void)
+{
+    char message[ECT_RIGHTS_MESSAGE];
+    if (ect_rights_drop(ECT_RIGHTS_CLIENT, message) < 0)
+        fprintf(stderr, "ectwin panel: %s\n", message);
+}
+
 static void ready(void *ctx, unsigned int port)
 {
     arguments_t *args = ctx;
@@ -102,10 +112,11 @@ static void ready(void *ctx, unsigned int port)
     char url[160];
     snprintf(url, sizeof url, "http://%s%s%s:%u/#%s", six ? "[" : "", args->server.address, six ? "]" : "", port,
              args->server.token);
-    printf("{\"event\":\"ready\",\"url\":\"%s\"}\n", url);
-    fflush(stdout);
     if (args->open)
         open_browser(args, url);
+    drop_rights();
+    printf("{\"event\":\"ready\",\"url\":\"%s\"}\n", url);
+    fflush(stdout);
 }
 
 int main(int argc, char **argv)

@@ -232,6 +232,17 @@ def tokens():
         check("SEC: a page under another name of this machine is refused", False, page.status == 101)
 
 
+def confined():
+    """The rights and system calls of the server."""
+    with running() as panel:
+        lines = pathlib.Path(f"/proc/{panel.process.pid}/status").read_text().splitlines()
+        status = dict(line.split(":\t", 1) for line in lines if ":\t" in line)
+        check("SEC: no capability, and no program can give one", ("0000000000000000", "1"), (status["CapEff"], status["NoNewPrivs"]))
+        libraries = subprocess.run(["ldd", f"/proc/{panel.process.pid}/exe"], capture_output=True, text=True).stdout
+        if "libseccomp" in libraries:
+            check("SEC: system calls are filtered", "2", status["Seccomp"])
+
+
 def signals():
     with running() as panel, twins("gripper=fzm1,pmctendo-dd5"):
         page = Page(panel, panel.token)
@@ -344,7 +355,7 @@ def patience():
         check("the others stay", {"ok": True}, good.request(bus, {"op": "set", "name": "data1", "value": 4}, 6))
 
 
-CASES = (pages, browsers, tokens, signals, buses, hostile, patience)
+CASES = (pages, browsers, tokens, confined, signals, buses, hostile, patience)
 
 
 def main():

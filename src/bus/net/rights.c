@@ -41,7 +41,8 @@ int ect_rights_drop(unsigned int keep, char *message)
         step = "no_new_privs";
     if (!drop_capabilities(keep))
         step = "giving up capabilities";
-    if (ect_sandbox_enter((keep & ECT_RIGHTS_CHILDREN) != 0, (keep & ECT_RIGHTS_FILES) != 0) < 0)
+    if (ect_sandbox_enter((keep & ECT_RIGHTS_CHILDREN) != 0, (keep & ECT_RIGHTS_FILES) != 0,
+                          (keep & ECT_RIGHTS_CLIENT) != 0) < 0)
         step = "the filter of system calls";
     if (!step)
         return 0;

@@ -19,12 +19,14 @@ typedef enum ect_rights {
     ECT_RIGHTS_LINK = 1,     /**< CAP_NET_ADMIN, to take an interface down at the end */
     ECT_RIGHTS_CHILDREN = 2, /**< to signal and await other processes */
     ECT_RIGHTS_FILES = 4,    /**< to open files for writing, and to rename them */
+    ECT_RIGHTS_CLIENT = 8,   /**< to find local stream sockets, and to connect to them */
 } ect_rights_t;
 
 /**
  * Gives up, for good, every right that running twins do not need: capabilities, also those that a program started from
  * here could get (no_new_privs), and, where ectwin was built with libseccomp, every system call but those of the loop.
- * No file can then be opened for writing (but with ECT_RIGHTS_FILES), no connection made, no program started.
+ * No file can then be opened for writing (but with ECT_RIGHTS_FILES), no connection made (but with ECT_RIGHTS_CLIENT),
+ * no program started.
  * @param keep          ORed ect_rights_t
  * @param[out] message  on failure one line for the user; ECT_RIGHTS_MESSAGE bytes
  * @return 0 · -1: a step was not possible; the others are done

@@ -105,6 +105,9 @@ static const int with_children[] = {
 /* Files that a master writes are opened and renamed. */
 static const int with_files[] = {SCMP_SYS(openat), SCMP_SYS(rename), SCMP_SYS(renameat), SCMP_SYS(renameat2)};
 
+/* Connections to local sockets, which are found in a folder. socket() makes no others. */
+static const int with_client[] = {SCMP_SYS(connect), SCMP_SYS(getdents), SCMP_SYS(getdents64), SCMP_SYS(getpeername)};
+
 /* The calls that the sanitizers need to report leaks at the end. */
 #ifdef __SANITIZE_ADDRESS__
 static const int sanitizers[] = {
@@ -198,7 +201,7 @@ static int allow_in_part(scmp_filter_ctx filter)
     return error;
 }
 
-int ect_sandbox_enter(bool children, bool files)
+int ect_sandbox_enter(bool children, bool files, bool client)
 {
     scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(ENOSYS));
     if (!filter) {
@@ -210,6 +213,7 @@ int ect_sandbox_enter(bool children, bool files)
     error = error != 0 ? error : allow(filter, running, COUNT(running));
     error = error != 0 ? error : allow(filter, with_children, children ? COUNT(with_children) : 0);
     error = error != 0 ? error : allow(filter, with_files, files ? COUNT(with_files) : 0);
+    error = error != 0 ? error : allow(filter, with_client, client ? COUNT(with_client) : 0);
     error = error != 0 ? error : allow(filter, sanitizers, COUNT(sanitizers));
     error = error != 0 ? error : allow_in_part(filter);
     error = error != 0 ? error : seccomp_load(filter);

@@ -27,7 +27,7 @@ static struct kernel {
 /* A sanitizer in the program calls some of them too, before the tests begin: other limits are the kernel's. */
 int __wrap_prctl(int option, ...);
 long __wrap_syscall(long number, ...);
-int __wrap_ect_sandbox_enter(bool children, bool files);
+int __wrap_ect_sandbox_enter(bool children, bool files, bool client);
 int __wrap_sched_setscheduler(pid_t pid, int policy, const struct sched_param *parameters);
 int __wrap_mlockall(int flags);
 int __wrap_setrlimit(int resource, const struct rlimit *limit);
@@ -80,9 +80,9 @@ long __wrap_syscall(long number, ...)
     return fails("capset") ? -1 : 0;
 }
 
-int __wrap_ect_sandbox_enter(bool children, bool files)
+int __wrap_ect_sandbox_enter(bool children, bool files, bool client)
 {
-    note("sandbox%s%s\n", children ? " children" : "", files ? " files" : "");
+    note("sandbox%s%s%s\n", children ? " children" : "", files ? " files" : "", client ? " client" : "");
     return fails("sandbox") ? -1 : 0;
 }
 
@@ -141,6 +141,7 @@ static void giving_up(void **state)
         {"a link without the right to it", ECT_RIGHTS_LINK, 1u << CAP_NET_RAW, {0}, NULL, BEGIN NONE "sandbox\n"},
         {"children", ECT_RIGHTS_CHILDREN, 0, {0}, NULL, BEGIN NONE "sandbox children\n"},
         {"files", ECT_RIGHTS_FILES, 0, {0}, NULL, BEGIN NONE "sandbox files\n"},
+        {"a client", ECT_RIGHTS_CLIENT, 0, {0}, NULL, BEGIN NONE "sandbox client\n"},
         {"no no_new_privs",
          0,
          1,

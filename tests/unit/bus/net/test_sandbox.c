@@ -2,6 +2,7 @@
 /* Each system call that docs/SECURITY.md denies to a running twin (bus/net/sandbox.h), tried in a process of its own.
  */
 #define _GNU_SOURCE
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/seccomp.h>
@@ -150,6 +151,15 @@ static long connect_local(void)
     return fd < 0 ? 0 : connect(fd, (const struct sockaddr *)&address, sizeof address);
 }
 
+static long list_folder(void)
+{
+    DIR *folder_of_test = opendir(".");
+    long result = folder_of_test && readdir(folder_of_test) ? 0 : -1;
+    if (folder_of_test)
+        closedir(folder_of_test);
+    return result;
+}
+
 static long start_program(void)
 {
     char *const none[] = {NULL};
@@ -296,14 +306,14 @@ typedef struct call {
 enum { ALLOWED = 0, DENIED = 1, NO_FILTER = 2, REFUSED = 3 };
 
 /* The result of a call behind the filter, in a process of its own. */
-static int try(long (*call)(void), bool children, bool files)
+static int try(long (*call)(void), bool children, bool files, bool client)
 {
     int status = 0;
     fflush(NULL);
     pid_t pid = fork();
     assert_true(pid >= 0);
     if (pid == 0) {
-        if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) < 0 || ect_sandbox_enter(children, files) != 0)
+        if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) < 0 || ect_sandbox_enter(children, files, client) != 0)
             _exit(REFUSED);
         if (prctl(PR_GET_SECCOMP, 0, 0, 0, 0) == 0)
             _exit(NO_FILTER);
@@ -332,16 +342,16 @@ static void skip_without_filter(void)
     const uint32_t action = SECCOMP_RET_ERRNO;
     if (syscall(SYS_seccomp, SECCOMP_GET_ACTION_AVAIL, 0, &action) < 0)
         skip();
-    if (try(open_reading, false, false) == NO_FILTER)
+    if (try(open_reading, false, false, false) == NO_FILTER)
         skip(); /* built without libseccomp */
 }
 
-static void expect(const call_t *calls, size_t count, int want, bool children, bool files)
+static void expect(const call_t *calls, size_t count, int want, bool children, bool files, bool client)
 {
     for (size_t i = 0; i < count; i++) {
         if (sanitized() && calls[i].sanitizer)
             continue;
-        int got = try(calls[i].call, children, files);
+        int got = try(calls[i].call, children, files, client);
         if (got != want)
             fail_msg("%s: expected %s, got %d", calls[i].what, want == DENIED ? "ENOSYS" : "success", got);
     }
@@ -390,9 +400,13 @@ static void denied(void **state)
     };
     (void)state;
     skip_without_filter();
-    expect(writing_files, sizeof writing_files / sizeof writing_files[0], DENIED, false, false);
-    expect(calls, sizeof calls / sizeof calls[0], DENIED, false, false);
-    expect(calls, 16, DENIED, false, true); /* --files opens and renames files, and nothing else */
+    expect(writing_files, sizeof writing_files / sizeof writing_files[0], DENIED, false, false, false);
+    expect(calls, sizeof calls / sizeof calls[0], DENIED, false, false, false);
+    expect(calls, 16, DENIED, false, true, false); /* --files opens and renames files, and nothing else */
+    /* A client connects and lists folders, and nothing else. */
+    expect(writing_files, sizeof writing_files / sizeof writing_files[0], DENIED, false, false, true);
+    expect(calls, 10, DENIED, false, false, true);
+    expect(calls + 11, sizeof calls / sizeof calls[0] - 11, DENIED, false, false, true);
     struct stat info;
     assert_int_equal(stat("file", &info), 0);
     assert_int_equal(info.st_size, 7);
@@ -408,19 +422,21 @@ static void allowed(void **state)
     };
     static const call_t with_files[] = {{"open for writing", open_writing, false}, {"rename", rename_and_back, false}};
     static const call_t with_children[] = {{"kill", signal_another, false}, {"wait", await_child, false}};
+    static const call_t with_client[] = {{"connect", connect_local, false}, {"list a folder", list_folder, false}};
     static const unsigned long requests[] = {SIOCGIFFLAGS, SIOCSIFFLAGS, SIOCGIFHWADDR, SIOCGIFINDEX, SIOCETHTOOL,
                                              SIOCGSTAMPNS, FIONREAD,     TCGETS,        TIOCGWINSZ};
     (void)state;
     skip_without_filter();
-    expect(calls, sizeof calls / sizeof calls[0], ALLOWED, false, false);
-    expect(with_files, 2, ALLOWED, false, true);
-    expect(with_children, 2, ALLOWED, true, false);
+    expect(calls, sizeof calls / sizeof calls[0], ALLOWED, false, false, false);
+    expect(with_files, 2, ALLOWED, false, true, false);
+    expect(with_children, 2, ALLOWED, true, false, false);
+    expect(with_client, 2, ALLOWED, false, false, true);
     for (size_t i = 0; i < sizeof requests / sizeof requests[0]; i++) {
         char title[32];
         const call_t one = {title, ask, false};
         snprintf(title, sizeof title, "ioctl %lx", requests[i]);
         request = requests[i];
-        expect(&one, 1, ALLOWED, false, false);
+        expect(&one, 1, ALLOWED, false, false, false);
     }
 }
 
