@@ -295,6 +295,9 @@ static void init(void *unused, const ect_host_t *host, uint64_t now_ns)
     (void)now_ns;
     APP_safeoutput();
     COE_initDefaultValues();
+#if USE_EOE
+    ect_soes_network_init();
+#endif
 }
 
 ect_slave_config_t ect_soes_slave_config(void)

@@ -17,12 +17,23 @@ void ESC_eoeprocess_tx(void)
 
 #if USE_EOE
 static eoe_cfg_t *host;
+static ect_eoe_address_t early; /* set before ecat_slv_init, which clears the instance */
 
 /* --- the address -------------------------------------------------------------------------------------------------- */
 
+static bool is_started(void)
+{
+    return ect_soes.slave.config.instance != NULL;
+}
+
 static ect_eoe_address_t *address(void)
 {
-    return &ect_soes_instance.eoe.address;
+    return is_started() ? &ect_soes_instance.eoe.address : &early;
+}
+
+void ect_soes_network_init(void)
+{
+    *address() = early;
 }
 
 static int get(uint8_t port, uint8_t flag, void *to, const void *from, size_t size)
@@ -194,7 +205,8 @@ void EOE_config(eoe_cfg_t *cfg)
 
 void EOE_init(void)
 {
-    ect_eoe_reset(&ect_soes_network.protocol, &ect_soes.slave);
+    if (is_started()) /* before ecat_slv_init no frame is under way */
+        ect_eoe_reset(&ect_soes_network.protocol, &ect_soes.slave);
 }
 
 const ect_eoe_t ect_soes_network = {

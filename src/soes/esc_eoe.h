@@ -52,7 +52,9 @@ int EOE_ecat_get_dns_ip(uint8_t port, uint32_t *dns_ip);
 /** @param[out] dns_name  32 bytes, padded with zeros */
 int EOE_ecat_get_dns_name(uint8_t port, char *dns_name);
 
-/** Sets a part of the address, which is known from then on. @return 0 · -1: another port than 0 */
+/** Sets a part of the address, which is known from then on; also before ecat_slv_init. @return 0 · -1: another port
+ * than
+ * 0 */
 int EOE_ecat_set_mac(uint8_t port, uint8_t mac[]);
 int EOE_ecat_set_ip(uint8_t port, uint32_t ip);
 int EOE_ecat_set_subnet(uint8_t port, uint32_t subnet);
@@ -64,7 +66,7 @@ int EOE_ecat_set_dns_name(uint8_t port, char *dns_name);
 /** Keeps the callbacks. Before ecat_slv_init. Without a call, frames are dropped and set IP is refused with
  * EOE_RESULT_NO_IP_SUPPORT. */
 void EOE_config(eoe_cfg_t *cfg);
-/** Drops frames of both directions that are under way. */
+/** Drops frames of both directions that are under way. Before ecat_slv_init there are none. */
 void EOE_init(void);
 /** Nothing is left to do: ::ESC_state does it. For loops that are made of the pieces. */
 void ESC_eoeprocess(void);

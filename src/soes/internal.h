@@ -63,6 +63,8 @@ extern const ect_foe_t ect_soes_files;
 
 /* --- esc_eoe.c, with USE_EOE -------------------------------------------------------------------------------------- */
 extern const ect_eoe_t ect_soes_network;
+/* In the device's init: the address has the parts that the application has set before ecat_slv_init. */
+void ect_soes_network_init(void);
 
 /* --- application.c, or the firmware ------------------------------------------------------------------------------- */
 /* The configuration of the slave; `pdi` NULL: ESC_read and ESC_write. Once, in ecat_slv_init. */

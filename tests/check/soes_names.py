@@ -5,7 +5,7 @@ import re
 import sys
 
 ROOT = pathlib.Path(sys.argv[1])
-API = [ROOT / "src/soes" / f"{name}.h" for name in ("cc", "ecat_slv", "esc", "esc_coe", "esc_eep", "esc_foe", "options")]
+API = [ROOT / "src/soes" / f"{name}.h" for name in ("cc", "ecat_slv", "esc", "esc_coe", "esc_eep", "esc_eoe", "esc_foe", "options")]
 TESTS = [*ROOT.glob("tests/unit/soes/test_soes*.c"), *ROOT.glob("tests/soes/*.[ch]")]
 UNUSED = {  # names without a meaning of their own, or members of a used structure
     "CC_PACKED_BEGIN", "CC_PACKED_END", "CC_PACKED", "CC_ALIGNED", "CC_DEPRECATED", "EC_LITTLE_ENDIAN", "EC_BIG_ENDIAN",

@@ -7,7 +7,9 @@
 #ifndef USE_EOE
 #define USE_EOE 0
 #endif
-#define MBXSIZE     64
+#ifndef MBXSIZE
+#define MBXSIZE 64
+#endif
 #define MBXSIZEBOOT 128
 #define SM2_sma     0x1200
 #define SM3_sma     0x1400

@@ -276,6 +276,30 @@ static void address_functions(void **state)
     assert_int_equal(EOE_ecat_set_dns_name(1, long_name), -1);
 }
 
+/* As applications of SOES start: the address and EOE_init come before ecat_slv_init. */
+static void before_the_slave(void **state)
+{
+    static const uint8_t get_ip[] = {6, 1, 0, 0};
+    uint8_t mac[6] = {2, 1, 2, 3, 4, 5}, got[6], data[ROOM];
+    uint32_t ip = 0;
+    (void)state;
+    memset(&ect_soes, 0, sizeof ect_soes);
+    callbacks.load_eth_settings = NULL;
+    EOE_config(&callbacks);
+    EOE_init();
+    assert_int_equal(EOE_ecat_set_mac(0, mac), 0);
+    assert_int_equal(EOE_ecat_set_ip(0, 0xC0A80A14), 0);
+    assert_int_equal(EOE_ecat_get_ip(0, &ip), 0);
+    ect_soes_clock(now);
+    ecat_slv_init(&config);
+    wire_go(&w, 0, ECT_STATE_PREOP);
+    assert_int_equal(EOE_ecat_get_mac(0, got), 0);
+    assert_memory_equal(got, mac, sizeof mac);
+    send_data(get_ip, sizeof get_ip);
+    assert_int_equal(receive(data), HEADER + 4 + 6 + 4);
+    assert_memory_equal(data + HEADER + 4, mac, sizeof mac);
+}
+
 static void without_callbacks(void **state)
 {
     static const uint8_t set[] = {2, 1, 0, 0, 2, 0, 0, 0, 0x14, 0x0A, 0xA8, 0xC0};
@@ -301,6 +325,8 @@ int main(void)
          NULL},
         {"EOE-060 EOE-062: addresses are numbers, with -1 for what is not known", address_functions, setup, teardown,
          NULL},
+        {"EOE-060: an address that is set before ecat_slv_init is kept, and EOE_init may be called there",
+         before_the_slave, setup, teardown, NULL},
         {"EOE-060: without EOE_config set IP is refused and frames are dropped", without_callbacks, setup, teardown,
          NULL},
     };

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# A board with a network address: it takes an address, and answers ARP and ping in frames of each length over EoE.
-# usage: board_eoe.sh CONFORM IFACE
+# A slave with a network address, a board or a program: it takes an address, and answers ARP and ping in frames of each length over EoE.
+# usage: eoe_answers.sh CONFORM IFACE [OPTION...]
 set -u
 # shellcheck source=tests/support/check.sh
 . "$(dirname "$0")/../support/check.sh"
-report=$("$1" -i "$2" --emulated --only 'CF-085,CF-E01,CF-E02,CF-E05,CF-E06,CF-E09,CF-E11' 2>&1)
+report=$("$1" -i "$2" "${@:3}" --only 'CF-085,CF-E01,CF-E02,CF-E05,CF-E06,CF-E09,CF-E11' 2>&1)
 check "exit status" 0 $?
 on_failure() { printf '%s\n' "$report"; }
 check "all cases are judged" "7 pass, 0 warn, 0 fail, 0 skip" "$(sed -n 's/^7 of 7 cases in [0-9.]* s: //p' <<<"$report")"
