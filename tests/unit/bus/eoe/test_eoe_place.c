@@ -24,8 +24,8 @@
 
 #define COUNT(table) (sizeof(table) / sizeof((table)[0]))
 
-    /* The kernel's side of a TAP. */
-    static struct {
+/* The kernel's side of a TAP. */
+static struct {
     int open_error, take_error, flags_error; /* 0: the call succeeds */
     char asked[IFNAMSIZ];                    /* the name that TUNSETIFF has */
     short taken, flags, set;                 /* its flags; those of the interface; those that were set, 0: none */
