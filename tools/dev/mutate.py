@@ -4,6 +4,7 @@
 usage: tools/dev/mutate.py [OPTION...] [--near | --tests NAME,...] [ROOM...]   (600 s, seed 1, rooms od esc slave sii)
        tools/dev/mutate.py [OPTION...] conform                                 the judgements of ectwin-conform
        tools/dev/mutate.py [OPTION...] bus/inprocess                           the libraries of `ectwin with --in-process`
+       tools/dev/mutate.py [OPTION...] programs/ectwin                         a program, judged by the tests that run it
        tools/dev/mutate.py --help                                              all options and rooms
 
 A mutant is one change in one function: a comparison, an operator, a constant, a condition negated, a statement left out. It is
@@ -12,11 +13,16 @@ notices is printed with its file and line. Mutants are drawn at random until the
 sample on every machine. Mutants without any visible effect are listed, each with the reason, in tests/budget/equivalent and do not
 count.
 
-Needs what tools/test.sh needs. Works below build/mutate; the tree stays as it is.
+The tests of a program are those of CTest named in PROGRAMS: unit tests of its library, and scripts that run it. A script notices a
+mutant when it fails twice.
+
+Needs what tools/test.sh needs. Works below build/mutate and build/mutate-programs; the tree stays as it is.
 """
 import argparse
 import concurrent.futures
 import contextlib
+import fnmatch
+import functools
 import json
 import os
 import pathlib
@@ -35,10 +41,22 @@ BUILD = ROOT / "build/mutate"
 EQUIVALENT = ROOT / "tests/budget/equivalent"
 LINK = ["--coverage", "-fsanitize=undefined", "-fsanitize=leak"]
 CONFORM = ROOT / "programs/ectwin-conform"
+LONGEST = 120  # s that a test may take
 JUDGEMENTS = ["runner.c", "sha256.c", "report/decode.c", "report/words.c", "steps/expect.c", "steps/record.c", "steps/support.c",
               "steps/undo.c", "steps/verdict.c"]
 
-ROOMS = ["od", "esc", "slave", "sii", "esi", "eni", "buses", "facts", "check", "reader", "profiles"]
+# The tests of each program, by name in CTest. A script here takes seconds, and writes to no fixed folder.
+PROGRAMS = {
+    "programs/ectwin": ["test_library", "test_facts*", "test_verify*", "test_eni_*", "bus_file", "bus_options", "clone",
+                        "command", "completion", "control", "eni", "esi_files", "external", "modbus_command", "replay", "save_bus",
+                        "scenarios", "session", "verify"],
+    "programs/ectwin-board": ["lan9252"],
+    "programs/ectwin-conform": ["test_conform_*", "conformance", "conform_others", "conform_defects", "conform_command"],
+    "programs/ectwin-panel": ["test_panel_*", "panel"],
+    "programs/ectwin-probe": ["capture", "lies", "replay", "verify"],
+}
+
+NOT_ALONE = ["soes", "ports/soes_hal"]  # compiled with each application
 
 SWAPS = {
     " == ": " != ", " != ": " == ", " < ": " <= ", " <= ": " < ", " > ": " >= ", " >= ": " > ", " && ": " || ",
@@ -52,6 +70,7 @@ CONDITION = re.compile(r"\b(?:if|while) \((.*)\)(?: \{)?$")
 STATEMENT = re.compile(r"^\s+(?:\(void\))?\*?[a-z]\w*(?:(?:->|\.)\w+|\[[^\]]*\])*(?:\(.*\)|(?: [|&^+-]?= .*)|\+\+|--);$")
 FUNCTION = re.compile(r"^[a-z][\w *]*?(\w+)\(")
 ROOM = re.compile(r"^\s+(?:\w+ )+\w+\[(?:\w+ \+ )?$|alloc\([^;]*$")  # of memory: more of it changes nothing
+ELEMENT = re.compile(r"sizeof [\w.>-]+\[$")  # all of an array have one size
 HIDDEN = re.compile(r'/\*[\s\S]*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|^[ \t]*#(?:\\\n|[^\n])*', re.M)
 
 
@@ -87,6 +106,8 @@ def changes(line, hidden):
         yield match.start(), match.end(), SWAPS[match[0]]
     for match in NUMBER.finditer(hidden):
         value, layout = number_and_format(match[0])
+        if ELEMENT.search(hidden[:match.start()]):
+            continue
         if not ROOM.search(hidden[:match.start()]):
             yield match.start(), match.end(), layout.format(value + 1)
         if value > 1:
@@ -146,11 +167,17 @@ class Program:
     calls (-Wl,--wrap) is linked as CMake links it, because a shared library would call past the wrappers."""
 
     LEAKS = "-fsanitize=leak"  # a block that is not freed is noticed, as under asan
+    FLAGS = "-fPIC -O0 -w --coverage"
+    TIMES = 1  # a test fails before a mutant is noticed
+    PATIENCE = (2, 10)  # a test ends in so many seconds, and times what it takes without a mutant
+
+    def configure(self):
+        run("cmake", "--preset", "dev", "-B", str(BUILD), "-DECTWIN_SANITIZE=undefined", f"-DCMAKE_C_FLAGS={self.FLAGS}",
+            "-DCMAKE_C_FLAGS_DEBUG=", f"-DCMAKE_EXE_LINKER_FLAGS={self.LEAKS}", cwd=ROOT)
 
     def build(self, *targets):
         """Builds targets, or all. Returns target -> source -> Compiled."""
-        run("cmake", "--preset", "dev", "-B", str(BUILD), "-DECTWIN_SANITIZE=undefined", "-DCMAKE_C_FLAGS=-fPIC -O0 -w --coverage",
-            "-DCMAKE_C_FLAGS_DEBUG=", f"-DCMAKE_EXE_LINKER_FLAGS={self.LEAKS}", cwd=ROOT)
+        self.configure()
         run("cmake", "--build", str(BUILD), *(["--target", *targets] if targets else []))
         found = {}
         for entry in json.loads((BUILD / "compile_commands.json").read_text()):
@@ -196,13 +223,19 @@ class Program:
             instead = work / ("own.o" if own else "mutant.o")
             if own and not own.compile(changed, instead):
                 raise RuntimeError(f"{source} as {name} has it")
-            return link_as_built(f"tests/{name}", work / name, instead, own)
+            return self.link_wrapped(name, work / name, instead, own)
         if not own:
             return self.tests[name]
         program = work / name
         if not own.compile(changed, work / "own.o") or self.link_test(name, program, {source: work / "own.o"}).returncode != 0:
             raise RuntimeError(f"{source} as {name} has it")
         return program
+
+    def link_wrapped(self, name, program, instead, own):
+        try:
+            return link_as_built(f"tests/{name}", program, instead, own)
+        except subprocess.CalledProcessError:  # its libraries have no part of this source
+            return self.tests[name]
 
     def command(self, name, program, folder):
         """How to run a test: words and environment. `folder` has the library with the mutant."""
@@ -224,9 +257,8 @@ class Program:
                 data.unlink()
             begin = time.monotonic()
             words, variables = self.command(name, program, BUILD)
-            ended = subprocess.run(words, cwd=ROOT, env=variables, capture_output=True, check=False, timeout=120)
-            if ended.returncode != 0:
-                print(f"{name} fails without a mutant: left out", file=sys.stderr)
+            if not passes(words, variables, LONGEST):
+                print(f"{name} fails, is skipped or takes more than {LONGEST} s without a mutant: left out", file=sys.stderr)
                 continue
             self.seconds[name] = time.monotonic() - begin
             for source in sources:
@@ -317,7 +349,71 @@ class InProcess(Program):
                                   ECTWIN_INPROCESS_MARK="/dev/null", ECTWIN_INPROCESS_CWD="/")
 
 
-APART = {"conform": Conform, "bus/inprocess": InProcess}  # rooms with tests of their own
+class Installed(Program):
+    """A program, with the tests of CTest that run it. A mutant is linked into a folder that has the other programs and libraries of the
+    build too, because they find each other there; the folder takes the place of the build in the command of a test."""
+
+    FLAGS = "-fPIC -O0 -w"  # coverage would write to the standard error of programs whose output the scripts compare
+    TIMES = 2  # scripts start processes and wait for them
+    PATIENCE = (10, 3)
+
+    def __init__(self, room):
+        self.LEAKS = Program.LEAKS if room == "programs/ectwin-panel" else ""  # --in-process replaces functions of threads, too
+        global BUILD
+        BUILD = ROOT / "build/mutate-programs"
+        self.configure()
+        self.ctest = {name: test for name, test in ctest().items() if any(fnmatch.fnmatch(name, known) for known in PROGRAMS[room])}
+        outputs = {line.split(":")[0] for line in run_for_text("ninja", "-C", str(BUILD), "-t", "targets", "all").splitlines()}
+        words = {w.removeprefix(f"{BUILD}/") for command, _ in self.ctest.values() for w in command}
+        beside = {o for o in outputs if re.fullmatch(r"ectwin(-panel|-probe)?|libectwin(-real|-virtual)?\.so(\.[\d.]+)?", o)}
+        self.beside, self.linked = beside, sorted((words | beside | {pathlib.Path(room).name}) & outputs)
+        targets = self.build(*self.linked)
+        folder = ROOT / room
+        self.core = {s: c for sources in targets.values() for s, c in sources.items() if folder in s.parents and c.object.exists()}
+        self.own = {name: {} for name in self.ctest}
+        self.tests = {name: None for name in self.ctest}
+        self.links = {name: link_command(name) for name in self.linked if not (BUILD / name).is_symlink()}
+
+    def link(self, library, instead):
+        """Links every program and library that has the source, and puts the others of the build beside them."""
+        (source, mutant), = instead.items()
+        work, own = library.parent, self.core[source]
+        for name in self.beside:
+            (work / name).symlink_to(os.readlink(BUILD / name)) if (BUILD / name).is_symlink() else os.link(BUILD / name, work / name)
+        for name, command in self.links.items():
+            archive = str(own.object.relative_to(BUILD)).split("/CMakeFiles/")[0] + f"/lib{own.target}.a"
+            is_own = any((BUILD / word) == own.object for word in command)
+            if is_own or archive in command:
+                (work / name).unlink(missing_ok=True)
+                (work / name).parent.mkdir(parents=True, exist_ok=True)
+                link_as_built(name, work / name, mutant, own if is_own else None)
+
+    def with_mutant(self, name, source, changed, work):
+        return None
+
+    def tests_beside(self, source):
+        return sorted(self.seconds, key=self.seconds.get)
+
+    def command(self, name, program, folder):
+        command, given = self.ctest[name]
+        words = [str(folder / w.removeprefix(f"{BUILD}/")) if (folder / w.removeprefix(f"{BUILD}/")).is_file() else w
+                 for w in command]
+        return words, environment(folder, **dict(g.split("=", 1) for g in given.split(";") if g))
+
+
+def ctest():
+    """name -> (command, environment) of each test. CTest lists no command whose program is yet to be built."""
+    found = {}
+    for path in BUILD.rglob("CTestTestfile.cmake"):
+        for name, command in re.findall(r"^add_test\(\[=\[(.*?)\]=\] (.*)\)$", path.read_text(), re.M):
+            found[name] = (shlex.split(command.replace("\\$", "$")), "")
+        for name, value in re.findall(r'^set_tests_properties\(\[=\[(.*?)\]=\] PROPERTIES .*?\bENVIRONMENT "(.*?)"', path.read_text(), re.M):
+            found[name] = (found[name][0], value)
+    return found
+
+
+APART = {"conform": Conform, "bus/inprocess": InProcess,  # rooms with tests of their own
+         **{room: functools.partial(Installed, room) for room in PROGRAMS}}
 
 
 def link_command(target):
@@ -346,12 +442,14 @@ def run_for_text(*command):
 def sources_of(room):
     if room == "conform":
         return [CONFORM / name for name in JUDGEMENTS]
+    if room in PROGRAMS:
+        return sorted((ROOT / room).rglob("*.c"))
     return sorted((ROOT / "src" / room).rglob("*.c") if room == "profiles" else (ROOT / "src" / room).glob("*.c"))
 
 
 def all_rooms():
-    folders = {p.parent for room in ("bus", "devices") for p in (ROOT / "src" / room).rglob("*.c")}
-    return ROOMS + sorted(str(f.relative_to(ROOT / "src")) for f in folders) + ["conform"]
+    folders = {str(p.parent.relative_to(ROOT / "src")) for p in (ROOT / "src").rglob("*.c")}
+    return [*sorted(folders - set(NOT_ALONE)), "profiles", "conform", *PROGRAMS]
 
 
 def tests_near(rooms):
@@ -393,15 +491,23 @@ def verdict(program, reached, mutant):
         program.link(work / "libcore.so", {source: work / "mutant.o"})
         for name in dict.fromkeys([*reached.get((source, mutant["line"]), []), *program.tests_beside(source)]):
             words, variables = program.command(name, program.with_mutant(name, source, changed, work), work)
-            if not passes(words, {**variables, "GCOV_PREFIX": folder}, 2 + 10 * program.seconds[name]):
+            variables = {**variables, "GCOV_PREFIX": folder}
+            seconds = program.PATIENCE[0] + program.PATIENCE[1] * program.seconds[name]
+            if all(not passes(words, variables, seconds) for _ in range(program.TIMES)):
                 return name
     return None
+
+
+def default_signals():
+    """A shell ignores signals for a command in the background, and its children inherit that; scripts send them."""
+    for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT):
+        signal.signal(number, signal.SIG_DFL)
 
 
 def passes(words, variables, seconds):
     """Runs a test, and ends it with all that it has started."""
     test = subprocess.Popen(words, cwd=ROOT, env=variables, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                            stderr=subprocess.DEVNULL, start_new_session=True)
+                            stderr=subprocess.DEVNULL, start_new_session=True, preexec_fn=default_signals)
     try:
         return test.wait(seconds) == 0
     except subprocess.TimeoutExpired:
@@ -447,12 +553,15 @@ def judge(arguments):
 
     survivors, tried = 0, 0
 
+    def enough(mutant):
+        return tried >= arguments.count or counts[room_of[mutant["source"]]][0] >= arguments.each
+
     def one(mutant):
-        return (mutant, verdict(program, reached, mutant)) if time.monotonic() < end and tried < arguments.count else (mutant, "")
+        return (mutant, verdict(program, reached, mutant)) if time.monotonic() < end and not enough(mutant) else (mutant, "")
 
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for mutant, noticed in pool.map(one, todo):
-            if noticed == "" or tried == arguments.count:
+            if noticed == "" or enough(mutant):
                 continue
             tried += 1
             room = room_of[mutant["source"]]
@@ -468,6 +577,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0], epilog=f"Rooms: {' '.join(all_rooms())}.")
     parser.add_argument("--seconds", type=float, default=600)
     parser.add_argument("--count", type=int, default=sys.maxsize, help="end after this many mutants")
+    parser.add_argument("--each", type=int, default=sys.maxsize, help="try at most this many mutants of a room")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--near", action="store_true",
                         help="build and run only the unit tests of the rooms and those that include their headers: minutes less, but a "
@@ -475,7 +585,7 @@ def main():
     parser.add_argument("--tests", type=lambda names: names.split(","), default=[], metavar="NAME,...",
                         help="build and run only these unit tests; a mutant that only others notice survives")
     parser.add_argument("rooms", nargs="*", metavar="ROOM", default=["od", "esc", "slave", "sii"],
-                        help="folders below src; conform, alone: the judgements of ectwin-conform")
+                        help="folders below src; alone: conform, the judgements of ectwin-conform; or a program")
     arguments = parser.parse_args()
     unknown = [room for room in arguments.rooms if room not in all_rooms()]
     if unknown:
