@@ -138,9 +138,9 @@ arguments_t read_arguments(int argc, char **argv)
         .options = options,
         .parser = parse,
         .args_doc = "DEVICE",
-        .doc =
-            "One of ectwin's devices on an EtherCAT slave controller LAN9252 behind SPI, e.g. on a Raspberry Pi with a "
-            "HAT, until SIGINT, SIGTERM or SIGHUP.",
+        .doc = "Runs one of ectwin's devices with an EtherCAT slave controller LAN9252 on SPI, e.g. on a Raspberry Pi "
+               "with a "
+               "HAT, until SIGINT, SIGTERM or SIGHUP.",
     };
     arguments_t args = {.spi = "/dev/spidev0.0", .speed_hz = DEFAULT_HZ, .poll_us = DEFAULT_POLL_US};
     argp_err_exit_status = 1;

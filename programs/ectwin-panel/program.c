@@ -27,9 +27,10 @@ typedef struct arguments {
 static const struct argp_option options[] = {
     {"port", 'p', "PORT", 0, "TCP port of the panel; 0 (default): any that is free", 0},
     {"open", 'o', NULL, 0, "Open the panel in the browser of this desktop (xdg-open)", 0},
-    {"view", KEY_VIEW, NULL, 0, "Show everything, change nothing", 0},
+    {"view", KEY_VIEW, NULL, 0, "Refuse all changes: the page is read-only", 0},
     {"bind", KEY_BIND, "ADDRESS", 0,
-     "Listen at this numeric address in place of 127.0.0.1. There is no encryption: everybody on the way can read the "
+     "Listen at this numeric address in place of 127.0.0.1. There is no encryption: everybody on the network path can "
+     "read the "
      "token, and change the twins",
      0},
     {0}};
@@ -140,7 +141,8 @@ int main(int argc, char **argv)
     request_write_token(bits, args.server.token);
     if (!request_is_loopback(args.server.address))
         fprintf(stderr,
-                "%s: listens at %s: everybody on the way can read the token and change the twins; with --view only "
+                "%s: listens at %s: everybody on the network path can read the token and change the twins; with --view "
+                "only "
                 "read them\n",
                 argv[0], args.server.address);
     bool served = server_run(&args.server, argv[0], ready, &args);

@@ -44,7 +44,7 @@ bool request_is_numeric(const char *address);
 /**
  * Checks a request of a page that is to be passed on to a bus.
  * @param view  nothing may be changed
- * @return NULL: it is passed on; else the reason why not, one line for the user
+ * @return NULL: it is passed on; else the reason of the refusal, one line for the user
  */
 const char *request_refused(const cJSON *request, bool view);
 

@@ -174,7 +174,7 @@ int main(int argc, char **argv)
                "values, PDO mappings and assignments by SDO upload. Without --sii and --od it prints one line.\v"
                "A slave in INIT goes to PREOP, and back to INIT at the end; any other state is kept. The only writes "
                "are mailbox requests and the registers of the EEPROM interface. Stop a master that uses the same "
-               "mailbox first: probe and master would fetch each other's replies.\n"
+               "mailbox first: probe and master would receive each other's replies.\n"
                "\n"
                "Exit codes: 0 the slave was read, 1 wrong usage, 2 the interface or a file cannot be opened, 3 the "
                "slave was not read completely; the file then contains the part that was read.",

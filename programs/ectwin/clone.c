@@ -37,11 +37,11 @@ typedef struct args {
 
 static const struct argp_option options[] = {
     {"interface", 'i', "IFACE", 0, "Network interface with the slaves (required)", 0},
-    {"output", 'o', "DIR", 0, "Folder to make (required)", 0},
+    {"output", 'o', "DIR", 0, "Folder to create (required)", 0},
     {"preop", KEY_PREOP, NULL, 0,
      "Take slaves in INIT to PREOP for their dictionaries, and back to INIT (default: read their EEPROMs only)", 0},
     {"beside-master", KEY_BESIDE, NULL, 0,
-     "Read also while another master uses the bus: each may fetch replies of the other (default: refuse)", 0},
+     "Read even while another master uses the bus: each may receive replies of the other (default: refuse)", 0},
     {"blank", KEY_BLANK, "LIST", 0,
      "Leave out of the files: serial, alias, names (of the products), texts (that a master can write), separated by "
      "commas, or none (default serial)",

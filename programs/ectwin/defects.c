@@ -682,7 +682,7 @@ static const defect_row_t rows[] = {
      .after = repeat_is_acknowledged},
     {"CF-024", "the counter of mails comes by 0", MAIL, .length = ANY_MAIL, .at = 5, .change = BITS(0x70, 0x70, 0)},
     {"CF-025", "a request while a reply waits is lost", CUSTOM, .before = second_is_lost, .after = return_hidden},
-    {"CF-026", "a length beyond the mailbox is taken for good", CUSTOM, .before = length_is_trusted},
+    {"CF-026", "a length beyond the mailbox is accepted", CUSTOM, .before = length_is_trusted},
     {"CF-027", "SM0 has no length in the SyncManager category", CATEGORY, .address = ECT_SII_SYNCM, .length = 2,
      .change = ANY(2, 0)},
     {"CF-028", "LRD changes a byte that is not mapped", CUSTOM, .length = 16, .at = 0, .change = FLIPPED(1),

@@ -11,8 +11,10 @@ static const char esi[] = "ectwin esi";
 
 static const struct argp_option options[] = {
     {"output", 'o', "FILE", 0,
-     "Write to FILE (default: standard output); with --all to that folder, made if need be (default: here)", 0},
-    {"all", OUTPUT_KEY_ALL, NULL, 0, "All devices, one file a product family: ectwin-FAMILY.xml", 0},
+     "Write to FILE (default: standard output); with --all to this folder, created if necessary (default: the working "
+     "directory)",
+     0},
+    {"all", OUTPUT_KEY_ALL, NULL, 0, "Write all devices, one file for each product family: ectwin-FAMILY.xml", 0},
     {0},
 };
 

@@ -44,7 +44,7 @@ int command_fault(int argc, char **argv)
         .args_doc = "[FAULT]",
         .doc = "Injects a fault into a running chain, as 'drop 5%' or 'hang slave 2' (docs/FAULTS.md); "
                "'off' ends all faults of frames, mails, SDO transfers and states. "
-               "Without FAULT: lists those that are set."};
+               "Without FAULT: lists the active faults."};
     fault_args_t args = {0};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
     connection_t *connection = connection_open(&args.twin, argv[0]);

@@ -19,10 +19,10 @@ typedef struct args {
 
 static const struct argp_option options[] = {
     {"schema", KEY_SCHEMA, "EtherCATInfo.xsd", 0,
-     "Validate the file against the schema, too (of the EtherCAT Technology Group; the files that it includes must be "
+     "Validate the file against the schema as well (of the EtherCAT Technology Group; the included files must be "
      "beside it)",
      0},
-    {"no-notes", KEY_NOTES, NULL, 0, "Print mistakes only, not what is allowed and unusual", 0},
+    {"no-notes", KEY_NOTES, NULL, 0, "Print only mistakes, no notes on allowed but unusual elements", 0},
     {0},
 };
 
@@ -135,9 +135,9 @@ int command_lint(int argc, char **argv)
         .args_doc = "FILE.xml[#TYPE]",
         .doc = "Reports mistakes of an ESI file that engineering tools accept without a message, or misread: order "
                "of elements, names, groups, numbers written 0x..., pictures, ConfigData, obsolete elements; and "
-               "devices that no slave can be. Prints one line for each, FILE:LINE: TEXT. Checks all devices of the "
+               "impossible devices. Prints one line for each, FILE:LINE: TEXT. Checks all devices of the "
                "file, or those of #TYPE.\v"
-               "Exit codes: 0 no mistake, 1 wrong usage, 2 a file cannot be opened or is no ESI file, 3 mistakes. "
+               "Exit codes: 0 no mistake, 1 wrong usage, 2 a file cannot be opened or is not an ESI file, 3 mistakes. "
                "Notes do not count.",
     };
     args_t args = {0};

@@ -53,7 +53,7 @@ static int usage(FILE *stream, int status)
         "       ectwin run  -i IFACE eni:FILE.xml             run the bus of a network file (ENI); also with 'with'\n"
         "       ectwin check BUS.yaml                         check a bus file without running it\n"
         "       ectwin run  --modbus [ADDR:]PORT DEVICE       run a base unit over Modbus TCP alone\n"
-        "       ectwin run  --udp [ADDR:]PORT DEVICE[,...]    answer EtherCAT in UDP, without any rights\n"
+        "       ectwin run  --udp [ADDR:]PORT DEVICE[,...]    reply to EtherCAT in UDP, without privileges\n"
         "       ectwin with DEVICE[,DEVICE...] -- CMD ARG...  run CMD with these devices on a private network\n"
         "       ectwin with --external PROGRAM -- CMD ARG...  run CMD with a slave of your own, a program with -i "
         "IFACE\n"
@@ -86,7 +86,7 @@ static int usage(FILE *stream, int status)
         "       ectwin cut N.PORT        ectwin mend N.PORT   cut the wire at a port of slave N, mend it\n"
         "       ectwin fault [FAULT]                          inject a fault, or list the active faults\n"
         "       ectwin replay FILE [DEVICE[,DEVICE...]]       replay a record; compare a capture with devices\n"
-        "       ectwin panel [--port PORT] [--open]           show and touch your running twins in a browser\n"
+        "       ectwin panel [--port PORT] [--open]           watch and control your running twins in a browser\n"
         "       ectwin stats [--json]                         print the counters of a running twin\n"
         "       ectwin --version\n"
         "'ectwin COMMAND --help' describes each command.\n",

@@ -11,7 +11,7 @@
 static const char who[] = "ectwin new";
 
 static const struct argp_option options[] = {
-    {"output", 'o', "DIR", 0, "Write to folder DIR, made if need be (default: the device's type)", 0},
+    {"output", 'o', "DIR", 0, "Write to folder DIR, created if necessary (default: the device's type)", 0},
     {0},
 };
 

@@ -139,7 +139,7 @@ static void pass_request(section_t *s)
     replay_t *r = s->replay;
     const ect_item_t *item = &r->item;
     if (item->interface >= ECT_ENDS || item->captured > sizeof s->request || item->captured == 0) {
-        replay_wrong(r, "frame %" PRIu64 " is none of ours", item->number);
+        replay_wrong(r, "frame %" PRIu64 " is not a frame of a record", item->number);
         return;
     }
     advance(s, item->time_ns - s->offset_ns);

@@ -91,11 +91,12 @@ static const struct argp_option options[] = {
     {"files-password", KEY_FILES_PASSWORD, "N", 0,
      "Password that FoE requests for --files must have, 1..4294967295 (default: none)", 1},
     {"udp", KEY_UDP, "[ADDR:]PORT", 0,
-     "Answer EtherCAT in UDP, too, at this address (default address 127.0.0.1; port 0: any free port). The twins "
+     "Accept EtherCAT in UDP as well, at this address (default address 127.0.0.1; port 0: any free port). The twins "
      "accept frames from every sender",
      1},
     {"modbus", KEY_MODBUS, "[ADDR:]PORT", 0,
-     "Serve one base unit over Modbus TCP, too, at this address (default address 127.0.0.1; port 0: any free port)", 1},
+     "Serve one base unit by Modbus TCP as well, at this address (default address 127.0.0.1; port 0: any free port)",
+     1},
     {"name", KEY_NAME, "NAME", 0,
      "Name of these twins for 'ectwin ps' and for the option -s of other commands (default: the process id)", 1},
     {"panel", KEY_PANEL, "TWIN[,TWIN...]", 0, "'ectwin panel' opens with the fronts of these twins, in this order", 1},

@@ -44,7 +44,7 @@ static const struct argp_option options[] = {
      "1.2 ms and 5 ms after a written word, or 'short', 20 us (default: short). May be repeated",
      2},
     {"like", KEY_LIKE, "[N:]BOARD", 0,
-     "Board whose times twin N has, or all twins without N: the ESC chip, the memory layout, the duration of "
+     "Board that twin N imitates, or all twins without N: the ESC chip, the memory layout, the duration of "
      "accesses to the ESC, and --eeprom-times chip; 'help' lists the boards",
      2},
     {"al-delay", KEY_AL, "[N:]RANGE", 0,
@@ -52,7 +52,7 @@ static const struct argp_option options[] = {
      "60000, at random from --seed (default 0). May be repeated",
      2},
     {"mailbox-delay", KEY_MAILBOX, "[N:]RANGE", 0,
-     "Time from a mail until twin N, or each twin without N, fetches and answers it: MIN[..MAX] ms, 0 to 60000, at "
+     "Time from a mail until twin N, or each twin without N, reads it and replies: MIN[..MAX] ms, 0 to 60000, at "
      "random from --seed (default 0). May be repeated",
      2},
     {"jitter", KEY_JITTER, "[N:]RANGE", 0,

@@ -5,7 +5,7 @@
  * changing request of a client, and save.
  *
  * Context: the thread of the exchange. No call waits for the disk when the capture has a thread of its own. Cost of a
- * frame: a copy; of a run of the devices: a comparison a twin.
+ * frame: a copy; of a run of the devices: one comparison for each twin.
  */
 #ifndef ECT_BUS_TRACE_H
 #define ECT_BUS_TRACE_H

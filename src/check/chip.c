@@ -168,7 +168,8 @@ bool check_esc(const report_t *r)
     if (!esc)
         return unknown_esc(r);
     if (!d->physics || strlen(d->physics) > 4 || strspn(d->physics, "YKH ") != strlen(d->physics))
-        return wrong(r, "physics: a letter a port, Y (MII), K (E-bus), H (fast hot connect) or space, at most 4");
+        return wrong(r,
+                     "physics: one letter for each port, Y (MII), K (E-bus), H (fast hot connect) or space, at most 4");
     return counts_good(r, esc);
 }
 

@@ -174,7 +174,7 @@ static bool memory_good(const place_t *p)
         return wrong_at(p, "it can be written, but has no memory and is no command");
     if (command && !writable)
         return wrong_at(p, "a command has to be writable");
-    return (e->access & ECT_ACCESS_BACKUP) == 0 || !constant ? true : wrong_at(p, "what is stored has to be in memory");
+    return (e->access & ECT_ACCESS_BACKUP) == 0 || !constant ? true : wrong_at(p, "a stored value has to be in memory");
 }
 
 static bool access_good(const place_t *p)

@@ -106,7 +106,7 @@ static void take_physics(ect_draft_t *d, const yaml_node_t *node)
     size_t length = strlen(d->device->physics);
     if (length > 4 || strspn(d->device->physics, "YKH ") != length)
         ect_yaml_fail(&d->yaml, node,
-                      "'physics' takes a letter a port, up to 4: Y for MII, K for LVDS, H for fast MII");
+                      "'physics' takes one letter for each port, up to 4: Y for MII, K for LVDS, H for fast MII");
 }
 
 static void take_identity(const keys_t *k)

@@ -131,7 +131,7 @@ static uint32_t place(ect_draft_t *d, ect_esi_sm_t *sm, uint32_t at, uint32_t by
     return end;
 }
 
-/* Two mailboxes, outputs, inputs, one behind another; without a mailbox the process data alone. */
+/* Two mailboxes, outputs, inputs, in succession; without a mailbox only the process data. */
 static void make_standard(ect_draft_t *d)
 {
     uint32_t at = RAM;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Objects as a table: a line an entry. */
+/* Objects as a table, with a line for each entry. */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
 #include <stdio.h>

@@ -54,7 +54,7 @@ void ect_esi_found_object(ect_esi_t *esi, const ect_esi_found_object_t *object)
     dictionary->types = types;
 }
 
-/* A bit a state: PREOP, SAFEOP, OP. */
+/* Bits 0 to 2: PREOP, SAFEOP, OP. */
 static const char *restriction_of(unsigned int states)
 {
     static const char *const names[8] = {"", "PreOP", "SafeOP", "PreOP_SafeOP", "OP", "PreOP_OP", "SafeOP_OP", ""};

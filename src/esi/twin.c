@@ -433,7 +433,7 @@ static uint16_t timeout(uint32_t said_ms, uint16_t default_ms)
     return said_ms == 0 ? default_ms : (uint16_t)(said_ms < UINT16_MAX ? said_ms : UINT16_MAX);
 }
 
-/* A letter a port; what is none is left out. */
+/* One letter for each port; other characters are omitted. */
 static const char *physics_of(ect_build_t *build)
 {
     char ports[5] = "";

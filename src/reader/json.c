@@ -15,7 +15,7 @@ static void put_name(FILE *file, ect_reader_bytes_t name)
     for (size_t i = 0; i < name.length && name.data[i] != 0; i++) {
         const uint8_t letter = name.data[i];
         if (letter < ' ' || letter > '~' || letter == '"' || letter == '\\')
-            fprintf(file, "\\u%04x", letter); /* taken for ISO 8859-1 */
+            fprintf(file, "\\u%04x", letter); /* decoded as ISO 8859-1 */
         else
             fputc(letter, file);
     }

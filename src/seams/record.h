@@ -79,7 +79,7 @@ static inline int ect_record_header(const ect_storage_t *m, unsigned int bank, u
 }
 
 /**
- * Finds the newest valid record. A failure of the medium is not taken for a missing record.
+ * Finds the newest valid record. A failure of the medium does not count as a missing record.
  * @param m       the medium
  * @param magic   identifies the kind of record
  * @param[out] r  the record; when there is none, its `bank` is the one that the first record does not use

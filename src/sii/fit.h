@@ -2,7 +2,7 @@
 /**
  * @file
  * A device on another controller than its description names, because a board has a certain ESC. Objects and behaviour
- * remain; the SyncManagers get a new layout, one behind another from 0x1000 on (except SyncManagers over the registers
+ * remain; the SyncManagers get a new layout, in succession from 0x1000 on (except SyncManagers over the registers
  * of the digital outputs, whose address is the same in every controller), and the first words of the EEPROM become
  * those of the controller.
  *

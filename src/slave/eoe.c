@@ -136,8 +136,8 @@ static void copy_field(uint8_t *to, const uint8_t *from, const field_t *field, u
         to[i] = from[field->reversed ? size - 1 - i : i];
 }
 
-/* Reads the flagged fields: at fixed places (IgH, TwinCAT) when the mail has room for all, else one behind the other
- * (SOEM, SOES). @return false: a field reaches beyond the mail */
+/* Reads the flagged fields: at fixed places (IgH, TwinCAT) when the mail has room for all, else packed (SOEM, SOES).
+ * @return false: a field reaches beyond the mail */
 static bool read_address(ect_eoe_address_t *address, const uint8_t *data, unsigned int length)
 {
     if (length < HEADER + FLAGS)

@@ -8,10 +8,10 @@
 #include <string.h>
 
 _Static_assert(sizeof(_objd) == sizeof(ect_entry_t) && offsetof(_objd, data) == offsetof(ect_entry_t, data),
-               "an entry of SOES is one of ours");
+               "an entry of SOES is an ect_entry_t");
 _Static_assert(sizeof(_objectlist) == sizeof(ect_object_t) &&
                    offsetof(_objectlist, objdesc) == offsetof(ect_object_t, entries),
-               "an object of SOES is one of ours");
+               "an object of SOES is an ect_object_t");
 
 static const ect_dc_mode_t dc_modes[] = {
     {.name = "FreeRun", .description = "Free run or SyncManager"},

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What the files of soes/ know of each other, and what a firmware provides that serves a description of ours in place
+ * Declarations shared by the files of soes/, and those of a firmware that serves a description of ectwin in place
  * of an object list: the three functions of application.c.
  *
  * From the lowest to the highest (tests/check/order.py):

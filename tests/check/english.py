@@ -3,7 +3,8 @@
 
 With PATH: those files and folders; without: the whole tree. Three kinds of finding:
 
-    start   a sentence that begins with What, Who, Those, Of, Where or Also: the subject is the name of a thing
+    start   a sentence that begins with What, Who, Those, Of, Where or Also, or a string of C that begins with what, who, where or
+            also, or has one of these words behind "ID: ", as titles of tests: the subject is the name of a thing
     word    a word that the project has a better term for (WORDS)
     person  a pronoun for a person: a program, a master or a client is "it"
 
@@ -30,11 +31,21 @@ WORDS = [
     (r"\b(?:stand|stands|stood)\b(?! (?:for|in for|alone|still)\b)", "is, lies, holds"),
     (r"\b(?:say|says|said)\b", "report, state, define"),
     (r"\btime-outs?\b|\btime outs?\b", "timeout"),
+    (r"\bways? around\b", "workaround"),
+    (r"\bof ours\b", "ectwin's, this project's"),
+    (r"\bput(?:s|ting)? (?:it |them )?back\b", "restore, reinsert"),
+    (r"\btaken for\b", "regarded as"),
+    (r"\bwhy not\b", "the reason of a refusal, of a failure"),
+    (r"\bone behind (?:the other|another)\b", "successive, in succession"),
+    (r"\bdo(?:es)? no harm\b", "has no effect"),
+    (r"\bcomes? of it\b", "result"),
+    (r"\ba (?:bit|line|byte|letter|step|comparison|row) an? (?!read\b|write\b|to z\b)[a-z]+\b", "one … for each …"),
     (r"\bnobody\b", "no file, no caller, nothing (name it)"),
     (r"\b(?:he|him|his|she|her|hers)\b", "it, its"),
 ]
 WORD = re.compile("|".join(f"(?P<w{i}>{pattern})" for i, (pattern, _) in enumerate(WORDS)), re.I)
 
+TITLE = re.compile(r"^(?:[A-Z][\w ,-]*: (?=of |those )|(?:[A-Z][\w ,-]*: )?(?=what |who |where |also ))([a-z])")
 C_TOKEN = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.S)
 
 
@@ -57,9 +68,9 @@ def c_texts(text):
 
 
 def sentence(line, string):
-    """A string with a space between words is prose; a format or a name is not."""
+    """A string with a space between words is prose, and its first letter that of a sentence; a format or a name is not."""
     if re.search(r"[A-Za-z]{2,} [a-z]{2,} [a-z]{2,}", string):
-        yield line, string
+        yield line, TITLE.sub(lambda match: match[1].upper(), string)
 
 
 def hash_texts(text):

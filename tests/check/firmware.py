@@ -4,7 +4,7 @@
 usage: firmware.py           builds the presets, checks the budgets, and where the compilers are those that they name, the tables
        firmware.py --write   the same, and rewrites the tables
 
-The stack is a bound: main and what it calls, each call through a pointer taken for the deepest that it may be (the device's
+The stack is a bound: main and what it calls, each call through a pointer counted as the deepest possible one (the device's
 functions, the port's). It has to fit what firmware/CMakeLists.txt gives the device. Exits with 77 where there are no compilers.
 """
 import pathlib

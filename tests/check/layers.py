@@ -21,7 +21,7 @@ def read_table(page):
     for left, right in re.findall(r"^\| ([^|]+?) \| ([^|]+?) \|$", section, re.M):
         if left == "room" or set(left) <= set("-"):
             continue
-        allowed = [] if right == "nothing of ours" else [word.strip() for word in re.split(r"[,;]", right)]
+        allowed = [] if right == "nothing of this tree" else [word.strip() for word in re.split(r"[,;]", right)]
         for room in left.split(","):
             table[room.strip()] = allowed
     return table
@@ -87,7 +87,7 @@ def main():
             seen += 1
             target = room_name(found, root)
             if not may_include(folder, row, target, table[row]):
-                wrong.append(f"{path.relative_to(root)} includes \"{header}\": {row} may include {', '.join(table[row]) or 'nothing of ours'}")
+                wrong.append(f"{path.relative_to(root)} includes \"{header}\": {row} may include {', '.join(table[row]) or 'nothing of this tree'}")
     if seen < 500:
         wrong.append(f"only {seen} includes were found: the check does not see the sources")
     print("\n".join(wrong))

@@ -153,7 +153,7 @@ signals_from_a_file() {
   check "set: a file that cannot be read" 2 $?
 }
 
-every_change_is_told() {
+every_change_is_reported() {
   check "watch: --every" "busy 1 busy 0" "$("$ectwin" with fzm1 -- bash -c "
     lines() { for i in {1..100}; do [ \$(wc -l <'$work/watch') -ge \$1 ] && break; sleep 0.1; done; }
     >'$work/watch'; '$ectwin' watch --every busy >'$work/watch' & pid=\$!
@@ -205,7 +205,7 @@ two_at_the_same_time() {
 }
 
 # One clock tick of processor time in two seconds is 0.5 %.
-idle_costs_nothing() {
+idle_uses_no_processor_time() {
   "$ectwin" with vr-bu-ect-map7 -- sleep 4 2>/dev/null &
   local pid=$! before after
   sleep 1
@@ -283,5 +283,5 @@ identity_reaches_each_file() {
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-run_cases list_names_the_devices list_names_the_modules with_passes_status_and_interface wrong_usage_is_1 advice advice_of_the_interface what_cannot_be_opened_is_2 start_values_and_memory signals_from_a_file every_change_is_told \
-  run_leaves_the_interface_as_found one_twin_an_interface with_ends_where_SIGCHLD_was_ignored two_at_the_same_time idle_costs_nothing sii_writes_the_image files_agree identity_reaches_each_file
+run_cases list_names_the_devices list_names_the_modules with_passes_status_and_interface wrong_usage_is_1 advice advice_of_the_interface what_cannot_be_opened_is_2 start_values_and_memory signals_from_a_file every_change_is_reported \
+  run_leaves_the_interface_as_found one_twin_an_interface with_ends_where_SIGCHLD_was_ignored two_at_the_same_time idle_uses_no_processor_time sii_writes_the_image files_agree identity_reaches_each_file

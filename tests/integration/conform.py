@@ -47,7 +47,7 @@ def call_over_network(ectwin, conform, twins, arguments):
 
 
 def esi_of(device):
-    """ESI options for a device of ours: the file of its family, and the schema when there is one."""
+    """ESI options for a device of this project: the file of its family, and the schema when there is one."""
     files = [path for path in sorted((ROOT / "esi").glob("*.xml")) if device.startswith(path.stem.removeprefix("ectwin-"))]
     if len(files) != 1:
         sys.exit(f"{device}: expected one file of its family in esi/, got {[path.name for path in files]}")

@@ -19,7 +19,7 @@ beside_an_fzm1() {
   "$ectwin" with fzm1 -- sh -c "$1" >"$work/out" 2>"$work/err"
 }
 
-all_or_nothing() {
+set_is_atomic() {
   beside_an_fzm1 "'$ectwin' set output_period=40 output_time=30 && '$ectwin' set output_time=300 output_period=400
     '$ectwin' set data1=7 output_time=401; echo \$?; '$ectwin' set data1=7 nosuch=1; echo \$?; '$ectwin' get data1
     '$ectwin' get 'output_[pt]*'; '$ectwin' set scene=010; '$ectwin' get scene"
@@ -330,5 +330,5 @@ python_module() {
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-run_cases all_or_nothing tables tables_that_are_refused signals_of_a_device numbers_are_numbers watch_ends_with_its_reader odd_and_long_folders \
+run_cases set_is_atomic tables tables_that_are_refused signals_of_a_device numbers_are_numbers watch_ends_with_its_reader odd_and_long_folders \
   no_twin a_stopped_twin escapes squatters several_twins twins_of_another_user enter waits counts pair require_private python_module

@@ -99,7 +99,7 @@ all_signals_are_reported() {
 }
 
 # ECL-054, ECL-059: periodic data of 4321 bytes, in 22 blocks at the pace of PAI; 'ectwin periodic' reads them
-a_set_arrives_whole() {
+sets_arrive_complete() {
   "$ectwin" with vr-bu-ect-map7 -- bash -c '
     "$controller" "$ECTWIN_IFACE" --seconds 8 --periodic 4321 >"$work/log"
     "$ectwin" periodic -o "$work/set"
@@ -135,4 +135,4 @@ values_are_checked() {
   check "mode of the socket" 600 "$(cat "$work/mode")"
 }
 
-run_cases all_signals_are_reported the_controller_is_safe_without_a_unit killed_and_back commands_go_both_ways the_display_follows_the_controller a_set_arrives_whole no_set_to_read values_are_checked
+run_cases all_signals_are_reported the_controller_is_safe_without_a_unit killed_and_back commands_go_both_ways the_display_follows_the_controller sets_arrive_complete no_set_to_read values_are_checked

@@ -32,14 +32,14 @@ a_master_finds_them() {
   done
 }
 
-it_is_told_when_they_are_ready() {
+slave_is_notified_when_twins_are_ready() {
   check "standard output is CMD's" hello "$(with "$twin" echo hello)"
   check "the ready line" '{"event":"ready","iface":"ectwin0","slaves":1}' "$(cat "$work/err")"
   check "an interface in ARG" ecat0 "$(with "$twin" echo '{}')"
   check "an interface in the environment" ecat0 "$(with "$twin" sh -c 'echo $ECTWIN_IFACE')"
 }
 
-who_ends_what() {
+ends_of_processes() {
   with "$twin" sh -c 'exit 7'
   check "CMD's status" 7 $?
   with "$twin" no-such-command
@@ -84,4 +84,4 @@ an_eeprom_of_ones_own() {
   check "SyncManagers that are not those of ecat_options.h" "0 4" "$? $(grep -c 'ecat_options.h at' "$work/err")"
 }
 
-run_cases a_master_finds_them it_is_told_when_they_are_ready who_ends_what wrong_usage an_eeprom_of_ones_own
+run_cases a_master_finds_them slave_is_notified_when_twins_are_ready ends_of_processes wrong_usage an_eeprom_of_ones_own

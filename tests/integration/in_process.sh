@@ -138,11 +138,11 @@ without_namespaces() {
 }
 check "No user namespace is necessary" without_namespaces
 
-leaves_nothing() {
+removes_its_files() {
   with fzm1 -- sh -c 'sleep 300 & echo $!' >"$work/pid" 2>/dev/null
   ! kill -0 "$(cat "$work/pid")" 2>/dev/null
 }
-check "A process that CMD leaves behind ends with it" leaves_nothing
+check "A process that CMD leaves behind ends with it" removes_its_files
 
 relative_files() {
   mkdir -p "$work/store"

@@ -32,7 +32,7 @@ drive() {
       python3 "$here/reset_esc.py" tw1
       for _ in $(seq 100); do grep -q "was reset" "$work/err" && break; sleep 0.1; done
     fi
-    if [ -n "${FAULTS_MS:-}" ]; then # whatever comes of it, and however soon
+    if [ -n "${FAULTS_MS:-}" ]; then # with any result, and at any time
       sleep "$((FAULTS_MS / 1000 + 2))" & over=$!
       timeout "$((FAULTS_MS / 1000 + 1))" "$base_unit" tw1 "VR-BU-ECT-$mode" "$in" "$out" >"$work/faults" 2>&1
       wait $over
@@ -84,7 +84,7 @@ alone() {
   grep -q -- "$pattern" "$work/err" || check "'$*' with a chip: it says so" "$pattern" "$(cat "$work/err")"
 }
 
-what_a_chip_shows() {
+registers_of_a_chip() {
   alone 2 "'gpio25' names no GPIO line: CHIP:LINE" --irq gpio25
   alone 2 "cannot take line 3 of '/dev/gpiochip9'" --irq gpiochip9:3
   alone 2 "cannot take line 25 of '/dev/gpiochip77': No such file" --irq gpiochip77:25
@@ -114,7 +114,7 @@ refuses() {
   grep -q -- "$pattern" "$work/err" || check "'$*': it says so" "$pattern" "$(cat "$work/err")"
 }
 
-what_is_refused() {
+refused_arguments() {
   refuses 2 "config.txt" --spi /dev/no-such-spidev fzm1
   refuses 2 "no SPI device" --spi /dev/null fzm1
   refuses 1 "there is no device 'nosuch'; there are: vr-bu-ect-map1" nosuch
@@ -132,4 +132,4 @@ what_is_refused() {
 }
 
 run_cases a_chip_with_faults reset_by_the_master reset_by_the_master_polled a_slow_chip polled by_the_interrupt_pin by_an_interrupt_pin_that_is_active_high \
-  what_a_chip_shows a_save_under_way what_is_refused
+  registers_of_a_chip a_save_under_way refused_arguments

@@ -80,7 +80,7 @@ refused() {
   grep -q -- "$pattern" "$work/err" || check "'$*': it says why" "$pattern" "$(cat "$work/err")"
 }
 
-what_is_refused() {
+refused_arguments() {
   refused 1 "this device has no Modbus interface; devices with one: vr-bu-ect-map1, " run --modbus 0.0.0.0:0 fzm1
   refused 1 "one address serves one device" run --modbus 0.0.0.0:0 vr-bu-ect-map7,vr-bu-ect-map7
   refused 1 "is no \[ADDRESS:\]PORT" run --modbus nonsense vr-bu-ect-map7
@@ -121,7 +121,7 @@ rights() {
 }
 
 # Four idle connections. One clock tick of processor time in two seconds is 0.5 %.
-idle_costs_nothing() {
+idle_uses_no_processor_time() {
   in_network 'start --modbus 1502 vr-bu-ect-map7
     exec 3<>/dev/tcp/127.0.0.1/1502 4<>/dev/tcp/127.0.0.1/1502 5<>/dev/tcp/127.0.0.1/1502 6<>/dev/tcp/127.0.0.1/1502
     sleep 0.5
@@ -130,4 +130,4 @@ idle_costs_nothing() {
   check "idle: at most 1 % processor (2 ticks of 10 ms in 2 s)" yes "$([ "$(cat "$work/out")" -le 2 ] && echo yes)"
 }
 
-run_cases without_ethercat addresses what_is_refused with_a_command rights idle_costs_nothing
+run_cases without_ethercat addresses refused_arguments with_a_command rights idle_uses_no_processor_time

@@ -176,7 +176,7 @@ def wrong_files(file):
                           (start() + block(LOCAL, b"1234"), "a local block of 4 bytes"),
                           (start() + local(REQUEST, 0, 0, b'{"op":"get"}'), "an invalid request"),
                           (start() + block(PACKET, struct.pack("<IIIIII", 0, 0, 0, 4, 2000, 0)), "frame 1 is cut"),
-                          (start() + block(PACKET, struct.pack("<IIIII", 0, 0, 0, 0, 0)), "frame 1 is none of ours")):
+                          (start() + block(PACKET, struct.pack("<IIIII", 0, 0, 0, 0, 0)), "frame 1 is not a frame of a record")):
         file.write_bytes(content)
         done = call(ECTWIN, "replay", file)
         expect(f"{line}: exit", 2, done.returncode)

@@ -130,7 +130,7 @@ whole = numbers == sorted(set(numbers)) and len(numbers) + stale == int(sys.argv
 print("whole" if whole else numbers, sum(ms < 100 for number, counter, ms in back))' "$2"
 }
 
-late_answers_are_late_and_nothing_else() {
+delayed_replies() {
   check "--delay: all come back, in order, none in time" "whole 0" "$(late_answers 100 12)"
   check "--delay: none is lost between late ones" whole "$(late_answers 30 40 | cut -d' ' -f1)"
 }
@@ -193,7 +193,7 @@ unique() {
 }
 
 # Processes that a command leaves in the background when it ends.
-children_of_the_command() {
+processes_of_the_command() {
   # shellcheck disable=SC2016
   "$ectwin" with fzm1 -- sh -c 'sleep $1 & (sh -c "trap : TERM; sleep $2; sleep $3" &); setsid sleep $4 & exit 6' \
     sh "$(unique 1)" "$(unique 2)" "$(unique 3)" "$(unique 4)" 2>/dev/null
@@ -234,14 +234,14 @@ signals_reach_the_command() {
 }
 
 # Words 4 alias, 8 vendor, 0xA product code, 0xC revision, 0xE serial number.
-each_twin_its_identity() {
+identities() {
   check "identity: for all, then for one" "0005 0e57 0007 000a | 0100 1234 0009 004d | 0007 0e57 0007 000c" \
     "$("$ectwin" with --vendor-id 2:0x1234 --revision 7 --revision 2:9 --serial 010 --serial 2:77 --alias 5 --alias 2:0x100 \
       fzm1,fzm1,fzm1 -- python3 "$here/eeprom.py" {} 1:4 1:8 1:0xC 1:0xE 2:4 2:8 2:0xC 2:0xE 3:4 3:8 3:0xC 3:0xE 2>/dev/null |
       sed 's/ /&| /8; s/ /&| /4')"
 }
 
-what_a_master_writes_to_the_eeprom() {
+eeprom_writes() {
   local store="$work/eeprom"
   "$ectwin" with --store "$store" fzm1,fzm1 -- python3 "$here/eeprom.py" {} 2:4=0x1234 2:0x3F0=0xBEEF 2>/dev/null
   check "--store: the EEPROM is as the master left it" "0000 1234 beef" \
@@ -256,7 +256,7 @@ what_a_master_writes_to_the_eeprom() {
   says "--store" "no EEPROM content"
 }
 
-what_was_counted() {
+counters() {
   # shellcheck disable=SC2016
   "$ectwin" with --drop 50 --seed 3 fzm1 -- sh -c 'python3 "$2/frames.py" {} 40 20 2 | wc -l; "$1" stats --json; "$1" stats' \
     sh "$ectwin" "$here" >"$work/out" 2>/dev/null
@@ -351,7 +351,7 @@ root_is_contained() {
     "$("$ectwin" with fzm1 -- sh -c 'cat "$1"; stat -c %u "$1"' sh "$work/file" 2>/dev/null | xargs)"
 }
 
-before_others() {
+realtime_priority() {
   unshare -U bash -c 'ulimit -r 0; exec "$@"' bash "$ectwin" with --realtime fzm1 -- true 2>"$work/err"
   check "--realtime without the right" 2 $?
   says "--realtime without the right" "CAP_SYS_NICE"
@@ -376,7 +376,7 @@ print(os.sched_getscheduler(pid) & ~os.SCHED_RESET_ON_FORK, os.sched_getparam(pi
 }
 
 # Frames lie in memory that the kernel shares, which has room for 256 of them.
-looking_without_a_rest() {
+busy_poll() {
   # shellcheck disable=SC2016
   "$ectwin" with --busy-poll fzm1 -- sh -c 'for _ in 1 2 3; do python3 "$2/frames.py" {} 200 1; done; "$1" stats --json' \
     sh "$ectwin" "$here" >"$work/out" 2>/dev/null
@@ -404,5 +404,5 @@ END
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-run_cases its_version help_has_short_options closed_streams output_that_cannot_be_written ignored_interrupt wrong_options late_answers_are_late_and_nothing_else \
-  faults_on_wires two_ends_that_answer names_of_the_private_network each_twin_its_identity what_a_master_writes_to_the_eeprom what_was_counted example_masters_at_the_wrong_place children_of_the_command killed_at_once signals_reach_the_command rights_of_a_running_twin root_is_contained before_others looking_without_a_rest
+run_cases its_version help_has_short_options closed_streams output_that_cannot_be_written ignored_interrupt wrong_options delayed_replies \
+  faults_on_wires two_ends_that_answer names_of_the_private_network identities eeprom_writes counters example_masters_at_the_wrong_place processes_of_the_command killed_at_once signals_reach_the_command rights_of_a_running_twin root_is_contained realtime_priority busy_poll

@@ -192,7 +192,7 @@ typedef struct cf {
     bool whole;           /**< --long was given: long procedures take the time of the checklist */
     bool emulated;        /**< --emulated was given: cases of CF_REAL_TIME are skipped */
     const char *power;    /**< --power: command that switches the slave off and on; NULL: none */
-    const char *plug;     /**< --plug: command that pulls the slave's plug and puts it back; NULL: none */
+    const char *plug;     /**< --plug: command that pulls and reinserts the slave's plug; NULL: none */
     const char *file;     /**< --file: name of a file to read by FoE; NULL: none */
     uint32_t password;    /**< --password: FoE password of `file`; 0 none */
     uint32_t seconds;     /**< duration of --stress and --fuzz */

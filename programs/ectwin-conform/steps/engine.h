@@ -64,7 +64,7 @@ typedef struct cf_engine {
     cf_series_t series[CF_SERIES_MOST];
     size_t series_count;
     uint8_t *room[2];     /**< of ::cf_room; NULL: not used yet */
-    bool pulled;          /**< the slave's plug is pulled, to be put back */
+    bool pulled;          /**< the slave's plug is pulled, to be reinserted */
     uint8_t port_control; /**< old value of 0x0101 of the slave before it; unused for the first slave */
     bool silent;          /**< the last frame was lost: the next one gets a shorter timeout */
     bool stuck;           /**< the slave did not return to INIT: INIT gets a shorter timeout */

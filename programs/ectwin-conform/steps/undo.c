@@ -18,7 +18,7 @@ static void undo_one(cf_t *c, const cf_undo_t *u)
         cf_go(c, CF_PREOP);
         uint32_t code = cf_download(c, u->index, u->sub, false, u->data, u->size);
         if (code != 0)
-            cf_fail(c, "putting back %04Xh:%02X: abort 0x%08X", u->index, u->sub, code);
+            cf_fail(c, "restoring %04Xh:%02X: abort 0x%08X", u->index, u->sub, code);
     }
 }
 

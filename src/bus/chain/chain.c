@@ -28,7 +28,7 @@ struct ect_chain {
     void *guard_ctx;
     ect_fast_t *fast;
     ect_deadlines_t *deadlines; /* of twins: no later than when the twin or its ESC wants to run */
-    uint64_t *ready;            /* a bit a twin: to be attended to by the next poll */
+    uint64_t *ready;            /* one bit for each twin: to be served by the next poll */
     uint64_t now_ns;            /* time of the last call that had one */
     uint64_t rests_ns;          /* no wake-up before */
     uint64_t frame_ns;          /* time of the last frame; 0: none yet */

@@ -15,7 +15,7 @@
  * There are no sockets and no clock in here. Frames and times are arguments; times are nanoseconds of any clock that
  * never goes back, real or virtual. Context: one thread at a time for a chain; chains are independent of each other.
  * Memory comes from the heap in ::ect_chain_new, a copy of a twin's state in ::ect_chain_keep; ::ect_chain_set_link
- * and ::ect_chain_poll allocate a byte a twin for the time of the call when a link changes. `position` is that of a
+ * and ::ect_chain_poll allocate one byte for each twin during the call when a link changes. `position` is that of a
  * twin on the wire, 0..::ect_chain_count - 1; any other one is a mistake of the caller.
  */
 #ifndef ECT_BUS_CHAIN_CHAIN_H

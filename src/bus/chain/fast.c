@@ -68,8 +68,8 @@ struct ect_fast {
     uint64_t now_ns;
     uint64_t frame; /* number of frames that were taken */
     sums_t sums;
-    uint64_t *chosen;      /* a bit a controller that takes part in the present datagram; zero between datagrams */
-    uint64_t times;        /* system times recorded */
+    uint64_t *chosen; /* one bit for each controller that takes part in the present datagram; zero between datagrams */
+    uint64_t times;   /* system times recorded */
     uint64_t times_before; /* system times recorded before the present frame */
     uint64_t taken;        /* system times that all controllers have taken */
     time_update_t time_updates[TIMES];

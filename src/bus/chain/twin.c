@@ -163,7 +163,7 @@ static ect_sii_fault_t sii_fault_of(ect_fault_kind_t kind)
     }
 }
 
-/* @return why not, NULL */
+/* @return the reason of a refusal; NULL: done */
 static const char *set_above(ect_twin_t *twin, const ect_fault_t *fault)
 {
     if (!twin->above)
@@ -180,7 +180,7 @@ static uint8_t below(uint8_t state)
     return state == ECT_STATE_BOOT ? ECT_STATE_INIT : state / 2;
 }
 
-/* The device leaves its state, as if by itself. @return why not, NULL */
+/* The device leaves its state, as if by itself. @return the reason of a refusal; NULL: done */
 static const char *drop(ect_twin_t *twin, const ect_fault_t *fault)
 {
     const ect_host_t *host = ect_slave_host(&twin->slave);

@@ -206,7 +206,7 @@ static bool is_planned(const char *op, const cJSON *request)
     return strcmp(op, "set") == 0 && cJSON_HasObjectItem(request, "at");
 }
 
-/* @return why not, NULL */
+/* @return the reason of a refusal; NULL: done */
 static const char *plan(ect_client_t *client, const ect_chain_t *chain, const cJSON *request, size_t slave,
                         uint64_t now_ns, char message[ECT_SIGNAL_MESSAGE])
 {
@@ -360,7 +360,7 @@ static void put_histogram(ect_client_t *client)
     put(client, &line);
 }
 
-/* @return why not, NULL */
+/* @return the reason of a refusal; NULL: done */
 static const char *reply_stats(ect_client_t *client, uint64_t now_ns)
 {
     if (!client->stats)
@@ -392,7 +392,7 @@ static void put_states(ect_line_t *line, const ect_chain_t *chain)
     ect_line_number(line, "errors", errors);
 }
 
-/* @return why not, NULL */
+/* @return the reason of a refusal; NULL: done */
 static const char *reply_about(ect_client_t *client, const ect_chain_t *chain)
 {
     ect_line_t line;

@@ -5,7 +5,7 @@
  * signals to set, expectations. The random generator depends on its seed alone, so the same seed, script and frames
  * make the same run.
  *
- * A script has a step a line; `#` begins a comment, `name TEXT` names the scenario.
+ * A script has one step in each line; `#` begins a comment, `name TEXT` names the scenario.
  *
  * No clock in here. Context: the thread of the runner. Cost of a frame: a check of each fault that is set and of the
  * next steps; none without any.

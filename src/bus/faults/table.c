@@ -149,7 +149,7 @@ const char *ect_table_refine(ect_table_t *table, uint64_t every_ns)
     ECT_ASSERT(every_ns > 0);
     uint64_t last_ns = table->count > 0 ? table->rows[table->count - 1]->due_ns : 0;
     if (last_ns / every_ns > REFINED_MOST)
-        return "more than 1000000 rows would come of it: choose a longer 'every'";
+        return "the table would have more than 1000000 rows: choose a longer 'every'";
     ect_table_t *refined = ect_table_new(table->slave, (const char *const *)table->names, table->columns);
     bool done = refined && refine(table, refined, every_ns);
     if (done) {

@@ -36,7 +36,7 @@ void ect_raw_begin(ect_raw_route_t *route, int argc, char **argv);
  * Searches the objects loaded since the previous call. If one of them contains a system call, turns the dispatch on in
  * this thread and in threads created later. Context: any thread, without the lock.
  */
-void ect_raw_look(void);
+void ect_raw_scan(void);
 
 /** Turns the dispatch on in a new thread, or in the child of a fork, if it is on in the process. */
 void ect_raw_thread(void);

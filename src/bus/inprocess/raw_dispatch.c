@@ -284,7 +284,7 @@ static bool turn_on(void)
     return false;
 }
 
-void ect_raw_look(void)
+void ect_raw_scan(void)
 {
     int error = errno;
     if (!on && !refused)
@@ -306,5 +306,5 @@ void ect_raw_begin(ect_raw_route_t *its, int argc, char **argv)
     vector = (ElfW(auxv_t) *)(void *)(word + 1);
     route = its;
     (void)pthread_atfork(NULL, NULL, ect_raw_thread);
-    ect_raw_look();
+    ect_raw_scan();
 }

@@ -7,7 +7,7 @@ bool ect_raw_is_on(void)
     return false;
 }
 
-void ect_raw_look(void)
+void ect_raw_scan(void)
 {
 }
 

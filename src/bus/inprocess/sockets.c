@@ -27,7 +27,7 @@ REPLACES int socket(int domain, int type, int protocol)
 {
     if (ect_inside > 0 || domain != AF_PACKET || (type & 0xF) != SOCK_RAW)
         return REAL(socket)(domain, type, protocol);
-    ect_raw_look(); /* all objects of the master are loaded now */
+    ect_raw_scan(); /* all objects of the master are loaded now */
     return ect_port_open(type, protocol);
 }
 

@@ -95,7 +95,8 @@ static int enter_user_namespace(char *message)
     return 0;
 }
 
-/* Every id that there is out here, under its own number: `of` is a map of ours, "inside outside count" a line. */
+/* Every id that there is out here, under its own number: `of` is an id map of this process, with a line "inside outside
+ * count". */
 static bool same_ids(const char *of, char *map, size_t room)
 {
     FILE *ours = fopen(of, "re");

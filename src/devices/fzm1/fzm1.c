@@ -4,7 +4,7 @@
 
 #include "devices/fzm1/instance.h"
 
-#define PRODUCT_CODE 0x00F20001 /* a placeholder of ours */
+#define PRODUCT_CODE 0x00F20001 /* a placeholder of this project */
 #define REVISION     0x00010000
 
 enum {

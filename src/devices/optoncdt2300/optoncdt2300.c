@@ -7,7 +7,7 @@
 
 #include "devices/optoncdt2300/instance.h"
 
-#define PRODUCT_CODE 0x0D230001 /* placeholders of ours; the manual has the article number there */
+#define PRODUCT_CODE 0x0D230001 /* placeholders of this project; the manual has the article number there */
 #define REVISION     0x00010000
 
 enum {

@@ -32,7 +32,7 @@ typedef struct ect_spidev {
  */
 bool ect_spidev_open(ect_spidev_t *bus, const char *path, uint32_t speed_hz, char *message);
 
-/** Closes what is open; again does no harm. */
+/** Closes the open descriptors; a second call has no effect. */
 void ect_spidev_close(ect_spidev_t *bus);
 
 /** The four functions; `bus` must outlive their use, and have its lines already. */

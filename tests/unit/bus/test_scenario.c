@@ -228,7 +228,7 @@ static void ends(void **state)
     assert_int_equal(set_count(r), 1);
 }
 
-/* The lines of a script that does the same from now on, one behind the other. */
+/* The lines of a script that does the same from now on, in succession. */
 static void expect_left(const rig_t *r, const char *want)
 {
     char all[8 * ECT_STEP_LINE] = "", text[ECT_STEP_LINE];
@@ -585,7 +585,7 @@ static void tables_without_measure(void **state)
     assert_true(ect_table_add(table, 3600ull * 1000 * MS, &values[1]));
     assert_true(ect_table_loop(table));
     assert_string_equal(ect_table_refine(table, MS),
-                        "more than 1000000 rows would come of it: choose a longer 'every'");
+                        "the table would have more than 1000000 rows: choose a longer 'every'");
     ect_table_free(table);
 }
 

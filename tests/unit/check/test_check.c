@@ -42,9 +42,9 @@ typedef struct row {
     X(no_group_name, confdev, D.group_name = NULL, "group_name is missing")                                            \
     X(no_version, gauge, D.hardware_version = NULL, "1009h:0: the description has no such text")                       \
     X(empty_version, gauge, D.software_version = "", "software_version is missing")                                    \
-    X(no_physics, confdev, D.physics = NULL, "physics: a letter a port")                                               \
-    X(physics_five, confdev, D.physics = "YYYYY", "physics: a letter a port")                                          \
-    X(physics_x, confdev, D.physics = "YX", "physics: a letter a port")
+    X(no_physics, confdev, D.physics = NULL, "physics: one letter for each port")                                      \
+    X(physics_five, confdev, D.physics = "YYYYY", "physics: one letter for each port")                                 \
+    X(physics_x, confdev, D.physics = "YX", "physics: one letter for each port")
 
 #define OBJECTS(X)                                                                                                     \
     X(instance_small, confdev, D.instance_size = 4, "an instance begins with ect_standard_t")                          \
@@ -82,7 +82,7 @@ typedef struct row {
     X(written_nowhere, confdev, ENTRY(0x1000, 0)->access = ECT_ACCESS_RW, "1000h:0: it can be written, but")           \
     X(command_ro, confdev, ENTRY(0x1010, 1)->access = ECT_ACCESS_RO | ECT_ACCESS_COMMAND,                              \
       "1010h:1: a command has to be writable")                                                                         \
-    X(stored_nowhere, confdev, ENTRY(0x1000, 0)->access |= ECT_ACCESS_BACKUP, "1000h:0: what is stored has to be")     \
+    X(stored_nowhere, confdev, ENTRY(0x1000, 0)->access |= ECT_ACCESS_BACKUP, "1000h:0: a stored value has to be")     \
     X(outside, confdev, ENTRY(0x2100, 0)->data = AT(sizeof(confdev_t) - 3), "2100h:0: it ends at byte")                \
     X(far_outside, confdev, ENTRY(0x2100, 0)->data = AT(SIZE_MAX - 1), "beyond the instance of")                       \
     X(over_standard, confdev, ENTRY(0x2100, 0)->data = ECT_STANDARD(identity), "2100h:0: it lies in what belongs to")  \

@@ -134,7 +134,7 @@ static void physics_has_up_to_four_known_letters(void **state)
     for (unsigned int i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         copy_t *c = copy_device(&testdev);
         c->device.physics = bad[i];
-        expect_wrong("physics", i, "physics: a letter a port", c);
+        expect_wrong("physics", i, "physics: one letter for each port", c);
     }
 }
 

@@ -360,7 +360,7 @@ static void a_wrong_file_is_refused_with_its_line_and_a_cure(void **state)
         {"ectwin-device: 1\nvendor: {id: 1, name: A}\nproduct: 1\ntype: ''\n", P(4, "'type' is empty")},
         {DEVICE("colour: red\n"), P(6, "'colour' is no key of a device: ectwin-device, vendor, product")},
         {DEVICE("type: B\n"), P(6, "'type' is there twice")},
-        {DEVICE("physics: YX\n"), P(6, "'physics' takes a letter a port, up to 4: Y for MII")},
+        {DEVICE("physics: YX\n"), P(6, "'physics' takes one letter for each port, up to 4: Y for MII")},
         {DEVICE("name: &a b\n"), P(6, "an anchor of YAML: device files have none")},
         {DEVICE("name: [a\n"), P(7, "no YAML: did not find expected ',' or ']'")},
         {DEVICE("objects: [a]\n"), P(6, "objects: 'key: value' lines are missing")},

@@ -340,7 +340,7 @@ static void each_slave_gets_mails_with_counters_of_its_own(void **state)
     ect_eni_close(eni);
 }
 
-/* 64 are skipped; the next mail is taken for the reply, whatever it is. */
+/* 64 are skipped; the next mail counts as the reply, whatever its content. */
 static void emergencies_before_a_reply_are_skipped(void **state)
 {
     static const char text[] =

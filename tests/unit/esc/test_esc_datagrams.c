@@ -799,7 +799,7 @@ int main(int argc, char **argv)
         TEST("CF-013: a datagram of length 0 does nothing, WKC 0, the ADP still counts slaves", zero_length_commands),
         TEST("CF-013: a frame cut anywhere is not answered, executes nothing, counts in 0x0300 and 0x030C", truncated),
         TEST("CF-013: a frame ends where it ends, whatever is behind it", nothing_behind_the_end),
-        TEST("CF-013: where the datagrams of a frame begin, and which frames have none", starts_of_datagrams),
+        TEST("CF-013: the first datagram of a frame is found; some frames have none", starts_of_datagrams),
         TEST("CF-013: datagram lengths that do not fit are refused; the header's length is not asked", false_lengths),
         TEST("CF-013: a frame of 2000 bytes is taken, a longer one is invalid", longest_frame),
         TEST("CF-013: padding behind the last datagram is left as it is", padding),

@@ -881,8 +881,9 @@ static void overlapping(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"CF-016: of SyncManagers that overlap, the lower number has the bytes", overlapping, setup, teardown, NULL},
-        TEST("CF-019: the three buffers lie one behind the other from the start address on", addresses_of_buffers),
+        {"CF-016: the SyncManager with the lower number has the bytes of an overlap", overlapping, setup, teardown,
+         NULL},
+        TEST("CF-019: the three buffers are adjacent from the start address on", addresses_of_buffers),
         TEST("CF-019: a SyncManager over the digital outputs passes each byte to its place", digital_outputs),
         TEST("CF-021: a SyncManager that is disabled takes its own event with it", off_takes_its_events),
         TEST("CF-009: a mailbox that either side switches off and on again is empty, its event gone", off_empties),

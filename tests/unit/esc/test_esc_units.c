@@ -659,7 +659,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         TEST("CF-012: write protection: what is taken, with and without its enable in the same frame", protection),
         TEST("CF-012: write protection is ended by the master, in a frame that enables writing", protection_ends),
-        TEST("CF-012: of a write that crosses what is protected the rest is taken; the PDI is free",
+        TEST("CF-012: a write across protected bytes changes only the others; the PDI is not limited",
              protection_in_part),
         MODERN("CF-012: R, E, S in three frames, or PDI accesses, in a row reset the chip, nothing else does",
                reset_sequences),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* ESI files as tests write them: a device between the lines that every file has, and the twin that comes of it. */
+/* ESI files as tests write them: a device between the lines that every file has, and the resulting twin. */
 #ifndef TESTS_UNIT_ESI_FROM_TEXT_H
 #define TESTS_UNIT_ESI_FROM_TEXT_H
 

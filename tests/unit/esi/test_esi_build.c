@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Objects, PDOs, layouts and signals of a twin: a line of a file, and what comes of it. */
+/* Objects, PDOs, layouts and signals of a twin: a line of a file, and the result. */
 #include "from_text.h"
 #include "od/pdo.h"
 #include "seams/services.h"
@@ -1133,7 +1133,7 @@ int main(void)
         {"an assignment has room for all PDOs that do not exclude each other", assignments, NULL, NULL, NULL},
         {"the most that a SyncManager may come to", rooms_of_sms, NULL, NULL, NULL},
         {"command names and type names", names_of_devices, NULL, NULL, NULL},
-        {"a letter a port", ports_of_physics, NULL, NULL, NULL},
+        {"One letter for each port gives the ports", ports_of_physics, NULL, NULL, NULL},
         {"timeouts: the file's, else the standard's", timeouts, NULL, NULL, NULL},
         {"protocols: served, refused, without a mailbox", protocols, NULL, NULL, NULL},
         {"clock modes, BOOT mailboxes and the first words of the EEPROM", clocks_and_boot, NULL, NULL, NULL},

@@ -4,7 +4,7 @@
 #include "esi/leaves.h"
 #include "from_text.h"
 
-/* A line a leaf: path, "=", value; a "*" in front of those that are modelled. */
+/* Prints one line for each leaf: path, "=", value; with "*" in front of modelled leaves. */
 static void print_leaf(void *out, bool modelled, const char *path, const char *value)
 {
     (void)fprintf(out, "%s%s=%s\n", modelled ? "*" : "", path, value);

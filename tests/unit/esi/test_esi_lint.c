@@ -307,7 +307,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         {"CF-063: each mistake of a file is reported, with its line and its weight", each_mistake, NULL, NULL, NULL},
-        {"CF-063: what is wrong with other devices of a file does not matter", other_devices, NULL, NULL, NULL},
+        {"CF-063: mistakes in other devices of a file do not matter", other_devices, NULL, NULL, NULL},
         {"CF-063: a file is validated against the schema that the user has", schemas, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Shapes of vendors' files that once made a twin wrong, each in a file of ours or in a few lines of one. */
+/* Shapes of vendors' files that once gave a wrong twin, each in a file of this project or in a few lines of one. */
 #define _POSIX_C_SOURCE 200809L
 #include <time.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * ESI files of ours: their content comes back when they are read. tests/check/esi.py checks their order and their
- * references.
+ * ESI files written by this project: their content comes back when they are read. tests/check/esi.py checks their order
+ * and their references.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>

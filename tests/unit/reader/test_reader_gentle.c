@@ -32,7 +32,7 @@ static const ect_reader_sink_t nothing = {.object = see_object, .entry = see_ent
 
 /* --- writes ------------------------------------------------------------------------------------------------------- */
 
-/* A bit a kind of register; the number of the liar collects them. */
+/* One bit for each kind of register; the number of the liar collects them. */
 enum { OWNER = 1, EEPROM = 2, STATE = 4, SMS = 8, MAIL = 16, OTHER = 32 };
 
 static unsigned int kind_of(const liar_t *l, uint16_t ado, uint16_t length)

@@ -345,7 +345,7 @@ static void repeated_while_unread(void **state)
     assert_int_equal(send_write(&w, 3, 1), 1);
     assert_true(full(&w, SM0_STATUS));
     expect_fetch(&w, "reply", first);
-    expect_empty(&w, "a second copy would be taken for the next reply");
+    expect_empty(&w, "a second copy would count as the next reply");
     assert_false(full(&w, SM0_STATUS));
     assert_int_equal(testdev_of(&w, 0)->written, 1);
     assert_int_equal(send_write(&w, 4, 2), 1);

@@ -1684,7 +1684,7 @@ static const struct CMUnitTest tests[] = {
     {"CF-069: texts go down in segments of any length", text_in_pieces, NULL, NULL, NULL},
     {"CF-070: a wrong length is refused with 06070012 or 06070013 and nothing is stored", wrong_sizes, NULL, NULL,
      NULL},
-    {"CF-078: what may be written in PREOP only is refused later with 08000022", rights_by_state, NULL, NULL, NULL},
+    {"CF-078: an entry writable in PREOP only is refused later with 08000022", rights_by_state, NULL, NULL, NULL},
     {"CF-078: a download that began in PREOP does not write in SAFEOP what only PREOP may",
      state_changes_during_a_download, NULL, NULL, NULL},
     {"CF-078: no SDO in INIT", no_answer_in_init, NULL, NULL, NULL},

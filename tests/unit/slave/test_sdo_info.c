@@ -699,7 +699,7 @@ int main(int argc, char **argv)
         {"CF-076: an entry description carries the unit, default, minimum and maximum if requested", value_info, NULL,
          NULL, NULL},
         {"CF-076: an entry without a unit describes none, though it has limits", no_unit, NULL, NULL, NULL},
-        {"CF-076: what is longer than a number is described without a default", octets_without_default, NULL, NULL,
+        {"CF-076: an entry longer than a number is described without a default", octets_without_default, NULL, NULL,
          NULL},
         {"CF-076: a default of more than 32 bits is described whole", long_default, NULL, NULL, NULL},
         {"CF-076: value info that the mailbox has no room for is left out", value_info_in_a_small_mailbox, NULL, NULL,

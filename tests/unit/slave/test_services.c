@@ -1070,7 +1070,7 @@ int main(int argc, char **argv)
         TEST("CF-081: banks take turns; a damaged byte is noticed", many_stores),
         TEST("CF-082: 1C32h shows what is supported and refuses the rest", sync_types),
         TEST("CF-092: SYNC0 cycles that are not supported are refused with 0x0036", sync_cycles),
-        TEST("CF-082 CF-092: what a device can do decides type and cycle times", sync_abilities),
+        TEST("CF-082 CF-092: the abilities of a device decide type and cycle times", sync_abilities),
         TEST("CF-043: SYNC0 that no longer comes leaves OP with 0x002C", sync_lost),
         TEST("CF-043: so does one that has come in SAFEOP last", sync_lost_early),
         TEST("CF-082: a SYNC0 event that is seen several times counts once", sync_level),

@@ -421,7 +421,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"every constant of SOES's headers has its value", values, NULL, NULL, NULL},
         {"without an ecat_options.h there are SOES's own choices", options, NULL, NULL, NULL},
-        {"what SOES calls the compiler", compiler, NULL, NULL, NULL},
+        {"The names of SOES for the compiler are defined", compiler, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

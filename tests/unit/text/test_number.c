@@ -56,7 +56,7 @@ static void others(void **state)
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         uint64_t value = 77;
         if (ect_number(texts[i], 3, 5, &value))
-            fail_msg("'%s' was taken for %llu", texts[i], (unsigned long long)value);
+            fail_msg("'%s' was read as %llu", texts[i], (unsigned long long)value);
         assert_int_equal(value, 77);
     }
 }

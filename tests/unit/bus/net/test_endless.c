@@ -186,7 +186,7 @@ static void bounds(void **state)
     }
 }
 
-/* Too short, cut in its datagram, of another type: neither remembered nor taken for one. */
+/* Too short, cut in its datagram, of another type: neither stored nor counted as one. */
 static void not_to_be_read(void **state)
 {
     ect_endless_t endless = {0};

@@ -544,7 +544,7 @@ static void unknown_ages(void **state)
     }
 }
 
-/* The kernel has taken the tag out of the frame: it is put back where it was, if it has room. */
+/* The kernel has taken the tag out of the frame: the tag is restored in its place, if there is room. */
 static void tags(void **state)
 {
     static const struct {
@@ -761,7 +761,7 @@ int main(int argc, char **argv)
         {"a frame older than 5 ms is stale when another one waits; its age is read when it may matter", ages, NULL,
          NULL, NULL},
         {"a frame of unknown age is new", unknown_ages, NULL, NULL, NULL},
-        {"a tag is put back where it was, if the frame has room for it", tags, NULL, NULL, NULL},
+        {"A tag is restored in its place, if the frame has room for it", tags, NULL, NULL, NULL},
         {"the link by the driver, or by the flags of the interface", link_of_the_interface, NULL, NULL, NULL},
         {"a kernel that shares no memory: frames are received as before", sharing_refused, NULL, NULL, NULL},
         {"shared memory: frames in their order, cut to the room, with their tags", shared_frames, NULL, NULL, NULL},

@@ -332,7 +332,7 @@ int main(int argc, char **argv)
         EEPROM_TEST("EEPROM file: closed with its descriptor, also where that is 0", descriptor_0),
         EEPROM_TEST("EEPROM file: a foreign file is refused and unchanged", refused),
         EEPROM_TEST("EEPROM file: only its user reads or writes it", own_file),
-        EEPROM_TEST("CF-065: what a master writes to the EEPROM outlasts power cycle and process", written_by_a_master),
+        EEPROM_TEST("CF-065: words written by a master outlast power cycle and process", written_by_a_master),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -194,18 +194,18 @@ static void undo_refused(void **state)
     (void)state;
     start_with_object(&run);
     assert_int_equal(run_one(&run, changes_once, CF_COE, &result), CF_FAIL);
-    assert_string_equal(result.reason, "the slave cannot be restored: putting back 2000h:00: abort 0x08000022");
+    assert_string_equal(result.reason, "the slave cannot be restored: restoring 2000h:00: abort 0x08000022");
     refusal = 0;
     assert_int_equal(run_one(&run, changes_nothing, CF_COE, &result), CF_PASS);
     assert_int_equal(run.engine.undo_count, 0);
     end_run(&run);
 }
 
-/* Kept values are put back after a failure too, in PREOP and in the reverse order. */
+/* Kept values are restored after a failure too, in PREOP and in the reverse order. */
 static void put_number_back(cf_t *c, const uint8_t *data, size_t size)
 {
     cf_expect_range(c, "bytes that were kept", 2, 2, size);
-    cf_expect(c, "AL status while a value is put back", CF_PREOP, memory[ECT_REG_AL_STATUS]);
+    cf_expect(c, "AL status while a value is restored", CF_PREOP, memory[ECT_REG_AL_STATUS]);
     written[downloads++ % 8] = ect_load_le16(data);
 }
 
