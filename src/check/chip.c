@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The ESC and what is laid out in it. */
+/* Checks of the ESC, its SyncManagers and FMMUs. */
 #include <stdio.h>
 #include <string.h>
 
@@ -15,7 +15,7 @@ static bool has_mailbox(const report_t *r)
     return r->device->mailbox_protocols != 0;
 }
 
-/* An SDO and an emergency need 16 bytes; below 34 not every reply of SDO information has room. */
+/* SDOs and emergencies need 16 bytes; SDO information needs 34 bytes for all replies. */
 static unsigned int shortest_mailbox(const report_t *r)
 {
     return (r->device->coe_details & ECT_COE_SDO_INFO) != 0 ? SHORTEST_WITH_INFO : SHORTEST_MAILBOX;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The second table: units, limits and long defaults; and the short defaults against the limits. */
+/* Checks of details: units, limits and long defaults; and of short defaults against the limits. */
 #include <inttypes.h>
 #include <string.h>
 
@@ -29,7 +29,7 @@ static int64_t highest_of(const ect_entry_t *entry)
     return bits >= 63 ? INT64_MAX : ((int64_t)1 << bits) - 1;
 }
 
-/* The default of an integer, extended. */
+/* @return the default of an integer, extended to 64 bits */
 static int64_t default_of(const ect_entry_t *entry, const ect_detail_t *detail)
 {
     unsigned int bits = entry->bit_length;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Objects and entries: what the dictionary's functions rely on. */
+/* Checks of objects and entries, on which the functions of the dictionary rely. */
 #include <stdarg.h>
 #include <stdio.h>
 
@@ -8,7 +8,7 @@
 
 enum { KNOWN_ACCESS = ECT_ACCESS_WIRE | ECT_ACCESS_SHARED | ECT_ACCESS_DESCRIPTION | ECT_ACCESS_COMMAND };
 
-/* Lengths that types have; 0: whole bytes, any number of them. */
+/* Bit lengths of types; 0: any number of whole bytes. */
 static const struct {
     uint16_t type;
     uint8_t bits;
@@ -106,7 +106,7 @@ static bool type_good(const place_t *p)
     return length_good(p, types[i].bits);
 }
 
-/* Whether there is a text at this place of the description. */
+/* @return whether the offset is that of a text in the description */
 static bool is_text_member(size_t offset)
 {
     static const uint16_t members[] = {offsetof(ect_device_t, name),
@@ -137,7 +137,7 @@ static bool described_good(const place_t *p)
     return text ? true : wrong_at(p, "the description has no such text");
 }
 
-/* Inside the instance, and not over the part of the stack at its beginning. */
+/* Checks that an entry is inside the instance, and not in the stack's part at the beginning. */
 static bool offset_good(const place_t *p)
 {
     const ect_entry_t *e = p->entry;
@@ -163,7 +163,7 @@ static bool place_good(const place_t *p)
     return offset_good(p);
 }
 
-/* A value that can be changed needs memory. */
+/* Checks that a writable value has memory. */
 static bool memory_good(const place_t *p)
 {
     const ect_entry_t *e = p->entry;
@@ -187,7 +187,7 @@ static bool access_good(const place_t *p)
     return memory_good(p);
 }
 
-/* Without memory it reads as its value, and with it starts with it. */
+/* Checks the value of an entry: constant without memory, initial with memory. */
 static bool value_good(const place_t *p)
 {
     const ect_entry_t *e = p->entry;
@@ -206,14 +206,14 @@ static bool entry_good(const place_t *p)
     return type_good(p) && access_good(p) && place_good(p) && value_good(p);
 }
 
-/* The sub-index that an object gives for its last entry; in a list of SOES, that of the entry at its position. */
+/* @return the sub-index of the last entry; in a list of SOES, that of the entry at this position */
 static unsigned int highest(const ect_object_t *o)
 {
     return o->last != 0 ? o->max_subindex : ect_od_last(o)->subindex;
 }
 
-/* Its own number of elements, or where it may change, one up to that. A sparse record of SOES may give either the
- * highest sub-index or the number of elements. */
+/* Checks sub-index 0: the number of elements, or, if writable, at most this number. A sparse record of SOES may have
+ * either the highest sub-index or the number of elements. */
 static bool count_good(const place_t *p)
 {
     const ect_entry_t *e = p->entry;
@@ -236,7 +236,7 @@ static bool is_list(const ect_object_t *o)
     return o->object_code == ECT_OBJECT_ARRAY || o->object_code == ECT_OBJECT_RECORD;
 }
 
-/* Whether a single value is one, and the entries of a list are counted. */
+/* Checks that a variable is a single value, and that the entries of a list are counted. */
 static bool shape_good(const report_t *r, const ect_object_t *o)
 {
     bool several = o->max_subindex != 0 || o->last != 0;
@@ -259,7 +259,7 @@ static bool object_head_good(const report_t *r, const ect_object_t *o)
     return shape_good(r, o);
 }
 
-/* Each entry, and that the next one comes behind it. Leaves `p` at the last. */
+/* Checks each entry, and the ascending order. `p` is at the last entry afterwards. */
 static bool entries_good(place_t *p)
 {
     const ect_object_t *o = p->object;

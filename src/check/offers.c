@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Names, and the offers of a device with their needs: protocols, object services, clocks, an SII of its size. */
+/* Checks of names, protocols, object services, clocks and the size of the SII. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -77,7 +77,7 @@ static bool coe_good(const report_t *r)
     return true;
 }
 
-/* A device may have an EoE of its own; only that of the stack has these needs. */
+/* Checks the requirements of the stack's EoE; a device may have its own EoE. */
 static bool eoe_good(const report_t *r)
 {
     const ect_device_t *d = r->device;
@@ -143,7 +143,7 @@ static bool names_service(const report_t *r, const ect_service_t *which)
     return false;
 }
 
-/* The structure of a service begins where `index`:1 has its value; all of it must be in the instance. */
+/* Checks that the structure of a service, which begins at the value of `index`:1, is inside the instance. */
 static bool data_good(const report_t *r, const char *service, uint16_t index, size_t size)
 {
     const ect_object_t *object = NULL;
@@ -168,7 +168,7 @@ static bool can_be_written(const report_t *r, uint16_t index, const char *servic
     return wrong(r, "services: %s needs %04Xh:1 that can be written", service, index);
 }
 
-/* Some assignment or mapping that a master may change. */
+/* @return whether a master may change an assignment or mapping */
 static bool can_be_configured(const report_t *r)
 {
     for (unsigned int i = 0; i < r->device->object_count; i++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Assignments, mappings and what they come to, by default. */
+/* Checks of default assignments, mappings and their lengths. */
 #include "check/internal.h"
 #include "wire/assert.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Signals: their names, ranges and places. */
+/* Checks of signals: names, ranges and offsets. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
@@ -16,7 +16,7 @@ typedef struct signal_place {
     const ect_plant_t *plant;
     const ect_signal_group_t *group;
     const ect_signal_t *signal;
-    bool ascending; /* the names of the group ascend, so no two are the same */
+    bool ascending; /* the names of the group are in ascending order, hence unique */
 } signal_place_t;
 
 static bool wrong_signal(const signal_place_t *p, const char *why)
@@ -93,7 +93,7 @@ static bool signal_good(const signal_place_t *p)
     return true;
 }
 
-/* A group of tens of thousands is one in ascending order: the dictionary of an ESI file. */
+/* @return whether the names ascend, as in the large group of an ESI file's dictionary */
 static bool ascends(const ect_signal_group_t *g)
 {
     for (unsigned int n = 1; n < g->signal_count; n++) {
@@ -110,7 +110,7 @@ static const char *prefix_of(const ect_signal_group_t *g)
     return g->prefix ? g->prefix : "";
 }
 
-/* All of its structures are in the instance. */
+/* @return whether all structures of a group are inside the instance */
 static bool is_inside(const report_t *r, const ect_signal_group_t *g)
 {
     size_t whole = r->device->instance_size;

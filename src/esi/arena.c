@@ -56,7 +56,7 @@ char *ect_arena_print(ect_arena_t *arena, const char *format, ...)
     va_start(arguments, format);
     va_copy(again, arguments);
     int length = vsnprintf(NULL, 0, format, arguments);
-    ECT_ASSERT(length >= 0); /* the formats are ours */
+    ECT_ASSERT(length >= 0); /* all formats are constants of this project */
     char *text = ect_arena_alloc(arena, (size_t)length + 1);
     (void)vsnprintf(text, (size_t)length + 1, format, again);
     va_end(again);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A drive by its objects: axes of CiA 402 over the dictionary of a file. Drives and their surroundings lie behind the
- * entries in the instance; everything else of the twin stays as the file has it.
+ * Axes of CiA 402 over the dictionary of a file. In the instance, drives and their surroundings follow the entries; all
+ * other parts of the twin remain those of the file.
  */
 #include <stdio.h>
 #include <string.h>
@@ -13,18 +13,18 @@
 enum { PROFILE_402 = 402, FIRST_OBJECT = 0x6000, ALIGNMENT = 16, MOST_LISTED = 12 };
 
 typedef struct axis {
-    unsigned int number; /* its objects begin at 6000h + 800h times this */
+    unsigned int number; /* the objects of the axis begin at 6000h + 800h * number */
     ect_402_link_t links[ECT_402_VALUE_COUNT];
 } axis_t;
 
 struct ect_esi_drives {
     axis_t axes[ECT_402_AXES];
     unsigned int count;
-    size_t offset, outside; /* of the drives and of their surroundings in the instance */
+    size_t offset, outside; /* offsets of the drives and of their surroundings in the instance */
     void (*safe_outputs)(void *instance, uint64_t now_ns);
 };
 
-/* --- from the stack ----------------------------------------------------------------------------------------------- */
+/* --- functions called by the stack -------------------------------------------------------------------------------- */
 
 static const ect_esi_drives_t *drives_of(const void *instance)
 {
@@ -37,7 +37,7 @@ static ect_402_drive_t *drive_at(void *instance, unsigned int n)
     return (ect_402_drive_t *)(void *)((uint8_t *)instance + drives_of(instance)->offset) + n;
 }
 
-/* Runs over the drives of an instance. */
+/* Iterates over the drives of an instance. */
 #define EACH_DRIVE(d, instance)                                                                                        \
     for (ect_402_drive_t *d = drive_at(instance, 0); d < drive_at(instance, drives_of(instance)->count); d++)
 
@@ -118,7 +118,7 @@ static uint64_t tick(void *instance, uint64_t now_ns)
     return next;
 }
 
-/* The drive and the value that an entry is. */
+/* @return the drive of an entry, NULL: none; *value */
 static ect_402_drive_t *find(void *instance, uint16_t index, uint8_t subindex, ect_402_value_t *value)
 {
     const ect_esi_drives_t *drives = drives_of(instance);
@@ -159,7 +159,7 @@ static void sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64
         ect_402_drive_written(d, value, now_ns);
 }
 
-/* --- from users --------------------------------------------------------------------------------------------------- */
+/* --- signals ------------------------------------------------------------------------------------------------------ */
 
 static bool is_over_drive(const ect_signal_t *signal)
 {
@@ -196,7 +196,7 @@ static void find_axes(const ect_esi_twin_t *twin, ect_esi_drives_t *drives)
     }
 }
 
-/* A default of 0 in the file differs from none at all. */
+/* Distinguishes a default of 0 in the file from a missing one. */
 static void find_defaults(const ect_build_t *build, axis_t *axis)
 {
     for (unsigned int i = 0; i < ECT_402_VALUE_COUNT; i++) {
@@ -222,7 +222,7 @@ static void lay_out(ect_esi_twin_t *twin, ect_esi_drives_t *drives)
     twin->device.instance_size = drives->outside + twin->plant.outside_size;
 }
 
-/* The drive writes its actual values; a user cannot. */
+/* Makes the signals of actual values read-only, because the drive writes these values. */
 static void lock(const ect_esi_drives_t *drives, ect_signal_t *signal)
 {
     for (unsigned int a = 0; a < drives->count; a++) {

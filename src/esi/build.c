@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Descriptions count entries with limits, and signals, in 16 bits. */
+/* Counts of details and signals in a description have 16 bits. */
 enum { MOST_ENTRIES = UINT16_MAX };
 
 static const char *print(ect_build_t *build, const char *format, va_list arguments)
@@ -53,7 +53,7 @@ void ect_build_fail(ect_build_t *build, const char *format, ...)
     va_end(arguments);
 }
 
-/* Characters beyond ISO 646 that names in these files have, and what is written for them. */
+/* Characters beyond ISO 646 in names, and their replacements. */
 static const struct {
     const char *utf8, *plain;
 } spellings[] = {
@@ -62,7 +62,7 @@ static const struct {
     {"\u03A9", "Ohm"}, {"\u2013", "-"},  {"\u00B1", "+/-"}, {"\u00B2", "2"},  {"\u00B3", "3"},
 };
 
-/* @return bytes of the character at `text`; *plain is what to write for it */
+/* @param[out] plain  the replacement @return bytes of the character at `text` */
 static size_t spell(const char *text, const char **plain)
 {
     for (size_t i = 0; i < sizeof spellings / sizeof spellings[0]; i++) {
@@ -75,7 +75,7 @@ static size_t spell(const char *text, const char **plain)
     size_t length = 1;
     while (((unsigned char)text[length] & 0xC0) == 0x80)
         length++;
-    *plain = (unsigned char)*text < 0x80 ? " " : "?"; // control characters, such as the end of a line, part words
+    *plain = (unsigned char)*text < 0x80 ? " " : "?"; // a control character, as a line feed, separates words
     return length;
 }
 
@@ -195,7 +195,7 @@ uint64_t ect_build_number(const ect_build_entry_t *entry)
     return value;
 }
 
-/* The name that the file gave an element, NULL: none but that of its place. */
+/* @return the name of an element in the file; NULL: only a placeholder */
 static const char *given_name(const ect_build_object_t *object, uint8_t subindex)
 {
     const ect_build_entry_t *entry = ect_build_entry(object, subindex);
@@ -238,7 +238,7 @@ static int compare_entries(const void *a, const void *b)
     return (int)((const ect_build_entry_t *)a)->subindex - (int)((const ect_build_entry_t *)b)->subindex;
 }
 
-/* Sub-index 0 of a record that the dictionary does not have whole; a PDO or a start-up command may have named it. */
+/* Adds sub-index 0 to a record that is incomplete in the dictionary; a PDO or a start-up command may already have. */
 static void count_entries(ect_build_t *build, ect_build_object_t *object)
 {
     ect_build_entry_t *zero = ect_build_entry(object, 0);

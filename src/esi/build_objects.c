@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Objects of the dictionary: a type with sub-items is a record, one whose sub-items hold an array is an array. */
+/* Objects of the dictionary: a type with sub-items is a record, a type with a sub-item for elements is an array. */
 #include <string.h>
 #include <strings.h>
 
@@ -7,7 +7,7 @@
 
 enum { ASSIGNMENTS = 32 /* 1C10h to 1C2Fh */ };
 
-/* In which states an access is allowed; any other word means all states. */
+/* @return the states in which an access is allowed; all for an unknown word */
 static uint16_t states(const char *restriction, uint16_t preop, uint16_t safeop, uint16_t op)
 {
     const struct {
@@ -24,7 +24,7 @@ static uint16_t states(const char *restriction, uint16_t preop, uint16_t safeop,
     return (uint16_t)(preop | safeop | op);
 }
 
-/* The flag of the sub-item itself, else that of its object. */
+/* @return the flag of the sub-item, or else that of the object */
 static const char *either(const char *own, const char *inherited)
 {
     return *own != '\0' ? own : inherited;
@@ -52,7 +52,7 @@ static uint16_t access_of(const ect_esi_flags_t *own, const ect_esi_flags_t *obj
     return bits;
 }
 
-/* Bytes have the sign that the entry's type gives them. */
+/* Extends the sign of bytes as the entry's type requires. */
 static ect_esi_number_t limit_of(const ect_build_entry_t *entry, ect_esi_number_t limit)
 {
     uint64_t sign = limit.bytes > 0 ? UINT64_C(1) << (8 * limit.bytes - 1) : 0;
@@ -81,7 +81,7 @@ static void take_info(ect_build_entry_t *entry, const ect_esi_info_t *info)
     }
 }
 
-/* One object while its entries are added. */
+/* An object under construction. */
 typedef struct maker {
     ect_build_t *build;
     const ect_esi_dictionary_t *dictionary;
@@ -89,7 +89,7 @@ typedef struct maker {
     ect_build_object_t *object;
 } maker_t;
 
-/* The info of the object for an entry: by the name of the sub-item, else by its place among the entries. */
+/* @return the info of the object for an entry, by the name of the sub-item, or else by its position */
 static const ect_esi_info_t *info_of(const ect_esi_object_t *model, const char *name, size_t place)
 {
     if (place < model->item_count && strcmp(model->items[place].name, name) == 0)
@@ -101,7 +101,7 @@ static const ect_esi_info_t *info_of(const ect_esi_object_t *model, const char *
     return place < model->item_count ? &model->items[place] : NULL;
 }
 
-/* The name for display. Names of the sub-items of a type must differ, so that many are "SubIndex 001". */
+/* @return the display name, because many sub-items are called "SubIndex 001" to be unique */
 static const char *display_of(const ect_esi_item_t *item, const ect_esi_info_t *info, const char *name)
 {
     if (info != NULL && info->display != NULL && *info->display != '\0')
@@ -133,7 +133,7 @@ static void add_entry(maker_t *m, unsigned int subindex, const ect_esi_item_t *i
         take_info(entry, info);
 }
 
-/* A sub-item without a number holds the elements of an array. */
+/* Adds the elements described by a sub-item without a number. */
 static void add_elements(maker_t *m, const ect_esi_item_t *item, const ect_esi_type_t *array)
 {
     uint32_t bits = array->elements.value > 0 ? array->bits / (uint32_t)array->elements.value : 0;
@@ -161,7 +161,7 @@ static void add_items(maker_t *m, const ect_esi_type_t *type)
     }
 }
 
-/* Sub-index 0 holds the number of entries; without a default in the file they are counted. */
+/* Sets sub-index 0 to the number of entries if the file has no default. */
 static void count_entries(ect_build_t *build, ect_build_object_t *object)
 {
     ect_build_entry_t *zero = ect_build_entry(object, 0);
@@ -240,7 +240,7 @@ void ect_build_objects(ect_build_t *build, const ect_esi_dictionary_t *dictionar
 
 /* --- start-up commands ------------------------------------------------------------------------------------------- */
 
-/* The states in which a master writes at one of the transitions: from PREOP on, where there is a mailbox. */
+/* @return the states with a mailbox in which a master writes at one of the transitions */
 static uint16_t written_in(const char *transitions)
 {
     uint16_t bits = 0;
@@ -275,7 +275,7 @@ static ect_build_entry_t *make_entry(ect_build_t *build, const ect_esi_init_t *i
     return ect_build_add(build, object, init->subindex, basic.code, basic.bits, ECT_ACCESS_RO, name);
 }
 
-/* Mappings and assignments have rules of their own; a whole object is written as its entries are. */
+/* @return whether a command is ignored: mappings and assignments are built elsewhere; entries cover whole objects */
 static bool is_left_alone(const ect_esi_init_t *init, uint16_t index)
 {
     return init->complete || init->data.length == 0 || ect_od_is_rxpdo(index) || ect_od_is_txpdo(index) ||

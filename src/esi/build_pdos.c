@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* PDOs become mapping objects, what they map becomes mappable, and what is assigned by default is. */
+/* Makes mapping objects from PDOs, makes mapped entries mappable, and sets the default assignments. */
 #include <string.h>
 
 #include "esi/internal.h"
@@ -23,9 +23,9 @@ static bool sm_takes(const ect_esi_device_t *model, int sm, const ect_esi_pdo_t 
     return pdo->tx ? is_input_sm(&model->sms[sm]) : is_output_sm(&model->sms[sm]);
 }
 
-/* --- what is mapped ---------------------------------------------------------------------------------------------- */
+/* --- mapped entries ----------------------------------------------------------------------------------------------- */
 
-/* A value that the dictionary has without sub-indices, and a PDO with: the PDO is what masters go by. */
+/* Makes a record of a value for which a PDO, but not the dictionary, has sub-indices: masters use the PDO. */
 static void make_record(ect_build_t *build, ect_build_object_t *object)
 {
     ect_build_note(build, "object %04X is a single value in the dictionary and a record in a PDO: it is a record",
@@ -50,7 +50,7 @@ static ect_build_entry_t *entry_for(ect_build_t *build, const ect_esi_entry_t *m
     return ect_build_add(build, object, model->subindex, ECT_TYPE_NONE, 0, ECT_ACCESS_RO, model->name);
 }
 
-/* Two PDOs may map an entry at different lengths: it is as long as the longest. */
+/* Two PDOs may map an entry with different lengths: the longest one is used. */
 static void widen(ect_build_t *build, ect_build_entry_t *entry, const ect_esi_entry_t *model)
 {
     ect_esi_basic_t basic;
@@ -127,7 +127,7 @@ static const char *why_not(const ect_build_pdo_t *pdo, bool on_virtual)
     return NULL;
 }
 
-/* A PDO without which the process data would differ from those of the file. */
+/* @return whether the PDO is part of the default process data */
 static bool counts_by_default(const ect_build_t *build, const ect_esi_pdo_t *model)
 {
     return !model->virtual_pdo && model->sm >= 0 && (size_t)model->sm < build->model->sm_count &&
@@ -221,7 +221,7 @@ uint32_t ect_build_assigned_bits(const ect_build_t *build, int sm)
     return bits;
 }
 
-/* Whether a master may assign it there: by default, or because the file leaves it free. */
+/* @return whether a master may assign a PDO to a SyncManager, by default or by choice */
 static bool may_be_assigned(const ect_build_t *build, const ect_build_pdo_t *pdo, int sm)
 {
     return pdo->usable && !pdo->on_virtual && (pdo->model->sm == sm || pdo->model->sm < 0) &&
@@ -247,7 +247,7 @@ static void find_place(ect_build_t *build, size_t i)
     build->pdos[i].place = place;
 }
 
-/* All places taken, each by the longest PDO that it may have. */
+/* Sums the longest PDO of each place. */
 uint32_t ect_build_largest_bits(const ect_build_t *build, int sm)
 {
     uint32_t bits = 0;

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Signals: what each assigned PDO maps, as `pdo_name.entry_name`, and every other value of the dictionary as
- * `od.8000_01`. Inputs can be set, outputs can be read.
+ * Signals: the entries of each assigned PDO as `pdo_name.entry_name`, and all other values of the dictionary as
+ * `od.8000_01`. Inputs are writable, outputs read-only.
  */
 #include <stdio.h>
 #include <string.h>
 
 #include "esi/internal.h"
 
-/* Characters of a name; prefix, dot and the number that makes the name unique need room, too. */
+/* Maximum characters of parts of a name, with room left for prefix, dot and the number that makes the name unique. */
 enum { LONGEST_PART = 28, LONGEST_VALUE = 60 };
 
-/* Lower case, digits and `_`, beginning with a letter: what the names of signals are made of. */
+/* Converts a text to lower-case letters, digits and `_`, beginning with a letter. */
 static const char *plain_name(ect_build_t *build, const char *text, const char *otherwise)
 {
     char name[LONGEST_PART + 1];
@@ -81,7 +81,7 @@ static void set_range(const ect_build_entry_t *entry, ect_signal_t *signal)
     ECT_ASSERT(signal->minimum <= signal->maximum);
 }
 
-/* A group while it grows. */
+/* A group under construction. */
 typedef struct list {
     ect_build_t *build;
     ect_signal_t *signals;
@@ -97,7 +97,7 @@ static bool is_taken(const list_t *list, const char *name)
     return false;
 }
 
-/* A name of its own for a list in which it is taken. */
+/* @return a unique name for a list */
 static const char *unique_name(const list_t *list, const char *name)
 {
     const char *unique = name;
@@ -106,13 +106,13 @@ static const char *unique_name(const list_t *list, const char *name)
     return unique;
 }
 
-/* `name`: none of the list has it. */
+/* @param name  not in the list */
 static void add_signal(list_t *list, const ect_build_entry_t *entry, const char *name, const char *meaning)
 {
     ect_build_t *build = list->build;
     bool bytes = entry->data_type == ECT_TYPE_VISIBLE_STRING || entry->data_type == ECT_TYPE_OCTET_STRING;
     if (bytes && (entry->bits + 7u) / 8u > LONGEST_VALUE)
-        return; // more than a line of the control socket shows; SDO reaches it
+        return; // too long for a line of the control socket; accessible by SDO
     ECT_ASSERT(list->count < UINT16_MAX);
     list->signals = ect_arena_grow(build->arena, list->signals, list->count, sizeof *list->signals);
     ect_signal_t *signal = &list->signals[list->count++];
@@ -142,7 +142,7 @@ static void add_group(ect_build_t *build, ect_plant_t *plant, const char *prefix
     plant->signal_groups = groups;
 }
 
-/* An entry that one PDO named is not named again, by another PDO or as an object. */
+/* @return the flag of an entry that already has a signal */
 static bool *seen_flag(const ect_build_t *build, bool *seen, uint16_t index, uint8_t subindex)
 {
     const ect_build_object_t *object = ect_build_find(build, index);
@@ -171,7 +171,7 @@ static void add_pdo(ect_build_t *build, ect_plant_t *plant, const ect_build_pdo_
     add_group(build, plant, plain_name(build, pdo->model->name, otherwise), &list);
 }
 
-/* A master reads registers in the place of the entries of a virtual PDO, never the values of the dictionary. */
+/* Gives entries of a virtual PDO no signals: a master reads registers instead. */
 static void skip_pdo(const ect_build_t *build, const ect_build_pdo_t *pdo, bool *seen)
 {
     for (size_t i = 0; i < pdo->model->entry_count; i++) {

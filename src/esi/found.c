@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The dictionary that was read from a slave, added to the model of its EEPROM image. */
+/* Adds the dictionary read from a slave to the model of its EEPROM image. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,7 +11,7 @@
 
 enum { ASSIGNMENTS = 32, NONE = -1 };
 
-/* The model is ours until somebody selects it. */
+/* The model may be changed until it is selected. */
 #define OURS(pointer) ((void *)(uintptr_t)(pointer))
 
 static const char *copy_text(ect_esi_t *esi, const char *text)
@@ -137,7 +137,7 @@ static const ect_esi_item_t *item_at(const ect_esi_type_t *type, unsigned int su
     return NULL;
 }
 
-/* The value of an element, 0 where none was read. */
+/* @return the value of an element; 0: unknown */
 static uint32_t element(const ect_esi_type_t *type, unsigned int subindex)
 {
     uint8_t wire[4] = {0};
@@ -148,7 +148,7 @@ static uint32_t element(const ect_esi_type_t *type, unsigned int subindex)
     return ect_load_le32(wire);
 }
 
-/* The SyncManager that has the PDO in its assignment. */
+/* @return the SyncManager to which a PDO is assigned; -1: none */
 static int assigned_to(const ect_esi_t *esi, uint16_t pdo)
 {
     for (int sm = 0; sm < ASSIGNMENTS; sm++) {
@@ -171,7 +171,7 @@ static const ect_esi_pdo_t *pdo_of_image(const ect_esi_pdo_t *pdos, size_t count
     return NULL;
 }
 
-/* Name and type of an entry: of the same one in the image, else of the dictionary. */
+/* Sets name and type of an entry from the image, or else from the dictionary. */
 static void describe_entry(const ect_esi_t *esi, const ect_esi_pdo_t *old, ect_esi_entry_t *entry)
 {
     const ect_esi_item_t *item = item_at(type_at(esi, entry->index), entry->subindex);
@@ -211,7 +211,7 @@ static void make_pdo(ect_esi_t *esi, const ect_esi_object_t *object, const ect_e
     };
 }
 
-/* The place of a PDO in a list, else a new one behind the others of its direction: outputs come first. */
+/* @return the PDO with an index, or else a new one after the others of its direction; outputs precede inputs */
 static ect_esi_pdo_t *place_for(ect_esi_t *esi, uint16_t index)
 {
     ect_esi_device_t *device = esi->device;
@@ -229,7 +229,7 @@ static ect_esi_pdo_t *place_for(ect_esi_t *esi, uint16_t index)
     return &pdos[at];
 }
 
-/* A SyncManager whose assignment was read has the PDOs of that and no others. */
+/* Removes the PDOs of the image from SyncManagers whose assignment was read. */
 static void release(ect_esi_t *esi)
 {
     ect_esi_pdo_t *pdos = OURS(esi->device->pdos);
@@ -273,7 +273,7 @@ static bool same_flags(const ect_esi_flags_t *a, const ect_esi_flags_t *b)
            a->setting == b->setting;
 }
 
-/* Elements 1 to the last, of one type and with the same rights: what an ESI file can describe as an array. */
+/* @return whether elements 1 to the last have the same type and access rights, as in an array of an ESI file */
 static bool is_array(const ect_esi_type_t *type)
 {
     if (type->item_count < 2 || type->items[0].subindex != 0)
@@ -288,7 +288,7 @@ static bool is_array(const ect_esi_type_t *type)
     return true;
 }
 
-/* The names of elements are those for display; a file has the elements' values with the object. */
+/* Makes an array. Names of elements become display names; their values are part of the object. */
 static void make_array(ect_esi_t *esi, ect_esi_object_t *object, ect_esi_type_t *type, ect_esi_type_t *elements)
 {
     const size_t count = type->item_count;
@@ -319,7 +319,7 @@ static void make_array(ect_esi_t *esi, ect_esi_object_t *object, ect_esi_type_t 
     object->item_count = count;
 }
 
-/* An object of a single value takes it from its entry; the others have a type of their own. */
+/* Sets the type: of a single value that of its entry, else a type of its own. */
 static void finish_object(uint8_t code, ect_esi_object_t *object, ect_esi_type_t *type)
 {
     if (code == ECT_OBJECT_VAR && type->item_count == 1 && type->items[0].subindex == 0) {

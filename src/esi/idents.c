@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The lists of module idents (ETG.5001): F050h has the modules in the slots, F030h those that a master has configured.
- */
+/* The lists of module idents (ETG.5001): F050h contains the modules in the slots, F030h those configured by a master.
+ **/
 #include <string.h>
 
 #include "esi/internal.h"
@@ -26,7 +26,7 @@ static void make_lists(ect_build_t *build, size_t count)
                                 ECT_ACCESS_RO, NULL, 0, count);
 }
 
-/* Gives the elements of a list their values, as far as the list of the file has them. */
+/* Sets the values of the existing elements of a list. */
 static void fill(ect_build_t *build, uint16_t index, const uint32_t *idents, size_t count)
 {
     const ect_build_object_t *object = ect_build_find(build, index);
@@ -54,14 +54,14 @@ void ect_build_idents(ect_build_t *build)
     fill(build, DETECTED, build->idents, count);
 }
 
-/* @return element `subindex` of a list; 0: it has none */
+/* @return element `subindex` of a list; 0: none */
 static uint32_t ident_at(const ect_od_t *od, uint16_t index, uint8_t subindex)
 {
     uint32_t ident = 0;
     return ect_od_number(od, index, subindex, &ident) == ECT_OK ? ident : 0;
 }
 
-/* A list without any ident asks for no check; another one has the ident of each slot. */
+/* @return whether F030h has no idents, or the ident of each slot */
 static bool fits(const ect_od_t *od)
 {
     const uint32_t count = ident_at(od, CONFIGURED, 0);

@@ -11,7 +11,7 @@
 #include "wire/bytes.h"
 #include "wire/sii.h"
 
-/* Control bytes of mailbox SyncManagers where the image has no category of SyncManagers. */
+/* Control bytes of mailbox SyncManagers for an image without category SYNCM. */
 enum { CONTROL_OUT = 0x26, CONTROL_IN = 0x22 };
 
 typedef struct image {
@@ -233,7 +233,8 @@ static uint32_t bits_of(const ect_esi_pdo_t *pdo)
     return bits;
 }
 
-/* An image may name a SyncManager for each PDO that it can have: those are assigned that its length has room for. */
+/* An image may give a SyncManager for each possible PDO: the first ones that fit the SyncManager's length are assigned.
+ */
 static void assign(const image_t *image, int n)
 {
     ect_esi_pdo_t *pdos = (ect_esi_pdo_t *)(uintptr_t)image->device->pdos; /* ours */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* All values of a file. */
+/* Iteration over all values of a file. */
 #include "esi/leaves.h"
 
 #include <stdlib.h>
@@ -9,8 +9,8 @@
 
 enum { PATH = 400 };
 
-/* Paths whose values reach the twin, ascending: a changed one changes a description, a dictionary or an EEPROM, unless
- * something else in the file overrules it. */
+/* Paths of values that affect the twin, ascending: a change affects the description, the dictionary or the EEPROM,
+ * unless another part of the file overrides it. */
 static const char *const modelled[] = {
     "Device/Dc/OpMode/AssignActivate",
     "Device/Dc/OpMode/CycleTimeSync0",
@@ -133,7 +133,7 @@ typedef struct walk {
     ect_esi_xml_t xml;
     ect_esi_leaf_t leaf;
     void *ctx;
-    char path[PATH];  /* with the numbers and names of elements that repeat */
+    char path[PATH];  /* with numbers and names of repeated elements */
     char plain[PATH]; /* without */
 } walk_t;
 
@@ -152,7 +152,7 @@ static void take(walk_t *w, const char *value)
     w->leaf(w->ctx, is_modelled(w->plain), w->path, value);
 }
 
-/* A longer path is left out, with all below it: no file that the schema accepts has one. @return its length */
+/* Appends a name. A path that is too long, impossible in a valid file, is skipped with all below. @return its length */
 static size_t append(char path[PATH], size_t length, const char *between, const char *name)
 {
     const size_t more = strlen(between) + strlen(name);
@@ -163,7 +163,7 @@ static size_t append(char path[PATH], size_t length, const char *between, const 
     return length + more;
 }
 
-/* Elements that a user knows by their index or name; others are counted. */
+/* @return the label of an element, index or name; other elements are numbered */
 static const char *label_of(walk_t *w, const xmlNode *node, unsigned int number)
 {
     static const char *const named[] = {"DataType", "Object", "RxPdo", "TxPdo", "Module", "Slot"};
@@ -237,7 +237,7 @@ void ect_esi_leaves(const ect_esi_device_t *device, ect_esi_leaf_t leaf, void *c
 {
     ect_arena_t arena = {0};
     walk_t w = {
-        .xml = {.arena = &arena, .file = device->esi->file}, .leaf = leaf, .ctx = ctx}; /* mistakes are none here */
+        .xml = {.arena = &arena, .file = device->esi->file}, .leaf = leaf, .ctx = ctx}; /* mistakes are ignored */
     const xmlNode *descriptions = ect_esi_child(device->esi->root, "Descriptions");
     walk_root(&w, ect_esi_child(device->esi->root, "Vendor"));
     ECT_ESI_EACH(group, ect_esi_child(descriptions, "Groups"), "Group")

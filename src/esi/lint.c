@@ -37,7 +37,7 @@ static const char *tag(const xmlNode *node)
     return (const char *)node->name;
 }
 
-/* Position of a word in a list of words with a blank between them; -1: it is not among them. */
+/* @return position of a word in a list separated by blanks; -1: none */
 static int place_of(const char *words, const char *word)
 {
     size_t length = strlen(word);
@@ -66,7 +66,7 @@ static const struct order {
     {"Eeprom", "Data ByteSize ConfigData BootStrap Category VendorSpecific"},
 };
 
-/* One picture of three kinds and PDOs of both directions may be in any order among themselves. */
+/* @return the rank of an element; equal for the kinds of pictures and for PDOs, whose order is free */
 static int rank(const struct order *order, const char *name)
 {
     int place = place_of(order->children, name);
@@ -92,7 +92,7 @@ static void check_order(const lint_t *l, const xmlNode *parent, const struct ord
 
 /* --- obsolete ---------------------------------------------------------------------------------------------------- */
 
-/* Element, and the attributes of it that the schema calls obsolete; "*" any element. */
+/* Elements with attributes that are obsolete by the schema; "*": any element. */
 static const struct obsolete {
     const char *element, *attributes;
 } obsolete_attributes[] = {
@@ -110,7 +110,7 @@ static const struct obsolete {
 };
 static const char obsolete_elements[] = "Image16x14 StationAliasSupported";
 
-/* SII and file can enable a SyncManager in OP alone, but few masters do it. */
+/* A remark: few masters enable a SyncManager in OP only. */
 static const char op_only[] = "OpOnly";
 
 static void check_attribute(const lint_t *l, const xmlNode *node, const char *name)
@@ -150,7 +150,7 @@ static void check_element(lint_t *l, const xmlNode *node)
         check_number(l, node, tag(node), ect_esi_text(&l->xml, node));
 }
 
-/* All elements below one, itself included. */
+/* Checks an element and all elements below. */
 static void walk(lint_t *l, const xmlNode *top)
 {
     for (const xmlNode *node = top; node != NULL;) {
@@ -174,13 +174,13 @@ static void require_text(lint_t *l, const xmlNode *parent, const char *child)
         finding(l, true, parent, "%s has no %s", tag(parent), child);
 }
 
-/* Absolute value, defined for the smallest number, too: the height of a picture from top to bottom is negative. */
+/* Absolute value, also of INT32_MIN: the height of a top-down picture is negative. */
 static uint32_t magnitude(uint32_t number)
 {
     return number > INT32_MAX ? 0u - number : number;
 }
 
-/* A bitmap, as a file of that format is. */
+/* Checks a bitmap file. */
 static void check_picture(lint_t *l, const xmlNode *parent)
 {
     const xmlNode *node = ect_esi_child(parent, "ImageData16x14");
@@ -239,7 +239,7 @@ static void check_orders(const lint_t *l, const xmlNode *node)
     }
 }
 
-/* --- the whole --------------------------------------------------------------------------------------------------- */
+/* --- the file ----------------------------------------------------------------------------------------------------- */
 
 static void check_head(lint_t *l, const xmlNode *root, const xmlNode *descriptions)
 {
@@ -270,7 +270,7 @@ static void check_groups(lint_t *l, const xmlNode *groups, const ect_esi_device_
 
 void ect_esi_lint(ect_esi_t *esi, const ect_esi_device_t *device, ect_esi_report_t report, void *ctx)
 {
-    char unread[LINE]; /* the reader has reported mistakes that keep a file from being read */
+    char unread[LINE]; /* the reader reports mistakes that make a file unreadable */
     lint_t l = {.xml = {.arena = &esi->arena, .file = esi->file, .text = unread, .room = sizeof unread},
                 .report = report,
                 .ctx = ctx};
@@ -300,7 +300,7 @@ typedef struct validation {
     size_t count;
 } validation_t;
 
-/* libxml2 keeps the mistake that it reports, with its line. */
+/* Called by libxml2, which stores the mistake with its line. */
 __attribute__((format(printf, 2, 3))) static void invalid(void *ctx, const char *format, ...)
 {
     (void)format;

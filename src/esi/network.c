@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* EoE of a twin: a master sets its address, which then answers ARP, ping and UDP echo. */
+/* EoE of a twin, which replies to ARP, ping and UDP echo at the address set by the master. */
 #include "esi/internal.h"
 
 #include "profiles/ip/echo.h"

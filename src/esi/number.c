@@ -21,7 +21,7 @@ bool ect_esi_parse_number(const char *text, int64_t *value)
         if (strspn(digits, "0123456789+-") != strlen(digits))
             return false;
         *value = strtoll(digits, &end, 10);
-        if (errno == ERANGE && *digits != '-') { // an unsigned number of 64 bits
+        if (errno == ERANGE && *digits != '-') { // an unsigned 64-bit number
             errno = 0;
             *value = (int64_t)strtoull(digits, &end, 10);
         }

@@ -123,7 +123,7 @@ const ect_esi_head_t *ect_esi_heads(const ect_esi_t *esi, size_t *count)
     return esi->heads;
 }
 
-/* The selector of a user: a type, or numbers. */
+/* A parsed selector: a type, or numbers. */
 typedef struct selection {
     const char *type; // NULL: any
     bool product_given, revision_given;
@@ -159,7 +159,7 @@ static bool fits(const selection_t *selection, const ect_esi_head_t *head)
            (!selection->revision_given || selection->revision == head->revision);
 }
 
-/* The newest that fits; `other` is one that fits and is another type. */
+/* @param[out] other  a matching device of another type @return the matching device with the highest revision */
 static size_t choose(const ect_esi_t *esi, const selection_t *selection, size_t *other)
 {
     size_t best = esi->count;

@@ -86,7 +86,7 @@ static void read_sms(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t *
         sm->size.value = ect_esi_attribute_number(xml, child, "DefaultSize", 0, UINT16_MAX, 0);
         sm->minimum = (uint16_t)ect_esi_attribute_number(xml, child, "MinSize", 0, UINT16_MAX, 0);
         sm->maximum = (uint16_t)ect_esi_attribute_number(xml, child, "MaxSize", 0, UINT16_MAX, 0);
-        // Enable is a number of bits; absent means on, as masters read it.
+        // Enable is a bit mask; absent means enabled, as in masters.
         unsigned int bits = (unsigned int)ect_esi_attribute_number(xml, child, "Enable", 0, UINT8_MAX, 1);
         bits |= ect_esi_flag(xml, child, "OpOnly") ? ECT_SM_FLAG_OP_ONLY : 0u;
         bits |= ect_esi_flag(xml, child, "Virtual") ? ECT_SM_FLAG_VIRTUAL : 0u;
@@ -158,7 +158,7 @@ static void read_mailbox(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_mailbo
     mailbox->inits = read_inits(xml, coe, &mailbox->init_count);
 }
 
-/* Appends the SyncManagers below an element that assigns PDOs to them. */
+/* Appends the SyncManagers with PDOs below an element. */
 static const ect_esi_assignment_t *read_assignments(ect_esi_xml_t *xml, const xmlNode *parent, const char *name,
                                                     const ect_esi_assignment_t *list, size_t *count)
 {
@@ -341,7 +341,7 @@ static void read_modules(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device
     {
         const xmlNode *type = ect_esi_child(child, "Type");
         if (type == NULL)
-            continue; // a module that no slot can name
+            continue; // without an ident no slot can refer to the module
         ECT_APPEND(xml, modules, device->module_count, module);
         module->ident = (uint32_t)ect_esi_attribute_number(xml, type, "ModuleIdent", 0, UINT32_MAX, 0);
         module->module_class = ect_esi_attribute(xml, type, "ModuleClass");

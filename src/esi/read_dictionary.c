@@ -4,7 +4,7 @@
 
 #include "esi/internal.h"
 
-/* Backup and Setting are numbers with a meaning of their own; every one but 0 means yes. */
+/* Backup and Setting are numbers; any number except 0 means true. */
 static bool is_set(ect_esi_xml_t *xml, const xmlNode *parent, const char *name)
 {
     const char *text = ect_esi_text(xml, ect_esi_child(parent, name));
@@ -31,7 +31,7 @@ static ect_esi_bytes_t from_number(ect_esi_xml_t *xml, int64_t value)
     return (ect_esi_bytes_t){.bytes = bytes, .length = 8};
 }
 
-/* A limit is a number or bytes (MinData); what is neither (a REAL as text) gives none. */
+/* Reads a limit, a number or bytes (MinData); anything else (a REAL as text) gives no limit. */
 static ect_esi_number_t limit_of(ect_esi_xml_t *xml, const xmlNode *info, const char *value, const char *data)
 {
     ect_esi_number_t limit = {.given = false};
@@ -156,7 +156,7 @@ static int by_name(const void *a, const void *b)
     return order != 0 ? order : (left > right) - (left < right);
 }
 
-/* A type is looked up for each entry: a dictionary of thousands of types must not be walked each time. */
+/* Sorts the types, which are searched for each entry. */
 static const ect_esi_type_t *const *sorted(ect_esi_xml_t *xml, const ect_esi_type_t *types, size_t count)
 {
     const ect_esi_type_t **list = ect_arena_alloc(xml->arena, (count + 1) * sizeof *list);

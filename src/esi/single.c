@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A model that is not from an ESI file, as a file with one device. */
+/* A model without an ESI file, as a file with one device. */
 #include "esi/single.h"
 
 #include <inttypes.h>
@@ -9,7 +9,7 @@
 
 #include "esi/internal.h"
 
-/* PDOs that are made of a SyncManager's bytes, and the objects that they map. */
+/* PDOs made for a SyncManager without PDOs, and the mapped objects. */
 enum {
     FIRST_RXPDO = 0x1600,
     FIRST_TXPDO = 0x1A00,
@@ -27,7 +27,7 @@ ect_esi_pdo_t *ect_esi_append_pdo(ect_arena_t *arena, ect_esi_device_t *device)
     return &pdos[device->pdo_count++];
 }
 
-/* Bytes `first` to below `end` of a SyncManager that no PDO describes. */
+/* Adds a PDO for bytes `first` to `end` - 1 of a SyncManager. */
 static void add_bytes(ect_esi_t *esi, const char *source, int n, bool tx, uint16_t number, size_t first, size_t end)
 {
     size_t count = end - first;

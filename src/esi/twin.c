@@ -15,7 +15,7 @@ enum {
     OUTPUT_REGISTERS = 0x0F00,
     RAM_START = 0x1000,
     RAM_END_SMALL = 0x3000,
-    USUAL_EEPROM = 1024, /* where the file has no size; it grows to what the image needs */
+    USUAL_EEPROM = 1024, /* default size, enlarged if the image needs more */
     LARGEST_EEPROM = 0xFF80
 };
 
@@ -41,7 +41,7 @@ static bool has_protocols(const ect_esi_device_t *model)
     return m->aoe || m->eoe || m->coe || m->foe || m->soe || m->voe;
 }
 
-/* How long a SyncManager's data may become before they, or their three buffers, reach what lies behind them. */
+/* @return the largest size of a SyncManager's data, or each of its three buffers, before the next area */
 static uint32_t gap_behind(const ect_build_t *build, size_t n)
 {
     const ect_esi_sm_t *sms = build->model->sms;
@@ -160,7 +160,7 @@ static void set_fmmus(ect_build_t *build, ect_device_t *device)
     }
 }
 
-/* The smallest chip that has the memory. */
+/* @return the smallest chip with enough memory */
 static const char *esc_of(const ect_device_t *device)
 {
     for (unsigned int i = 0; i < device->sm_count; i++) {
@@ -172,7 +172,7 @@ static const char *esc_of(const ect_device_t *device)
     return "et1100";
 }
 
-/* A text that a description must have and a file left out. */
+/* Replaces a missing text that a description requires. */
 static const char *or_unnamed(const char *text)
 {
     return *text != '\0' ? text : "unnamed";
@@ -180,8 +180,7 @@ static const char *or_unnamed(const char *text)
 
 /* --- mailbox, clocks, EEPROM ------------------------------------------------------------------------------------- */
 
-/* Protocols that a file names and the twin does not serve: an entry that takes no request is answered as unsupported.
- */
+/* Protocols of the file that the twin does not support: requests get the error "unsupported protocol". */
 #define UNSERVED(name) {.type = ECT_MAILBOX_TYPE_##name, .states = ECT_IN_PREOP_AND_ABOVE}
 static const ect_protocol_t aoe = UNSERVED(AOE), eoe = UNSERVED(EOE), foe = UNSERVED(FOE), soe = UNSERVED(SOE),
                             voe = UNSERVED(VOE);
@@ -292,7 +291,7 @@ static void set_dc(ect_build_t *build, ect_device_t *device)
     device->dc_mode_count = (uint8_t)count;
 }
 
-/* The transitions of CoE commands among those of a file; "": none. */
+/* @return those transitions of a command that are valid for CoE; "": none */
 static const char *known_transitions(ect_build_t *build, const ect_esi_init_t *init)
 {
     static const char known[] = "IP PS SO SP OP OS";
@@ -360,7 +359,7 @@ static void set_eeprom(ect_build_t *build, ect_device_t *device)
     device->sii = image;
 }
 
-/* Categories that the image has of itself are the description's. */
+/* Adds categories of the file, except those written from the description. */
 static void set_categories(ect_build_t *build, ect_device_t *device)
 {
     static const uint16_t own[] = {ECT_SII_STRINGS, ECT_SII_GENERAL, ECT_SII_FMMU, ECT_SII_SYNCM,
@@ -384,7 +383,7 @@ static void set_categories(ect_build_t *build, ect_device_t *device)
     device->category_count = (uint8_t)count;
 }
 
-/* Leaves out the parts that the EEPROM has no room for, with a note. Without a size in the file the EEPROM grows. */
+/* Omits parts without room in the EEPROM, with a note. Without a size in the file the EEPROM is enlarged. */
 static bool fit_image(ect_build_t *build, ect_device_t *device, bool size_given)
 {
     static const char *const parts[] = {
@@ -406,7 +405,7 @@ static bool fit_image(ect_build_t *build, ect_device_t *device, bool size_given)
     return omitted >= 0;
 }
 
-/* The image is written from the description: where nothing that can be left out is enough, the EEPROM is larger. */
+/* Enlarges the EEPROM if omitting parts is not enough. */
 static void fit_eeprom(ect_build_t *build, ect_device_t *device)
 {
     uint16_t given = device->sii_size;
@@ -427,7 +426,7 @@ static void fit_eeprom(ect_build_t *build, ect_device_t *device)
 
 /* --- identity ---------------------------------------------------------------------------------------------------- */
 
-/* A timeout that is absent in the file is the default of the standard (ETG.2000). */
+/* @return a timeout of the file, or else the default of ETG.2000 */
 static uint16_t timeout(uint32_t said_ms, uint16_t default_ms)
 {
     return said_ms == 0 ? default_ms : (uint16_t)(said_ms < UINT16_MAX ? said_ms : UINT16_MAX);
@@ -447,7 +446,7 @@ static const char *physics_of(ect_build_t *build)
     return count > 0 ? ect_arena_copy(build->arena, ports, count) : "YY";
 }
 
-/* A name as the command's own devices have: what files of the twin are named after. */
+/* @return a name in the style of built-in devices, for names of files */
 static const char *command_name(ect_build_t *build, const char *type)
 {
     char *name = ect_arena_alloc(build->arena, ECT_BUILD_NAME + 1);
@@ -464,7 +463,7 @@ static const char *command_name(ect_build_t *build, const char *type)
     return length > 0 ? name : "esi";
 }
 
-/* Only an EEPROM image has one. */
+/* @return the serial number of an EEPROM image; 0: none */
 static uint32_t serial_of(const ect_esi_device_t *model)
 {
     const bool has_header = model->eeprom.length >= ECT_SII_CATEGORIES;
@@ -508,7 +507,7 @@ static void add_text(ect_build_t *build, uint16_t index, const char *name, const
     entry->initial = (ect_esi_bytes_t){.bytes = (const uint8_t *)text, .length = strlen(text)};
 }
 
-/* The objects that every CoE slave has, where the file does not bring them. */
+/* Adds missing mandatory objects of CoE. */
 static void add_mandatory(ect_build_t *build)
 {
     const ect_esi_device_t *model = build->model;
@@ -529,7 +528,7 @@ static void add_mandatory(ect_build_t *build)
         object->name = "SyncManager type";
 }
 
-/* 1018h is the identity of the twin, which a user may override: its values are in the instance. */
+/* Adds 1018h, with values in the instance, because options may change the identity. */
 static void add_identity(ect_build_t *build)
 {
     static const struct {
@@ -551,7 +550,7 @@ static void add_identity(ect_build_t *build)
     }
 }
 
-/* 1001h of the file is kept by the stack. */
+/* Connects 1001h of the file to the error register of the stack. */
 static void link_error_register(const ect_build_t *build)
 {
     const ect_build_object_t *object = ect_build_find(build, 0x1001);
@@ -565,7 +564,7 @@ static void link_error_register(const ect_build_t *build)
 
 /* --- the object list --------------------------------------------------------------------------------------------- */
 
-/* Room in the instance for each entry, aligned to its size, and a terminator behind texts. */
+/* Lays out the instance: each entry is aligned to its size, texts have a terminator. */
 static size_t lay_out(ect_build_t *build)
 {
     size_t at = sizeof(ect_standard_t);
@@ -593,7 +592,7 @@ static int64_t default_of(const ect_build_entry_t *entry, bool is_signed)
     return (value & sign) != 0 ? (int64_t)(value | ~(2 * sign - 1)) : (int64_t)value;
 }
 
-/* Limits of the file, as far as the type can have them. */
+/* Sets limits of the file that are within the range of the type. */
 static bool limits_of(ect_build_t *build, const ect_build_object_t *object, const ect_build_entry_t *entry,
                       int64_t *minimum, int64_t *maximum)
 {
@@ -621,7 +620,7 @@ static bool limits_of(ect_build_t *build, const ect_build_object_t *object, cons
     return false;
 }
 
-/* Limits, units and long defaults: what an entry itself has no room for. */
+/* Adds limits, units and long defaults, which are not members of an entry. */
 static void add_detail(ect_build_t *build, ect_device_t *device, const ect_build_object_t *object,
                        const ect_build_entry_t *entry)
 {
@@ -651,7 +650,7 @@ static void add_detail(ect_build_t *build, ect_device_t *device, const ect_build
     device->details = details;
 }
 
-/* A default of a few bits: what of it lies beyond them is left out. */
+/* @return a short default, truncated to the bits of the entry */
 static uint32_t short_default(ect_build_t *build, const ect_build_object_t *object, const ect_build_entry_t *entry)
 {
     uint32_t value = entry->initial.length <= 4 ? (uint32_t)ect_build_number(entry) : 0;
@@ -695,7 +694,7 @@ static void set_objects(ect_build_t *build, ect_device_t *device)
 
 /* --- PDOs: properties beyond their objects ----------------------------------------------------------------------- */
 
-/* Exclusions of existing PDOs: a file may exclude PDOs that it has not. */
+/* @return the excluded PDOs that exist */
 static const uint16_t *excludes_of(ect_build_t *build, const ect_build_pdo_t *pdo)
 {
     const ect_esi_pdo_t *model = pdo->model;
@@ -734,7 +733,7 @@ static void set_pdos(ect_build_t *build, ect_device_t *device)
 
 /* --- behaviour --------------------------------------------------------------------------------------------------- */
 
-/* Outputs without a master return to their values after power-on. An entry that can be mapped has at most 255 bits. */
+/* Sets outputs to their initial values when the master stops. A mappable entry has at most 255 bits. */
 static void safe_outputs(void *instance, uint64_t now_ns)
 {
     const ect_standard_t *standard = instance;
@@ -757,7 +756,7 @@ static void safe_outputs(void *instance, uint64_t now_ns)
     }
 }
 
-/* The twin has no time of its own; a call means that a signal was set, and the inputs are sent again. */
+/* Called after a signal is set: sends the inputs again. The twin has no timers. */
 static uint64_t tick(void *instance, uint64_t now_ns)
 {
     (void)instance;
@@ -765,7 +764,7 @@ static uint64_t tick(void *instance, uint64_t now_ns)
     return ECT_NEVER;
 }
 
-/* Whether a master may write some mapping or assignment; the file's PdoAssign and PdoConfig may be empty promises. */
+/* @return whether a master may write any mapping or assignment, whatever the file's PdoAssign and PdoConfig announce */
 static bool can_be_configured(const ect_build_t *build)
 {
     for (size_t i = 0; i < build->object_count; i++) {
@@ -779,7 +778,7 @@ static bool can_be_configured(const ect_build_t *build)
     return false;
 }
 
-/* --- the whole --------------------------------------------------------------------------------------------------- */
+/* --- the twin ----------------------------------------------------------------------------------------------------- */
 
 static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size_t module_count)
 {

@@ -8,7 +8,7 @@
 #include "od/od.h"
 #include "wire/assert.h"
 
-/* How many types may rest on one another: more is a circle. */
+/* Maximum depth of base types: a deeper nesting is a loop. */
 enum { DEPTH = 8 };
 
 typedef struct named {
@@ -17,7 +17,7 @@ typedef struct named {
     uint16_t bits;
 } named_t;
 
-/* The first name of a code and length is the one that we write. */
+/* The first name of a code and length is used in written files. */
 static const named_t names[] = {
     {"BOOL", ECT_TYPE_BOOLEAN, 1},       {"SINT", ECT_TYPE_INTEGER8, 8},      {"INT", ECT_TYPE_INTEGER16, 16},
     {"DINT", ECT_TYPE_INTEGER32, 32},    {"LINT", ECT_TYPE_INTEGER64, 64},    {"USINT", ECT_TYPE_UNSIGNED8, 8},
@@ -82,7 +82,7 @@ static bool resolve_named(const char *name, ect_esi_basic_t *basic)
     return resolve_sized(name, basic);
 }
 
-/* The number, or the bytes, of that length. */
+/* @return the integer type, or the byte string, of a length */
 static uint16_t code_of_length(uint32_t bits)
 {
     if (bits <= 8)
@@ -93,7 +93,7 @@ static uint16_t code_of_length(uint32_t bits)
                         : ECT_TYPE_OCTET_STRING;
 }
 
-/* Whether an entry of that code can have that length. */
+/* @return whether an entry of a type can have a length */
 static bool fits(uint16_t code, uint32_t bits)
 {
     if (code == ECT_TYPE_VISIBLE_STRING || code == ECT_TYPE_OCTET_STRING)
@@ -107,7 +107,7 @@ static bool fits(uint16_t code, uint32_t bits)
     return false;
 }
 
-/* The base of a type of the dictionary: the name, or the elements of an array of bytes. */
+/* Resolves a type of the dictionary: its base, or an array of bytes. */
 static bool resolve_type(const ect_esi_dictionary_t *dictionary, const char *name, unsigned int depth,
                          ect_esi_basic_t *basic)
 {
@@ -140,7 +140,7 @@ bool ect_esi_resolve(const ect_esi_dictionary_t *dictionary, const char *name, u
         basic->bits = bits;
     if (!fits(basic->code, basic->bits))
         basic->code = code_of_length(basic->bits);
-    if (basic->code == ECT_TYPE_OCTET_STRING) // whole bytes; a PDO may map less of them
+    if (basic->code == ECT_TYPE_OCTET_STRING) // whole bytes; a PDO may map fewer bits
         basic->bits = (basic->bits + 7) / 8 * 8;
     return basic->bits > 0;
 }

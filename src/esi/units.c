@@ -23,7 +23,7 @@ static const struct {
 
 enum { UNITS = sizeof units / sizeof units[0], PREFIXES = sizeof prefixes / sizeof prefixes[0] };
 
-/* The code of a name of `length` characters; 0: none. */
+/* @return the code of a name of `length` characters; 0: none */
 static uint8_t code_of(const char *name, size_t length)
 {
     for (size_t i = 0; i < UNITS; i++) {

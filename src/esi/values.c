@@ -59,7 +59,7 @@ bool ect_esi_is_array(const ect_object_t *object)
 
 static bool is_unique(const ect_object_t *object, const ect_entry_t *entry)
 {
-    if (strncmp(entry->name, "SubIndex ", 9) == 0) // those are ours to give
+    if (strncmp(entry->name, "SubIndex ", 9) == 0) // reserved for generated names
         return false;
     for (const ect_entry_t *e = object->entries; e != NULL; e = ect_od_next(object, e)) {
         if (e != entry && e->name != NULL && strcmp(e->name, entry->name) == 0)

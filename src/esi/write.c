@@ -55,7 +55,7 @@ static void write_head(ect_pen_t *pen, const ect_esi_part_t *part)
     ect_pen_close(pen);
 }
 
-/* A modular device is written without modules: those of its file are copied, with its slots. */
+/* Writes a modular device without modules: slots and modules of its file are copied. */
 static void write_device(ect_pen_t *pen, const ect_esi_part_t *part)
 {
     ect_esi_twin_t *bare = part->twin != NULL ? ect_esi_twin_without_modules(part->twin) : NULL;
@@ -66,7 +66,7 @@ static void write_device(ect_pen_t *pen, const ect_esi_part_t *part)
     ect_esi_twin_free(bare);
 }
 
-/* The modules of each file that a device with slots comes from, once a file. */
+/* Writes the modules of each file of a device with slots, once for each file. */
 static void write_modules(ect_pen_t *pen, const ect_esi_part_t *parts, size_t count)
 {
     const xmlNode *written = NULL;

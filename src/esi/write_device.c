@@ -9,7 +9,7 @@
 #include "wire/bytes.h"
 #include "wire/sii.h"
 
-/* --- who it is --------------------------------------------------------------------------------------------------- */
+/* --- identity ----------------------------------------------------------------------------------------------------- */
 
 static void write_type(ect_pen_t *pen, const ect_device_t *device, const ect_identity_t *identity)
 {
@@ -23,7 +23,7 @@ static void write_type(ect_pen_t *pen, const ect_device_t *device, const ect_ide
     ect_pen_close(pen);
 }
 
-/* The standard's default for what a description leaves to the master; the schema wants all of them or none. */
+/* Writes a timeout, or else the standard's default, because the schema requires all timeouts or none. */
 static void write_timeout(ect_pen_t *pen, const char *element, uint16_t said_ms, uint16_t default_ms)
 {
     ect_pen_number(pen, element, said_ms != 0 ? said_ms : default_ms);
@@ -63,7 +63,7 @@ static void write_info(ect_pen_t *pen, const ect_device_t *device, const xmlNode
     ect_pen_close(pen);
 }
 
-/* A dictionary that no master can read is left out: the PDOs have its useful part. */
+/* Omits a dictionary that no master can read: the PDOs contain its useful part. */
 static void write_profile(ect_pen_t *pen, const ect_device_t *device, const ect_identity_t *identity)
 {
     if ((device->mailbox_protocols & ECT_MAILBOX_COE) == 0)
@@ -86,8 +86,8 @@ static void write_fmmus(ect_pen_t *pen, const ect_device_t *device)
         ect_pen_text(pen, "Fmmu", device->fmmu[i] < 4 ? roles[device->fmmu[i]] : "");
 }
 
-/* A mailbox of one size has it as both limits; process data have the length of their PDOs, and a limit only if that
- * varies. */
+/* Writes both limits of a mailbox of fixed size; for process data, whose length is that of the PDOs, only a varying
+ * maximum. */
 static void write_limits(ect_pen_t *pen, const ect_sm_t *sm, unsigned int bytes)
 {
     bool mailbox = sm->type == ECT_SM_MAILBOX_OUT || sm->type == ECT_SM_MAILBOX_IN;
@@ -167,7 +167,7 @@ static void write_pdo(ect_pen_t *pen, const ect_device_t *device, const ect_obje
     ect_pen_close(pen);
 }
 
-/* Assigned PDOs first, in the order of the assignment, which is that of the data; then the others. */
+/* Writes assigned PDOs first, in the order of the assignment and the data, then the others. */
 static void write_assigned(ect_pen_t *pen, const ect_device_t *device, uint8_t role)
 {
     ect_od_t od = ect_device_od(device, NULL);
@@ -278,7 +278,7 @@ static void write_time(ect_pen_t *pen, const char *element, int64_t time_ns, int
     ect_pen_close(pen);
 }
 
-/* The modes of a twin are those of its file, in their order. */
+/* Writes the DC modes; those of a twin are in the order of its file. */
 static void write_dc(ect_pen_t *pen, const ect_device_t *device, const xmlNode *source)
 {
     const xmlNode *mode_of_file = ect_esi_child(source, "OpMode");
@@ -326,7 +326,7 @@ static void write_categories(ect_pen_t *pen, const ect_device_t *device)
     }
 }
 
-/* A tool makes the image from these, or takes one that the description brings along. */
+/* Writes the elements from which a tool makes the image, or the image of the description. */
 static void write_eeprom(ect_pen_t *pen, const ect_device_t *device, const ect_identity_t *identity)
 {
     ect_pen_open(pen, "Eeprom");

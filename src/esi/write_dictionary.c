@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* Types first: the basic ones that are used, then one a record (DT1018) and two an array (DT2003ARR, DT2003). */
+/* Types come first: basic types in use, then one for each record (DT1018) and two for each array (DT2003ARR, DT2003).
+ */
 #include <stdio.h>
 #include <string.h>
 
 #include "esi/internal.h"
 
-/* The dictionary, and its types already written. */
+/* The dictionary, and the written types. */
 typedef struct list {
     ect_pen_t *pen;
     ect_od_t od;
-    const char **names; /* basic types that are written already */
+    const char **names; /* written basic types */
     size_t count;
 } list_t;
 
@@ -30,7 +31,7 @@ static bool is_var(const ect_object_t *object)
     return object->object_code == ECT_OBJECT_VAR || object->object_code == ECT_OBJECT_DOMAIN;
 }
 
-/* Type of an entry, for all places that name one. */
+/* @return the name of an entry's type */
 static const char *type_of(const list_t *list, const ect_entry_t *entry)
 {
     uint16_t bits = ect_od_bits(&list->od, entry);
@@ -117,7 +118,7 @@ static void write_entry_flags(ect_pen_t *pen, uint16_t bits)
         ect_pen_number(pen, "Setting", 1);
 }
 
-/* A record as a whole has its access alone: its sub-items inherit all other flags that they leave out. */
+/* For a whole record only the access is written: sub-items would inherit the other flags. */
 static void write_flags(ect_pen_t *pen, uint16_t index, uint16_t bits, bool whole_record)
 {
     bool mandatory = index == 0x1000 || index == 0x1018 || index == 0x1C00; /* ETG.1000.6 §5.6.7 */
@@ -210,7 +211,7 @@ static void write_types(list_t *list)
 
 /* --- objects ----------------------------------------------------------------------------------------------------- */
 
-/* A text that the blanks around it belong to would not come back from a file. */
+/* @return whether a text can be read back: without leading and trailing blanks */
 static bool is_plain(const uint8_t *text, size_t size)
 {
     return size > 0 && text[0] != ' ' && text[size - 1] != ' ' && strlen((const char *)text) == size;
@@ -244,7 +245,7 @@ static void write_default(list_t *list, const ect_entry_t *entry, const ect_deta
     }
 }
 
-/* A unit of ETG.1004 has 32 bits there: prefix, numerator, denominator and a byte that is reserved. */
+/* Writes a unit of ETG.1004, 32 bits: prefix, numerator, denominator, a reserved byte. */
 static void write_unit(ect_pen_t *pen, const ect_detail_t *detail)
 {
     if (detail != NULL && detail->unit != 0)
@@ -262,7 +263,7 @@ static void write_info(list_t *list, const ect_object_t *object, const ect_entry
     ect_pen_close(list->pen);
 }
 
-/* The type of an array has one name for all elements; the name of each element is here. */
+/* Writes the name of an element, because the type of an array has one name for all elements. */
 static void write_item_info(list_t *list, const ect_object_t *object, const ect_entry_t *entry)
 {
     ect_item_name_t name = ect_esi_item_name(object, entry);

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Names of values and bits (seams/fields.h). An entry whose values all have names gets a type with EnumInfo; named bits
- * become a comment, for the schema has bits of an entry in PDO structures only.
+ * become a comment, because the schema has bits of an entry only in PDO structures.
  */
 #include <stdio.h>
 #include <string.h>
 
 #include "esi/internal.h"
 
-/* Without names of the product. */
+/* No named bits and values. */
 static const ect_field_t none[] = {{0}};
 
 static const ect_field_t *fields_of(const ect_pen_t *pen)
@@ -27,7 +27,7 @@ static bool is_enumeration(const ect_field_t *field)
     return field->width == 0 && field->values != NULL && !field->open;
 }
 
-/* The first field with the same values in entries of the same length: the type bears its number. */
+/* @return the first field with the same values and entry length, whose number names the type */
 static const ect_field_t *first_alike(const ect_pen_t *pen, const ect_od_t *od, const ect_field_t *field)
 {
     uint16_t bits = ect_od_bits(od, entry_of(od, field));

@@ -16,7 +16,7 @@ enum { FILE_MEBIBYTES = 64, FILE_MAXIMUM = FILE_MEBIBYTES * 1024 * 1024 };
 
 /* --- documents ---------------------------------------------------------------------------------------------------- */
 
-/* A document type definition is where entities come from: the parser is stopped before it reads one. */
+/* Stops the parser before a document type definition, the source of entities. */
 static void refuse_dtd(void *parser, const xmlChar *name, const xmlChar *external, const xmlChar *system)
 {
     (void)name;
@@ -63,7 +63,7 @@ xmlDocPtr ect_esi_document(const char *kind, const char *name, const void *data,
     return document;
 }
 
-/* The whole file in memory, to be freed; NULL and errno when that cannot be. */
+/* Reads a whole file. @return to be freed with free(); NULL (errno) */
 static char *read_all(int file, size_t size, size_t *length)
 {
     char *data = malloc(size + 1);
@@ -80,10 +80,10 @@ static char *read_all(int file, size_t size, size_t *length)
     return NULL;
 }
 
-/* As read_all, and a line when it cannot be. */
+/* As read_all(), with an error message. */
 ect_esi_file_t ect_esi_load(const char *path, char *text, size_t room)
 {
-    int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe must not hold the command up
+    int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); // O_NONBLOCK: a pipe must not block the command
     struct stat status;
     ect_esi_file_t loaded = {.data = NULL};
     if (file < 0 || fstat(file, &status) != 0) {
@@ -150,7 +150,7 @@ static bool is_blank(char c)
     return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
 
-/* One line: texts go into messages and reports. */
+/* @return the text as one line, for messages and reports */
 static const char *trimmed(ect_esi_xml_t *xml, const char *text)
 {
     while (is_blank(*text))

@@ -14,7 +14,7 @@ static void add_text(ect_facts_t *facts, ect_fact_kind_t kind, unsigned int inde
     ect_facts_add_text(facts, kind, index, element, text, text ? strlen(text) : 0);
 }
 
-/* In the form of an EEPROM: MII, EBUS, or unknown. */
+/* Adds the ports as in an EEPROM: MII, EBUS, or unknown. */
 static void add_ports(ect_facts_t *facts, const char *physics)
 {
     char ports[4];
@@ -48,7 +48,7 @@ static void add_timeouts(ect_facts_t *facts, const ect_timeouts_t *t)
     }
 }
 
-/* Word 4 is the alias: every installation's own. */
+/* Skips word 4, the alias, which depends on the installation. */
 static void add_eeprom(ect_facts_t *facts, const ect_device_t *device)
 {
     (void)ect_facts_add(facts, ECT_FACT_EEPROM_SIZE, 0, 0, "%u bytes", device->sii_size);
@@ -131,7 +131,7 @@ static void load_default(const ect_entry_t *entry, const ect_detail_t *detail, u
         ect_store_le32(wire, entry->value);
 }
 
-/* Device type and name: constants have the value that a slave replies with. */
+/* Adds the default of device type and name, constants with the value that a slave returns. */
 static void add_identity_default(ect_facts_t *facts, const ect_od_t *od, uint16_t index, const ect_entry_t *entry)
 {
     const bool constant = (entry->access & (ECT_ACCESS_SHARED | ECT_ACCESS_DESCRIPTION)) != 0;

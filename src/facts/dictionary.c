@@ -23,7 +23,7 @@ static unsigned int number_of(const cJSON *parent, const char *name)
                : 0;
 }
 
-/* An index or a sub-index, of a text that may hold any number. */
+/* @return an index or a sub-index; the JSON number may have any value */
 static unsigned int place_of(const cJSON *parent, const char *name)
 {
     return number_of(parent, name) & UINT16_MAX;
@@ -35,7 +35,7 @@ static const char *text_of(const cJSON *parent, const char *name)
     return text != NULL ? text : "";
 }
 
-/* @return false: it is not there */
+/* @return false: no such member */
 static bool bytes_of(const cJSON *parent, const char *name, value_t *value)
 {
     const char *text = text_of(parent, name);
@@ -72,7 +72,7 @@ static const cJSON *entry_of(const cJSON *object, unsigned int subindex)
     return NULL;
 }
 
-/* @return false: the slave did not give it */
+/* @return false: the slave has not returned the value */
 static bool element(const cJSON *object, unsigned int subindex, uint32_t *number)
 {
     value_t value;
@@ -173,7 +173,7 @@ static bool has(const ect_facts_t *facts, ect_fact_kind_t kind, uint16_t index)
     return false;
 }
 
-/* A PDO that no assignment names belongs to no SyncManager, if the slave has assignments. */
+/* Adds "no SyncManager" for unassigned PDOs, if the slave has assignments. */
 static void add_unassigned(ect_facts_t *facts, const cJSON *objects)
 {
     const cJSON *object;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Facts of an ESI file beyond those of the twin that is made of it. */
+/* Facts of an ESI file beyond those of its twin. */
 #include <inttypes.h>
 #include <string.h>
 
@@ -16,14 +16,14 @@ static bool has_object(const ect_esi_dictionary_t *dictionary, uint16_t index)
     return false;
 }
 
-/* An object that the twin has and the file has not, made because a PDO maps it or every slave has it. */
+/* @return whether an object is missing from the file: mapped by a PDO, or mandatory */
 static bool is_made(const ect_fact_t *fact, const ect_esi_device_t *model)
 {
     return fact->kind >= ECT_FACT_OBJECT && fact->kind <= ECT_FACT_ENTRY_UNIT &&
            !has_object(&model->dictionary, fact->index);
 }
 
-/* A module's objects move with the slot: the list of objects of a modular device is never whole. */
+/* Marks objects made by the twin. The list of objects of a modular device is never complete. */
 static void mark_made(ect_facts_t *facts, const ect_esi_device_t *model)
 {
     for (size_t i = 0; i < facts->count; i++) {
@@ -45,7 +45,7 @@ static bool is_default_timeout(const ect_fact_t *fact, const ect_esi_device_t *m
     return fact->kind == ECT_FACT_TIMEOUT && said[fact->index % 6] == 0;
 }
 
-/* Names that the twin chooses. */
+/* @return whether a name was chosen by the twin */
 static bool is_own_name(const ect_fact_t *fact)
 {
     bool standard = fact->index == 0x1018 || fact->index == 0x1C00;
@@ -53,13 +53,13 @@ static bool is_own_name(const ect_fact_t *fact)
            (fact->kind == ECT_FACT_ENTRY_NAME && (standard || ect_facts_are_of_pdos(fact->index)));
 }
 
-/* The length that the twin's PDOs add up to; a file without DefaultSize has none. */
+/* @return whether a length is the sum of the twin's PDOs, missing from the file */
 static bool is_own_length(const ect_fact_t *fact, const ect_esi_device_t *model)
 {
     return fact->kind == ECT_FACT_SM_LENGTH && fact->index < model->sm_count && !model->sms[fact->index].size.given;
 }
 
-/* Texts of a file that may be missing. */
+/* @return whether a text is missing from the file */
 static bool is_missing_text(const ect_fact_t *fact, const ect_esi_device_t *model)
 {
     const struct {
@@ -84,7 +84,7 @@ static bool is_of_twin(const ect_fact_t *fact, const ect_esi_device_t *model)
            is_own_length(fact, model);
 }
 
-/* Defaults that the twin takes where the file has no value are no facts of the file. */
+/* Removes defaults chosen by the twin, which are no facts of the file. */
 static void forget_defaults(ect_facts_t *facts, const ect_esi_device_t *model)
 {
     size_t kept = 0;
@@ -103,8 +103,7 @@ static void add_sm(ect_facts_t *facts, unsigned int number, const ect_esi_sm_t *
     (void)ect_facts_add(facts, ECT_FACT_SM_MAXIMUM, number, 0, "%u", sm->maximum);
 }
 
-/* Values that the twin changes: the size of the EEPROM, which has to hold its content, and names of standard objects.
- */
+/* Adds values of the file that the twin changes: the size of the EEPROM, and names of standard objects. */
 static void add_own_words(ect_facts_t *facts, const ect_esi_device_t *model)
 {
     if (model->eeprom_size != 0)

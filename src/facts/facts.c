@@ -9,14 +9,14 @@
 
 #include "wire/assert.h"
 
-/* Forms of a place in the text of a line. */
+/* Formats of a place in a line. */
 typedef enum area { WHOLE, BY_NUMBER, BY_INDEX, BY_ENTRY, BY_SUBINDEX, BY_PATH } area_t;
 
 static const struct row {
     const char *place; /* before the numbers */
     const char *what;
     area_t area;
-    ect_fact_kind_t parent; /* without it, it is not missed; itself: none */
+    ect_fact_kind_t parent; /* without a fact of this kind its absence is not reported; the kind itself: none */
 } rows[ECT_FACT_KINDS] = {
     [ECT_FACT_VENDOR] = {"identity", "vendor id", WHOLE, ECT_FACT_VENDOR},
     [ECT_FACT_PRODUCT] = {"identity", "product code", WHOLE, ECT_FACT_PRODUCT},
@@ -102,7 +102,7 @@ ect_fact_t *ect_facts_add(ect_facts_t *facts, ect_fact_kind_t kind, unsigned int
     return fact;
 }
 
-/* Text that tools write for an entry without a name: an array in an ESI file has no names for its elements. */
+/* @return whether a text is a placeholder that tools write for entries without a name, as for elements of arrays */
 static bool is_placeholder(const char *text, size_t length)
 {
     static const char word[] = "SubIndex ";
@@ -162,7 +162,7 @@ void ect_facts_add_mapping(ect_facts_t *facts, unsigned int pdo, unsigned int el
         (void)ect_facts_add(facts, ECT_FACT_PDO_ENTRY, pdo, element, "%04X:%02X, %u bits", index, subindex, bits);
 }
 
-/* The names of the bits that are set, in a row. */
+/* @return the names of the set bits */
 static const char *names_of_bits(char *text, size_t room, const char *const *names, size_t count, unsigned int bits)
 {
     size_t used = 0;
@@ -267,7 +267,7 @@ static int by_key(const void *a, const void *b)
     return left < right ? -1 : left > right;
 }
 
-/* Facts by key, so that they are found in a dictionary of thousands. */
+/* Facts sorted by key, for a binary search. */
 typedef struct order {
     const ect_fact_t **facts;
     size_t count;
@@ -290,7 +290,7 @@ static const ect_fact_t *find(const order_t *order, ect_fact_kind_t kind, uint16
     return at ? *at : NULL;
 }
 
-/* A missing thing is one line, without lines for its parts. */
+/* @return whether the absence of a fact is reported; the parts of a missing object are not */
 static bool is_missed(const ect_facts_t *facts, const order_t *order, const ect_fact_t *fact)
 {
     ect_fact_kind_t parent = rows[fact->kind].parent;
@@ -355,8 +355,8 @@ typedef struct comparison {
     FILE *out;
 } comparison_t;
 
-/* Facts of `known` that `found` has otherwise, or has not and should. `texts`: those of ECT_FACT_FILE_TEXT, or the
- * others. */
+/* Reports facts of `known` that differ in `found`, or are missing there. @param texts  true: only ECT_FACT_FILE_TEXT,
+ * false: only the others */
 static size_t compare_known(const comparison_t *c, bool texts)
 {
     size_t lines = 0;
@@ -373,7 +373,7 @@ static size_t compare_known(const comparison_t *c, bool texts)
     return lines;
 }
 
-/* Facts of `found` that `known` has not and should. */
+/* Reports facts of `found` that are missing from `known`. */
 static size_t compare_found(const comparison_t *c, bool texts)
 {
     size_t lines = 0;
@@ -402,7 +402,7 @@ static void adopt_facts(const comparison_t *c)
         list = ect_arena_grow(&known->arena, list, count, sizeof *list);
         list[count++] = *fact;
     }
-    /* The order refers to the list, which moves as it grows. */
+    /* Appended last, because the order refers to the list, which may move. */
     for (size_t i = 0; i < count; i++) {
         known->list = ect_arena_grow(&known->arena, known->list, known->count, sizeof *known->list);
         known->list[known->count++] = list[i];

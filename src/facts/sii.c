@@ -60,7 +60,7 @@ static void add_header(const image_t *image)
                         (ect_load_le16(w + ECT_SII_AT_SIZE) + 1u) * 128u);
 }
 
-/* Words that ETG.2010 reserves, and the version: what a vendor keeps there is its own, and one fact. */
+/* Adds the reserved words and the version as one fact. */
 static void add_reserved(const image_t *image)
 {
     enum { DELAYS = 0x20, DELAYS_END = ECT_SII_AT_BOOT_OUT, RESERVED = 0x3A, RESERVED_END = ECT_SII_AT_SIZE };
@@ -77,7 +77,7 @@ static void add_reserved(const image_t *image)
     (void)ect_facts_add(image->facts, ECT_FACT_WORDS, 0, 0, "sum %08" PRIX32, ect_facts_sum(words, sizeof words));
 }
 
-/* A category with facts of its own. Bytes behind the last whole element have none. */
+/* Adds a category. Bytes after the last whole element give no fact. */
 static void add_category(const image_t *image, uint16_t type, size_t bytes)
 {
     const size_t rest = type == ECT_SII_DC ? bytes % 24 : type == ECT_SII_SYNCM ? bytes % 8 : 0;
@@ -87,7 +87,7 @@ static void add_category(const image_t *image, uint16_t type, size_t bytes)
         (void)ect_facts_add(image->facts, ECT_FACT_CATEGORY, type, 0, "there, with %zu bytes at its end", rest);
 }
 
-/* Categories in the order of the image. */
+/* Adds the categories in the order of the image. */
 static void add_categories(const image_t *image)
 {
     size_t at = ECT_SII_CATEGORIES;
@@ -112,8 +112,8 @@ static void add_categories(const image_t *image)
     image->facts->complete[ECT_FACT_CATEGORY] = true;
 }
 
-/* Bytes of General without a fact of their own: picture, reserved ones, details of protocols, flags, places of the id.
- * Which string is a text depends on the tool that wrote the image; whether there is one does not. */
+/* Adds the other bytes of General: picture, reserved bytes, details of protocols, flags, addresses of the id. Of a
+ * string only the existence counts, because its number depends on the tool that wrote the image. */
 static void add_general_bytes(const image_t *image, const uint8_t *g, size_t length)
 {
     static const uint32_t texts = 1u << 0 | 1u << 2 | 1u << 3 | 1u << 14, read = 1u << 5 | 1u << 12 | 1u << 13;
@@ -243,7 +243,7 @@ void ect_facts_of_sii(ect_facts_t *facts, const uint8_t *bytes, size_t size)
     add_layout(&image);
     add_pdos(&image, ECT_SII_TXPDO);
     add_pdos(&image, ECT_SII_RXPDO);
-    size_t length = 0; /* without categories of PDOs, those of a slave with CoE are in its dictionary */
+    size_t length = 0; /* without categories of PDOs, the dictionary of a slave with CoE contains the PDOs */
     bool coe = (ect_load_le16(bytes + ECT_SII_AT_PROTOCOLS) & ECT_MAILBOX_COE) != 0;
     facts->complete[ECT_FACT_PDO] = !coe || ect_sii_category(bytes, size, ECT_SII_TXPDO, &length) != NULL ||
                                     ect_sii_category(bytes, size, ECT_SII_RXPDO, &length) != NULL;
