@@ -112,8 +112,8 @@ static void add_categories(const image_t *image)
     image->facts->complete[ECT_FACT_CATEGORY] = true;
 }
 
-/* Adds the other bytes of General: picture, reserved bytes, details of protocols, flags, addresses of the id. Of a
- * string only the existence counts, because its number depends on the tool that wrote the image. */
+/* Adds the other bytes of General: picture, reserved bytes, details of protocols, flags, addresses of the id.
+ * Strings count only by their existence, because the number depends on the tool that wrote the image. */
 static void add_general_bytes(const image_t *image, const uint8_t *g, size_t length)
 {
     static const uint32_t texts = 1u << 0 | 1u << 2 | 1u << 3 | 1u << 14, read = 1u << 5 | 1u << 12 | 1u << 13;
