@@ -86,7 +86,7 @@ static size_t state_bytes(const network_t *n)
 
 /* --- master ------------------------------------------------------------------------------------------------------- */
 
-static void write_clear(ect_pen_t *pen, const network_t *n, const char *comment, uint16_t ado, size_t length)
+static void write_clear(ect_xml_writer_t *xml, const network_t *n, const char *comment, uint16_t ado, size_t length)
 {
     static const uint8_t zeros[FMMU_AREA];
     const eni_init_t init = {.transition = "IP",
@@ -97,11 +97,11 @@ static void write_clear(ect_pen_t *pen, const network_t *n, const char *comment,
                              .length = length,
                              .counter = n->count,
                              .before_slave = true};
-    eni_write_init(pen, &init);
+    eni_write_init(xml, &init);
 }
 
 /* Only slaves with clocks take these. */
-static void set_clocks(ect_pen_t *pen, const char *comment, uint16_t ado, const uint8_t *data, size_t length)
+static void set_clocks(ect_xml_writer_t *xml, const char *comment, uint16_t ado, const uint8_t *data, size_t length)
 {
     const eni_init_t init = {.transition = "IP",
                              .comment = comment,
@@ -111,22 +111,22 @@ static void set_clocks(ect_pen_t *pen, const char *comment, uint16_t ado, const 
                              .length = length,
                              .uncounted = true,
                              .before_slave = true};
-    eni_write_init(pen, &init);
+    eni_write_init(xml, &init);
 }
 
-static void write_clocks(ect_pen_t *pen, const network_t *n)
+static void write_clocks(ect_xml_writer_t *xml, const network_t *n)
 {
     static const uint8_t zeros[TIMES_AREA], speed[] = {0x00, 0x10}, filter[] = {0x00, 0x0C};
     if (n->reference == n->count)
         return;
-    set_clocks(pen, "clear DC system time", ECT_REG_DC_SYSTEM_TIME, zeros, sizeof zeros);
-    set_clocks(pen, "clear DC activation", ECT_REG_DC_ACTIVATION, zeros, 1);
-    set_clocks(pen, "reset DC speed", ECT_REG_DC_SPEED_START, speed, sizeof speed);
-    set_clocks(pen, "set DC filter", ECT_REG_DC_FILTER, filter, sizeof filter);
+    set_clocks(xml, "clear DC system time", ECT_REG_DC_SYSTEM_TIME, zeros, sizeof zeros);
+    set_clocks(xml, "clear DC activation", ECT_REG_DC_ACTIVATION, zeros, 1);
+    set_clocks(xml, "reset DC speed", ECT_REG_DC_SPEED_START, speed, sizeof speed);
+    set_clocks(xml, "set DC filter", ECT_REG_DC_FILTER, filter, sizeof filter);
 }
 
 /* FMMUs and SyncManagers are cleared as far as each chip has them, which the working counter does not depend on. */
-static void write_master(ect_pen_t *pen, const network_t *n)
+static void write_master(ect_xml_writer_t *xml, const network_t *n)
 {
     static const uint8_t broadcast[] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF}, own[] = {0x02, 0, 0, 0, 0, 0x01},
                          type[] = {0xA4, 0x88}, init_state[] = {1, 0}, mask[] = {0x0F, 0};
@@ -140,125 +140,125 @@ static void write_master(ect_pen_t *pen, const network_t *n)
                               .expected = init_state,
                               .mask = mask,
                               .timeout_ms = 3000};
-    ect_pen_open(pen, "Master");
-    ect_pen_open(pen, "Info");
-    ect_pen_text(pen, "Name", "EtherCAT Master");
-    ect_pen_bytes(pen, "Destination", broadcast, sizeof broadcast);
-    ect_pen_bytes(pen, "Source", own, sizeof own);
-    ect_pen_bytes(pen, "EtherType", type, sizeof type);
-    ect_pen_close(pen);
+    ect_xml_open(xml, "Master");
+    ect_xml_open(xml, "Info");
+    ect_xml_text(xml, "Name", "EtherCAT Master");
+    ect_xml_bytes(xml, "Destination", broadcast, sizeof broadcast);
+    ect_xml_bytes(xml, "Source", own, sizeof own);
+    ect_xml_bytes(xml, "EtherType", type, sizeof type);
+    ect_xml_close(xml);
     if (n->states > 0) {
-        ect_pen_open(pen, "MailboxStates");
-        ect_pen_number(pen, "StartAddr", ENI_LOGICAL_STATES);
-        ect_pen_number(pen, "Count", (int64_t)n->states);
-        ect_pen_close(pen);
+        ect_xml_open(xml, "MailboxStates");
+        ect_xml_number(xml, "StartAddr", ENI_LOGICAL_STATES);
+        ect_xml_number(xml, "Count", (int64_t)n->states);
+        ect_xml_close(xml);
     }
-    ect_pen_open(pen, "InitCmds");
-    eni_write_init(pen, &count);
-    write_clear(pen, n, "clear the FMMUs", ECT_REG_FMMU, FMMU_AREA);
-    write_clear(pen, n, "clear the SyncManagers", ECT_REG_SM, SM_AREA);
-    write_clocks(pen, n);
-    ect_pen_close(pen);
-    ect_pen_close(pen);
+    ect_xml_open(xml, "InitCmds");
+    eni_write_init(xml, &count);
+    write_clear(xml, n, "clear the FMMUs", ECT_REG_FMMU, FMMU_AREA);
+    write_clear(xml, n, "clear the SyncManagers", ECT_REG_SM, SM_AREA);
+    write_clocks(xml, n);
+    ect_xml_close(xml);
+    ect_xml_close(xml);
 }
 
 /* --- cyclic frames ------------------------------------------------------------------------------------------------ */
 
-static void write_states(ect_pen_t *pen, bool preop)
+static void write_states(ect_xml_writer_t *xml, bool preop)
 {
     if (preop)
-        ect_pen_text(pen, "State", "PREOP");
-    ect_pen_text(pen, "State", "SAFEOP");
-    ect_pen_text(pen, "State", "OP");
+        ect_xml_text(xml, "State", "PREOP");
+    ect_xml_text(xml, "State", "SAFEOP");
+    ect_xml_text(xml, "State", "OP");
 }
 
-static void write_chunk(ect_pen_t *pen, const chunk_t *chunk)
+static void write_chunk(ect_xml_writer_t *xml, const chunk_t *chunk)
 {
     const bool inputs = chunk->command == ECT_LRD;
-    ect_pen_open(pen, "Cmd");
-    write_states(pen, false);
-    ect_pen_text(pen, "Comment", inputs ? "inputs" : "outputs");
-    ect_pen_number(pen, "Cmd", chunk->command);
-    ect_pen_number(pen, "Addr", chunk->address);
-    ect_pen_number(pen, "DataLength", (int64_t)chunk->length);
-    ect_pen_number(pen, "Cnt", chunk->counter);
-    ect_pen_number(pen, "InputOffs", inputs ? chunk->offset : 0);
-    ect_pen_number(pen, "OutputOffs", inputs ? 0 : chunk->offset);
-    ect_pen_close(pen);
+    ect_xml_open(xml, "Cmd");
+    write_states(xml, false);
+    ect_xml_text(xml, "Comment", inputs ? "inputs" : "outputs");
+    ect_xml_number(xml, "Cmd", chunk->command);
+    ect_xml_number(xml, "Addr", chunk->address);
+    ect_xml_number(xml, "DataLength", (int64_t)chunk->length);
+    ect_xml_number(xml, "Cnt", chunk->counter);
+    ect_xml_number(xml, "InputOffs", inputs ? chunk->offset : 0);
+    ect_xml_number(xml, "OutputOffs", inputs ? 0 : chunk->offset);
+    ect_xml_close(xml);
 }
 
-static void write_state_command(ect_pen_t *pen, const network_t *n)
+static void write_state_command(ect_xml_writer_t *xml, const network_t *n)
 {
-    ect_pen_open(pen, "Cmd");
-    write_states(pen, true);
-    ect_pen_text(pen, "Comment", "states of all slaves");
-    ect_pen_number(pen, "Cmd", ECT_BRD);
-    ect_pen_number(pen, "Adp", 0);
-    ect_pen_number(pen, "Ado", ECT_REG_AL_STATUS);
-    ect_pen_number(pen, "DataLength", STATE_BYTES);
-    ect_pen_number(pen, "Cnt", (int64_t)n->count);
-    ect_pen_number(pen, "InputOffs", n->bytes[1]);
-    ect_pen_number(pen, "OutputOffs", 0);
-    ect_pen_close(pen);
+    ect_xml_open(xml, "Cmd");
+    write_states(xml, true);
+    ect_xml_text(xml, "Comment", "states of all slaves");
+    ect_xml_number(xml, "Cmd", ECT_BRD);
+    ect_xml_number(xml, "Adp", 0);
+    ect_xml_number(xml, "Ado", ECT_REG_AL_STATUS);
+    ect_xml_number(xml, "DataLength", STATE_BYTES);
+    ect_xml_number(xml, "Cnt", (int64_t)n->count);
+    ect_xml_number(xml, "InputOffs", n->bytes[1]);
+    ect_xml_number(xml, "OutputOffs", 0);
+    ect_xml_close(xml);
 }
 
 /* The reference clock is written to all clocks. @return bytes in the frame */
-static size_t write_clock_command(ect_pen_t *pen, const network_t *n)
+static size_t write_clock_command(ect_xml_writer_t *xml, const network_t *n)
 {
     if (n->reference == n->count)
         return 0;
-    ect_pen_open(pen, "Cmd");
-    write_states(pen, true);
-    ect_pen_text(pen, "Comment", "system time of the reference clock");
-    ect_pen_number(pen, "Cmd", ECT_FRMW);
-    ect_pen_number(pen, "Adp", (int64_t)(ENI_FIRST_STATION + n->reference));
-    ect_pen_number(pen, "Ado", ECT_REG_DC_SYSTEM_TIME);
-    ect_pen_number(pen, "DataLength", SYSTEM_TIME_BYTES);
-    ect_pen_number(pen, "InputOffs", (int64_t)(n->bytes[1] + STATE_BYTES + state_bytes(n)));
-    ect_pen_number(pen, "OutputOffs", 0);
-    ect_pen_close(pen);
+    ect_xml_open(xml, "Cmd");
+    write_states(xml, true);
+    ect_xml_text(xml, "Comment", "system time of the reference clock");
+    ect_xml_number(xml, "Cmd", ECT_FRMW);
+    ect_xml_number(xml, "Adp", (int64_t)(ENI_FIRST_STATION + n->reference));
+    ect_xml_number(xml, "Ado", ECT_REG_DC_SYSTEM_TIME);
+    ect_xml_number(xml, "DataLength", SYSTEM_TIME_BYTES);
+    ect_xml_number(xml, "InputOffs", (int64_t)(n->bytes[1] + STATE_BYTES + state_bytes(n)));
+    ect_xml_number(xml, "OutputOffs", 0);
+    ect_xml_close(xml);
     return SYSTEM_TIME_BYTES + OVERHEAD;
 }
 
 /* @return bytes in the frame */
-static size_t write_mailbox_command(ect_pen_t *pen, const network_t *n)
+static size_t write_mailbox_command(ect_xml_writer_t *xml, const network_t *n)
 {
     if (n->states == 0)
         return 0;
-    ect_pen_open(pen, "Cmd");
-    write_states(pen, true);
-    ect_pen_text(pen, "Comment", "states of the mailboxes");
-    ect_pen_number(pen, "Cmd", ECT_LRD);
-    ect_pen_number(pen, "Addr", ENI_LOGICAL_STATES);
-    ect_pen_number(pen, "DataLength", (int64_t)state_bytes(n));
-    ect_pen_number(pen, "Cnt", (int64_t)n->states);
-    ect_pen_number(pen, "InputOffs", n->bytes[1] + STATE_BYTES);
-    ect_pen_number(pen, "OutputOffs", 0);
-    ect_pen_close(pen);
+    ect_xml_open(xml, "Cmd");
+    write_states(xml, true);
+    ect_xml_text(xml, "Comment", "states of the mailboxes");
+    ect_xml_number(xml, "Cmd", ECT_LRD);
+    ect_xml_number(xml, "Addr", ENI_LOGICAL_STATES);
+    ect_xml_number(xml, "DataLength", (int64_t)state_bytes(n));
+    ect_xml_number(xml, "Cnt", (int64_t)n->states);
+    ect_xml_number(xml, "InputOffs", n->bytes[1] + STATE_BYTES);
+    ect_xml_number(xml, "OutputOffs", 0);
+    ect_xml_close(xml);
     return state_bytes(n) + OVERHEAD;
 }
 
-static void write_cyclic(ect_pen_t *pen, const network_t *n)
+static void write_cyclic(ect_xml_writer_t *xml, const network_t *n)
 {
     size_t used = STATE_BYTES + OVERHEAD;
-    ect_pen_open(pen, "Cyclic");
-    ect_pen_number(pen, "CycleTime", n->cycle_us);
-    ect_pen_open(pen, "Frame");
-    used += write_clock_command(pen, n);
-    write_state_command(pen, n);
-    used += write_mailbox_command(pen, n);
+    ect_xml_open(xml, "Cyclic");
+    ect_xml_number(xml, "CycleTime", n->cycle_us);
+    ect_xml_open(xml, "Frame");
+    used += write_clock_command(xml, n);
+    write_state_command(xml, n);
+    used += write_mailbox_command(xml, n);
     for (size_t i = 0; i < n->chunk_count; i++) {
         const size_t bytes = n->chunks[i].length + OVERHEAD;
         if (used + bytes > FRAME_MOST) {
-            ect_pen_close(pen);
-            ect_pen_open(pen, "Frame");
+            ect_xml_close(xml);
+            ect_xml_open(xml, "Frame");
             used = 0;
         }
-        write_chunk(pen, &n->chunks[i]);
+        write_chunk(xml, &n->chunks[i]);
         used += bytes;
     }
-    ect_pen_close(pen);
-    ect_pen_close(pen);
+    ect_xml_close(xml);
+    ect_xml_close(xml);
 }
 
 /* Behind the inputs of the slaves: states, mailbox states, system time. */
@@ -267,41 +267,41 @@ static size_t own_bytes(const network_t *n)
     return STATE_BYTES + state_bytes(n) + (n->reference < n->count ? SYSTEM_TIME_BYTES : 0);
 }
 
-static void write_image(ect_pen_t *pen, const network_t *n, bool inputs)
+static void write_image(ect_xml_writer_t *xml, const network_t *n, bool inputs)
 {
     uint32_t offset = 0;
-    ect_pen_open(pen, inputs ? "Inputs" : "Outputs");
-    ect_pen_number(pen, "ByteSize", inputs ? (int64_t)(n->bytes[1] + own_bytes(n)) : (int64_t)n->bytes[0]);
+    ect_xml_open(xml, inputs ? "Inputs" : "Outputs");
+    ect_xml_number(xml, "ByteSize", inputs ? (int64_t)(n->bytes[1] + own_bytes(n)) : (int64_t)n->bytes[0]);
     for (size_t i = 0; i < n->count; i++) {
-        eni_write_variables(pen, n->parts[i].device, i, inputs, offset);
+        eni_write_variables(xml, n->parts[i].device, i, inputs, offset);
         offset += eni_bytes(n->parts[i].device, inputs);
     }
-    ect_pen_close(pen);
+    ect_xml_close(xml);
 }
 
-static void write_network(ect_pen_t *pen, const void *what)
+static void write_network(ect_xml_writer_t *xml, const void *what)
 {
     const network_t *n = what;
     eni_share_t share = {.cycle_us = n->cycle_us};
     int bit = 0;
-    ect_pen_open(pen, "EtherCATConfig");
-    ect_pen_attribute(pen, "Version", "1.3");
-    ect_pen_open(pen, "Config");
-    write_master(pen, n);
+    ect_xml_open(xml, "EtherCATConfig");
+    ect_xml_attribute(xml, "Version", "1.3");
+    ect_xml_open(xml, "Config");
+    write_master(xml, n);
     for (size_t i = 0; i < n->count; i++) {
         share.state_bit = n->states > 0 && eni_has_state(n->parts[i].device) ? bit++ : -1;
         share.reference = i == n->reference;
-        eni_write_slave(pen, n->parts, i, &share);
+        eni_write_slave(xml, n->parts, i, &share);
         share.offsets[0] += eni_bytes(n->parts[i].device, false);
         share.offsets[1] += eni_bytes(n->parts[i].device, true);
     }
-    write_cyclic(pen, n);
-    ect_pen_open(pen, "ProcessImage");
-    write_image(pen, n, true);
-    write_image(pen, n, false);
-    ect_pen_close(pen);
-    ect_pen_close(pen);
-    ect_pen_close(pen);
+    write_cyclic(xml, n);
+    ect_xml_open(xml, "ProcessImage");
+    write_image(xml, n, true);
+    write_image(xml, n, false);
+    ect_xml_close(xml);
+    ect_xml_close(xml);
+    ect_xml_close(xml);
 }
 
 const char *ect_eni_write(ect_arena_t *arena, const ect_eni_part_t *parts, size_t count, uint32_t cycle_us,
@@ -316,5 +316,5 @@ const char *ect_eni_write(ect_arena_t *arena, const ect_eni_part_t *parts, size_
     plan_clock(&n);
     plan(arena, &n, false);
     plan(arena, &n, true);
-    return ect_pen_file(arena, write_network, &n, length, text, room);
+    return ect_xml_file(arena, write_network, &n, length, text, room);
 }

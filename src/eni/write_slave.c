@@ -26,7 +26,7 @@ enum {
 };
 
 typedef struct slave {
-    ect_pen_t *pen;
+    ect_xml_writer_t *xml;
     const ect_eni_part_t *part;
     size_t i;
     uint16_t station;
@@ -55,43 +55,43 @@ uint32_t eni_bytes(const ect_device_t *device, bool inputs)
 
 /* --- commands ----------------------------------------------------------------------------------------------------- */
 
-static void write_transitions(ect_pen_t *pen, const char *transitions)
+static void write_transitions(ect_xml_writer_t *xml, const char *transitions)
 {
     while (*transitions != '\0') {
         char one[4] = "";
         const size_t length = strcspn(transitions, " ");
         memcpy(one, transitions, length < sizeof one ? length : sizeof one - 1);
-        ect_pen_text(pen, "Transition", one);
+        ect_xml_text(xml, "Transition", one);
         transitions += length;
         transitions += strspn(transitions, " ");
     }
 }
 
-void eni_write_init(ect_pen_t *pen, const eni_init_t *init)
+void eni_write_init(ect_xml_writer_t *xml, const eni_init_t *init)
 {
-    ect_pen_open(pen, "InitCmd");
-    write_transitions(pen, init->transition);
+    ect_xml_open(xml, "InitCmd");
+    write_transitions(xml, init->transition);
     if (init->before_slave)
-        ect_pen_text(pen, "BeforeSlave", "true");
-    ect_pen_text(pen, "Comment", init->comment);
-    ect_pen_number(pen, "Cmd", init->command);
-    ect_pen_number(pen, "Adp", init->adp);
-    ect_pen_number(pen, "Ado", init->ado);
+        ect_xml_text(xml, "BeforeSlave", "true");
+    ect_xml_text(xml, "Comment", init->comment);
+    ect_xml_number(xml, "Cmd", init->command);
+    ect_xml_number(xml, "Adp", init->adp);
+    ect_xml_number(xml, "Ado", init->ado);
     if (init->data != NULL)
-        ect_pen_bytes(pen, "Data", init->data, init->length);
+        ect_xml_bytes(xml, "Data", init->data, init->length);
     else
-        ect_pen_number(pen, "DataLength", (int64_t)init->length);
+        ect_xml_number(xml, "DataLength", (int64_t)init->length);
     if (!init->uncounted)
-        ect_pen_number(pen, "Cnt", (int64_t)init->counter);
+        ect_xml_number(xml, "Cnt", (int64_t)init->counter);
     if (init->expected != NULL) {
-        ect_pen_open(pen, "Validate");
-        ect_pen_bytes(pen, "Data", init->expected, init->length);
+        ect_xml_open(xml, "Validate");
+        ect_xml_bytes(xml, "Data", init->expected, init->length);
         if (init->mask != NULL)
-            ect_pen_bytes(pen, "DataMask", init->mask, init->length);
-        ect_pen_number(pen, "Timeout", init->timeout_ms);
-        ect_pen_close(pen);
+            ect_xml_bytes(xml, "DataMask", init->mask, init->length);
+        ect_xml_number(xml, "Timeout", init->timeout_ms);
+        ect_xml_close(xml);
     }
-    ect_pen_close(pen);
+    ect_xml_close(xml);
 }
 
 static void write_bytes(const slave_t *s, const char *transition, const char *comment, unsigned int ado,
@@ -105,7 +105,7 @@ static void write_bytes(const slave_t *s, const char *transition, const char *co
                              .data = data,
                              .length = length,
                              .counter = 1};
-    eni_write_init(s->pen, &init);
+    eni_write_init(s->xml, &init);
 }
 
 static void expect(const slave_t *s, const char *transition, const char *comment, unsigned int ado,
@@ -121,7 +121,7 @@ static void expect(const slave_t *s, const char *transition, const char *comment
                              .expected = expected,
                              .mask = mask,
                              .timeout_ms = timeout_ms};
-    eni_write_init(s->pen, &init);
+    eni_write_init(s->xml, &init);
 }
 
 static void go_to(const slave_t *s, const char *transition, uint8_t state, uint32_t timeout_ms)
@@ -262,24 +262,24 @@ static void write_dc(const slave_t *s)
 {
     if (s->part->clock == NULL)
         return;
-    ect_pen_open(s->pen, "DC");
-    ect_pen_number(s->pen, "PotentialReferenceClock", 1);
-    ect_pen_number(s->pen, "ReferenceClock", s->share->reference);
-    ect_pen_number(s->pen, "CycleTime0", sync0_ns(s));
-    ect_pen_number(s->pen, "CycleTime1", sync1_ns(s));
-    ect_pen_number(s->pen, "ShiftTime", s->part->clock->shift_sync0_ns);
-    ect_pen_close(s->pen);
+    ect_xml_open(s->xml, "DC");
+    ect_xml_number(s->xml, "PotentialReferenceClock", 1);
+    ect_xml_number(s->xml, "ReferenceClock", s->share->reference);
+    ect_xml_number(s->xml, "CycleTime0", sync0_ns(s));
+    ect_xml_number(s->xml, "CycleTime1", sync1_ns(s));
+    ect_xml_number(s->xml, "ShiftTime", s->part->clock->shift_sync0_ns);
+    ect_xml_close(s->xml);
 }
 
 static void write_hot_connect(const slave_t *s)
 {
     if (s->part->group == NULL)
         return;
-    ect_pen_open(s->pen, "HotConnect");
+    ect_xml_open(s->xml, "HotConnect");
     if (*s->part->group != '\0')
-        ect_pen_text(s->pen, "GroupName", s->part->group);
-    ect_pen_number(s->pen, "GroupMemberCnt", s->part->members);
-    ect_pen_close(s->pen);
+        ect_xml_text(s->xml, "GroupName", s->part->group);
+    ect_xml_number(s->xml, "GroupMemberCnt", s->part->members);
+    ect_xml_close(s->xml);
 }
 
 /* --- start-up ----------------------------------------------------------------------------------------------------- */
@@ -300,8 +300,8 @@ static void write_commands(const slave_t *s)
                                 .data = station,
                                 .length = sizeof station,
                                 .counter = 1};
-    ect_pen_open(s->pen, "InitCmds");
-    eni_write_init(s->pen, &address);
+    ect_xml_open(s->xml, "InitCmds");
+    eni_write_init(s->xml, &address);
     write_bytes(s, "IP", "EEPROM to the master", ECT_REG_SII_CONFIG, eeprom, sizeof eeprom);
     check_word(s, "vendor id", ECT_SII_AT_VENDOR, s->part->identity.vendor_id);
     check_word(s, "product code", ECT_SII_AT_PRODUCT, s->part->identity.product_code);
@@ -322,29 +322,29 @@ static void write_commands(const slave_t *s)
     go_to(s, "OS", ECT_STATE_SAFEOP, t->back_to_safeop_ms != 0 ? t->back_to_safeop_ms : 200);
     go_to(s, "SP", ECT_STATE_PREOP, t->back_to_init_ms != 0 ? t->back_to_init_ms : 5000);
     go_to(s, "PI", ECT_STATE_INIT, t->back_to_init_ms != 0 ? t->back_to_init_ms : 5000);
-    ect_pen_close(s->pen);
+    ect_xml_close(s->xml);
 }
 
 /* --- mailbox ------------------------------------------------------------------------------------------------------ */
 
-static void write_box(ect_pen_t *pen, const char *element, uint16_t start, uint16_t length)
+static void write_box(ect_xml_writer_t *xml, const char *element, uint16_t start, uint16_t length)
 {
-    ect_pen_open(pen, element);
-    ect_pen_number(pen, "Start", start);
-    ect_pen_number(pen, "Length", length);
-    ect_pen_close(pen);
+    ect_xml_open(xml, element);
+    ect_xml_number(xml, "Start", start);
+    ect_xml_number(xml, "Length", length);
+    ect_xml_close(xml);
 }
 
 static void write_receive(const slave_t *s)
 {
     const ect_sm_t *sm = &s->part->device->sm[1];
-    ect_pen_open(s->pen, "Recv");
-    ect_pen_number(s->pen, "Start", sm->start);
-    ect_pen_number(s->pen, "Length", sm->length);
-    ect_pen_number(s->pen, "PollTime", POLL_MS);
+    ect_xml_open(s->xml, "Recv");
+    ect_xml_number(s->xml, "Start", sm->start);
+    ect_xml_number(s->xml, "Length", sm->length);
+    ect_xml_number(s->xml, "PollTime", POLL_MS);
     if (s->share->state_bit >= 0)
-        ect_pen_number(s->pen, "StatusBitAddr", s->share->state_bit);
-    ect_pen_close(s->pen);
+        ect_xml_number(s->xml, "StatusBitAddr", s->share->state_bit);
+    ect_xml_close(s->xml);
 }
 
 /* The cycle as CiA 402 has it in 60C2h, a mantissa of 8 bits and a power of ten of a second. */
@@ -384,34 +384,34 @@ static const uint8_t *adapted(const slave_t *s, const ect_init_command_t *comman
 
 static void write_coe(const slave_t *s)
 {
-    ect_pen_t *pen = s->pen;
+    ect_xml_writer_t *xml = s->xml;
     const ect_device_t *device = s->part->device;
-    ect_pen_open(pen, "CoE");
-    ect_pen_open(pen, "InitCmds");
+    ect_xml_open(xml, "CoE");
+    ect_xml_open(xml, "InitCmds");
     for (unsigned int i = 0; i < device->init_command_count; i++) {
         const ect_init_command_t *command = &device->init_commands[i];
         uint8_t room[4];
-        ect_pen_open(pen, "InitCmd");
-        ect_pen_flag(pen, "CompleteAccess", command->complete);
-        write_transitions(pen, command->transitions);
+        ect_xml_open(xml, "InitCmd");
+        ect_xml_flag(xml, "CompleteAccess", command->complete);
+        write_transitions(xml, command->transitions);
         if (command->comment != NULL)
-            ect_pen_text(pen, "Comment", command->comment);
-        ect_pen_number(pen, "Timeout", MAILBOX_TIMEOUT_MS);
-        ect_pen_number(pen, "Ccs", CCS_DOWNLOAD);
-        ect_pen_number(pen, "Index", command->index);
-        ect_pen_number(pen, "SubIndex", command->subindex);
-        ect_pen_bytes(pen, "Data", adapted(s, command, room), command->size);
+            ect_xml_text(xml, "Comment", command->comment);
+        ect_xml_number(xml, "Timeout", MAILBOX_TIMEOUT_MS);
+        ect_xml_number(xml, "Ccs", CCS_DOWNLOAD);
+        ect_xml_number(xml, "Index", command->index);
+        ect_xml_number(xml, "SubIndex", command->subindex);
+        ect_xml_bytes(xml, "Data", adapted(s, command, room), command->size);
         if (command->disabled)
-            ect_pen_number(pen, "Disabled", 1);
-        ect_pen_close(pen);
+            ect_xml_number(xml, "Disabled", 1);
+        ect_xml_close(xml);
     }
-    ect_pen_close(pen);
-    ect_pen_close(pen);
+    ect_xml_close(xml);
+    ect_xml_close(xml);
 }
 
 static void write_mailbox(const slave_t *s)
 {
-    ect_pen_t *pen = s->pen;
+    ect_xml_writer_t *xml = s->xml;
     const ect_device_t *device = s->part->device;
     static const struct {
         uint8_t bit;
@@ -420,71 +420,71 @@ static void write_mailbox(const slave_t *s)
                      {ECT_MAILBOX_FOE, "FoE"}, {ECT_MAILBOX_SOE, "SoE"}, {ECT_MAILBOX_VOE, "VoE"}};
     if (!has_mailbox(device))
         return;
-    ect_pen_open(pen, "Mailbox");
-    ect_pen_flag(pen, "DataLinkLayer", (ect_device_general_flags(device) & ECT_GENERAL_MAIL_REPEAT) != 0);
-    write_box(pen, "Send", device->sm[0].start, device->sm[0].length);
+    ect_xml_open(xml, "Mailbox");
+    ect_xml_flag(xml, "DataLinkLayer", (ect_device_general_flags(device) & ECT_GENERAL_MAIL_REPEAT) != 0);
+    write_box(xml, "Send", device->sm[0].start, device->sm[0].length);
     write_receive(s);
     if (device->boot_out.length > 0) {
-        ect_pen_open(pen, "BootStrap");
-        write_box(pen, "Send", device->boot_out.start, device->boot_out.length);
-        write_box(pen, "Recv", device->boot_in.start, device->boot_in.length);
-        ect_pen_close(pen);
+        ect_xml_open(xml, "BootStrap");
+        write_box(xml, "Send", device->boot_out.start, device->boot_out.length);
+        write_box(xml, "Recv", device->boot_in.start, device->boot_in.length);
+        ect_xml_close(xml);
     }
     for (size_t i = 0; i < sizeof protocols / sizeof protocols[0]; i++) {
         if ((device->mailbox_protocols & protocols[i].bit) != 0)
-            ect_pen_text(pen, "Protocol", protocols[i].name);
+            ect_xml_text(xml, "Protocol", protocols[i].name);
     }
     if ((device->mailbox_protocols & ECT_MAILBOX_COE) != 0 && device->init_command_count > 0)
         write_coe(s);
-    ect_pen_close(pen);
+    ect_xml_close(xml);
 }
 
 /* ------------------------------------------------------------------------------------------------------------------ */
 
 /* The schema has numbers of 32 bits with a sign here. */
-static void write_identity(ect_pen_t *pen, const char *element, uint32_t value)
+static void write_identity(ect_xml_writer_t *xml, const char *element, uint32_t value)
 {
-    ect_pen_number(pen, element, (int32_t)value);
+    ect_xml_number(xml, element, (int32_t)value);
 }
 
 static const char *name_of(const slave_t *s)
 {
-    return ect_arena_print(s->pen->arena, "Slave %zu (%s)", s->i + 1, s->part->device->type_name);
+    return ect_arena_print(s->xml->arena, "Slave %zu (%s)", s->i + 1, s->part->device->type_name);
 }
 
 static void write_info(const slave_t *s)
 {
-    ect_pen_t *pen = s->pen;
-    ect_pen_open(pen, "Info");
-    ect_pen_text(pen, "Name", name_of(s));
-    ect_pen_number(pen, "PhysAddr", s->station);
-    ect_pen_number(pen, "AutoIncAddr", (uint16_t)(0 - s->i));
+    ect_xml_writer_t *xml = s->xml;
+    ect_xml_open(xml, "Info");
+    ect_xml_text(xml, "Name", name_of(s));
+    ect_xml_number(xml, "PhysAddr", s->station);
+    ect_xml_number(xml, "AutoIncAddr", (uint16_t)(0 - s->i));
     if (s->part->alias != 0) {
-        ect_pen_open(pen, "Identification");
-        ect_pen_attribute(pen, "Value", "%u", s->part->alias);
-        ect_pen_number(pen, "Ado", ECT_REG_STATION_ALIAS);
-        ect_pen_close(pen);
+        ect_xml_open(xml, "Identification");
+        ect_xml_attribute(xml, "Value", "%u", s->part->alias);
+        ect_xml_number(xml, "Ado", ECT_REG_STATION_ALIAS);
+        ect_xml_close(xml);
     }
-    ect_pen_text(pen, "Physics", s->part->device->physics);
-    write_identity(pen, "VendorId", s->part->identity.vendor_id);
-    write_identity(pen, "ProductCode", s->part->identity.product_code);
-    write_identity(pen, "RevisionNo", s->part->identity.revision);
+    ect_xml_text(xml, "Physics", s->part->device->physics);
+    write_identity(xml, "VendorId", s->part->identity.vendor_id);
+    write_identity(xml, "ProductCode", s->part->identity.product_code);
+    write_identity(xml, "RevisionNo", s->part->identity.revision);
     if (s->part->identity.serial != 0)
-        write_identity(pen, "SerialNo", s->part->identity.serial);
-    ect_pen_close(pen);
+        write_identity(xml, "SerialNo", s->part->identity.serial);
+    ect_xml_close(xml);
 }
 
-static void write_bits(ect_pen_t *pen, const char *element, uint32_t offset, uint32_t bytes)
+static void write_bits(ect_xml_writer_t *xml, const char *element, uint32_t offset, uint32_t bytes)
 {
     if (bytes == 0)
         return;
-    ect_pen_open(pen, element);
-    ect_pen_number(pen, "BitStart", offset * 8);
-    ect_pen_number(pen, "BitLength", bytes * 8);
-    ect_pen_close(pen);
+    ect_xml_open(xml, element);
+    ect_xml_number(xml, "BitStart", offset * 8);
+    ect_xml_number(xml, "BitLength", bytes * 8);
+    ect_xml_close(xml);
 }
 
-static void write_sm(ect_pen_t *pen, const ect_device_t *device, unsigned int n)
+static void write_sm(ect_xml_writer_t *xml, const ect_device_t *device, unsigned int n)
 {
     static const char *const roles[] = {"", "MBoxOut", "MBoxIn", "Outputs", "Inputs"};
     const ect_sm_t *sm = &device->sm[n];
@@ -495,20 +495,20 @@ static void write_sm(ect_pen_t *pen, const ect_device_t *device, unsigned int n)
     if (ect_sm_role(sm) == ECT_SM_UNUSED)
         return;
     name[2] = (char)('0' + n);
-    ect_pen_open(pen, name);
-    ect_pen_text(pen, "Type", ect_sm_role(sm) < sizeof roles / sizeof roles[0] ? roles[ect_sm_role(sm)] : "");
+    ect_xml_open(xml, name);
+    ect_xml_text(xml, "Type", ect_sm_role(sm) < sizeof roles / sizeof roles[0] ? roles[ect_sm_role(sm)] : "");
     if (sm->minimum != 0)
-        ect_pen_number(pen, "MinSize", sm->minimum);
+        ect_xml_number(xml, "MinSize", sm->minimum);
     if (sm->maximum != 0)
-        ect_pen_number(pen, "MaxSize", sm->maximum);
-    ect_pen_number(pen, "DefaultSize", bytes);
-    ect_pen_number(pen, "StartAddress", sm->start);
-    ect_pen_number(pen, "ControlByte", sm->control);
-    ect_pen_number(pen, "Enable", bytes > 0);
+        ect_xml_number(xml, "MaxSize", sm->maximum);
+    ect_xml_number(xml, "DefaultSize", bytes);
+    ect_xml_number(xml, "StartAddress", sm->start);
+    ect_xml_number(xml, "ControlByte", sm->control);
+    ect_xml_number(xml, "Enable", bytes > 0);
     for (uint32_t k = 1;
          ect_device_sm_is_process(device, n) && assignment != NULL && k <= ect_od_element(assignment, 0); k++)
-        ect_pen_number(pen, "Pdo", ect_od_element(assignment, k));
-    ect_pen_close(pen);
+        ect_xml_number(xml, "Pdo", ect_od_element(assignment, k));
+    ect_xml_close(xml);
 }
 
 /* The neighbour towards the master; the first slave has none. */
@@ -517,39 +517,40 @@ static void write_previous(const slave_t *s)
     const char port[] = {(char)('A' + (s->part->up_port != 0 ? s->part->up_port : 1)), '\0'};
     if (s->i == 0)
         return;
-    ect_pen_open(s->pen, "PreviousPort");
-    ect_pen_attribute(s->pen, "Selected", "1");
-    ect_pen_text(s->pen, "Port", port);
-    ect_pen_number(s->pen, "PhysAddr", station_of(s->part->up_port != 0 ? s->part->up : s->i - 1));
-    ect_pen_close(s->pen);
+    ect_xml_open(s->xml, "PreviousPort");
+    ect_xml_attribute(s->xml, "Selected", "1");
+    ect_xml_text(s->xml, "Port", port);
+    ect_xml_number(s->xml, "PhysAddr", station_of(s->part->up_port != 0 ? s->part->up : s->i - 1));
+    ect_xml_close(s->xml);
 }
 
-void eni_write_slave(ect_pen_t *pen, const ect_eni_part_t *parts, size_t i, const eni_share_t *share)
+void eni_write_slave(ect_xml_writer_t *xml, const ect_eni_part_t *parts, size_t i, const eni_share_t *share)
 {
-    const slave_t s = {.pen = pen, .part = &parts[i], .i = i, .station = station_of(i), .share = share};
+    const slave_t s = {.xml = xml, .part = &parts[i], .i = i, .station = station_of(i), .share = share};
     const ect_device_t *device = parts[i].device;
-    ect_pen_open(pen, "Slave");
+    ect_xml_open(xml, "Slave");
     write_info(&s);
-    ect_pen_open(pen, "ProcessData");
-    write_bits(pen, "Send", share->offsets[0], eni_bytes(device, false));
-    write_bits(pen, "Recv", share->offsets[1], eni_bytes(device, true));
+    ect_xml_open(xml, "ProcessData");
+    write_bits(xml, "Send", share->offsets[0], eni_bytes(device, false));
+    write_bits(xml, "Recv", share->offsets[1], eni_bytes(device, true));
     for (unsigned int n = 0; n < device->sm_count; n++)
-        write_sm(pen, device, n);
-    ect_pen_pdos(pen, device, true);
-    ect_pen_pdos(pen, device, false);
-    ect_pen_close(pen);
+        write_sm(xml, device, n);
+    ect_xml_pdos(xml, device, true);
+    ect_xml_pdos(xml, device, false);
+    ect_xml_close(xml);
     write_mailbox(&s);
     write_commands(&s);
     write_previous(&s);
     write_hot_connect(&s);
     write_dc(&s);
-    ect_pen_close(pen);
+    ect_xml_close(xml);
 }
 
 /* --- variables ---------------------------------------------------------------------------------------------------- */
 
 /* @return the bit behind the PDO */
-static uint32_t write_pdo_variables(ect_pen_t *pen, const ect_device_t *device, size_t i, uint16_t index, uint32_t bit)
+static uint32_t write_pdo_variables(ect_xml_writer_t *xml, const ect_device_t *device, size_t i, uint16_t index,
+                                    uint32_t bit)
 {
     const ect_od_t od = ect_device_od(device, NULL);
     const ect_object_t *pdo = ect_od_find(&od, index);
@@ -558,20 +559,20 @@ static uint32_t write_pdo_variables(ect_pen_t *pen, const ect_device_t *device, 
         const ect_entry_t *entry = ect_od_mapped(&od, mapping);
         if (entry != NULL && (mapping & 0xFF) > 0) {
             const char *name =
-                ect_arena_print(pen->arena, "Slave %zu (%s).%s.%s", i + 1, device->type_name,
+                ect_arena_print(xml->arena, "Slave %zu (%s).%s.%s", i + 1, device->type_name,
                                 pdo->name != NULL ? pdo->name : "", entry->name != NULL ? entry->name : "");
-            ect_pen_open(pen, "Variable");
-            ect_pen_text(pen, "Name", name);
-            ect_pen_number(pen, "BitSize", mapping & 0xFF);
-            ect_pen_number(pen, "BitOffs", bit);
-            ect_pen_close(pen);
+            ect_xml_open(xml, "Variable");
+            ect_xml_text(xml, "Name", name);
+            ect_xml_number(xml, "BitSize", mapping & 0xFF);
+            ect_xml_number(xml, "BitOffs", bit);
+            ect_xml_close(xml);
         }
         bit += mapping & 0xFF;
     }
     return bit;
 }
 
-void eni_write_variables(ect_pen_t *pen, const ect_device_t *device, size_t i, bool inputs, uint32_t offset)
+void eni_write_variables(ect_xml_writer_t *xml, const ect_device_t *device, size_t i, bool inputs, uint32_t offset)
 {
     const ect_od_t od = ect_device_od(device, NULL);
     for (unsigned int n = 0; n < device->sm_count; n++) {
@@ -580,7 +581,7 @@ void eni_write_variables(ect_pen_t *pen, const ect_device_t *device, size_t i, b
         const ect_object_t *assignment = ect_od_find(&od, (uint16_t)(ECT_OD_ASSIGNMENT + n));
         uint32_t bit = offset * 8;
         for (uint32_t k = 1; ect_device_sm_is_process(device, n) && k <= ect_od_element(assignment, 0); k++)
-            bit = write_pdo_variables(pen, device, i, (uint16_t)ect_od_element(assignment, k), bit);
+            bit = write_pdo_variables(xml, device, i, (uint16_t)ect_od_element(assignment, k), bit);
         offset += ect_device_sm_bytes(device, n);
     }
 }

@@ -7,7 +7,7 @@
 #define ECT_ENI_WRITE_SLAVE_H
 
 #include "eni/part.h"
-#include "esi/pen.h"
+#include "esi/xml_writer.h"
 
 ECT_C_BEGIN
 
@@ -41,7 +41,7 @@ typedef struct eni_init {
     uint32_t timeout_ms;     /**< of the Validate */
 } eni_init_t;
 
-void eni_write_init(ect_pen_t *pen, const eni_init_t *init);
+void eni_write_init(ect_xml_writer_t *xml, const eni_init_t *init);
 
 /** @return bytes of process data in one direction */
 uint32_t eni_bytes(const ect_device_t *device, bool inputs);
@@ -50,10 +50,10 @@ uint32_t eni_bytes(const ect_device_t *device, bool inputs);
 bool eni_has_state(const ect_device_t *device);
 
 /** Writes `<Slave>`. */
-void eni_write_slave(ect_pen_t *pen, const ect_eni_part_t *parts, size_t i, const eni_share_t *share);
+void eni_write_slave(ect_xml_writer_t *xml, const ect_eni_part_t *parts, size_t i, const eni_share_t *share);
 
 /** Writes a `<Variable>` for each entry of the assigned PDOs. @param offset  of the slave's data in the image, bytes */
-void eni_write_variables(ect_pen_t *pen, const ect_device_t *device, size_t i, bool inputs, uint32_t offset);
+void eni_write_variables(ect_xml_writer_t *xml, const ect_device_t *device, size_t i, bool inputs, uint32_t offset);
 
 ECT_C_END
 

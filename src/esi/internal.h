@@ -43,13 +43,13 @@
 #include "esi/arena.h"
 #include "esi/modules.h"
 #include "esi/number.h"
-#include "esi/pen.h"
 #include "esi/single.h"
 #include "esi/twin.h"
 #include "esi/types.h"
 #include "esi/values.h"
 #include "esi/write.h"
 #include "esi/xml.h"
+#include "esi/xml_writer.h"
 #include "seams/eoe.h"
 #include "seams/standard.h"
 #include "wire/assert.h"
@@ -268,25 +268,25 @@ struct ect_esi_twin {
 /* --- writing ----------------------------------------------------------------------------------------------------- */
 
 /** Copies an element of a file with its content. */
-void ect_pen_copy(ect_pen_t *pen, const xmlNode *top);
+void ect_xml_copy(ect_xml_writer_t *xml, const xmlNode *top);
 
 /** Copies the children with a name of an element of a file. @param name  NULL: all children */
-void ect_pen_copy_children(ect_pen_t *pen, const xmlNode *parent, const char *name);
+void ect_xml_copy_children(ect_xml_writer_t *xml, const xmlNode *parent, const char *name);
 
 /** @return the `<Device>` in the file of a part; NULL: the part is not from a file */
-const xmlNode *ect_pen_source(const ect_esi_part_t *part);
+const xmlNode *ect_xml_source(const ect_esi_part_t *part);
 
 /** Writes `<Dictionary>`. */
-void ect_pen_dictionary(ect_pen_t *pen, const ect_device_t *device, const ect_identity_t *identity);
+void ect_xml_dictionary(ect_xml_writer_t *xml, const ect_device_t *device, const ect_identity_t *identity);
 
 /** write_fields.c: name of the type with EnumInfo for an entry; NULL: its values have no names. */
-const char *ect_pen_enum_type(ect_pen_t *pen, const ect_od_t *od, uint16_t index, uint8_t subindex);
+const char *ect_xml_enum_type(ect_xml_writer_t *xml, const ect_od_t *od, uint16_t index, uint8_t subindex);
 /** Writes `<DataType>` for all types with EnumInfo of the device. */
-void ect_pen_enum_types(ect_pen_t *pen, const ect_od_t *od);
+void ect_xml_enum_types(ect_xml_writer_t *xml, const ect_od_t *od);
 /** Writes `<Comment>` with the named bits of an entry, if there are any. */
-void ect_pen_bits(ect_pen_t *pen, uint16_t index, uint8_t subindex);
+void ect_xml_bits(ect_xml_writer_t *xml, uint16_t index, uint8_t subindex);
 
 /** Writes `<Device>`. @param slots  true: copies the slots of its file */
-void ect_pen_device(ect_pen_t *pen, const ect_esi_part_t *part, bool slots);
+void ect_xml_device(ect_xml_writer_t *xml, const ect_esi_part_t *part, bool slots);
 
 #endif

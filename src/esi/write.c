@@ -44,67 +44,67 @@ static bool group_is_new(const ect_esi_part_t *parts, size_t n)
     return true;
 }
 
-static void write_head(ect_pen_t *pen, const ect_esi_part_t *part)
+static void write_head(ect_xml_writer_t *xml, const ect_esi_part_t *part)
 {
-    ect_pen_attribute(pen, "xmlns:xsi", "http://www.w3.org/2001/XMLSchema-instance");
-    ect_pen_attribute(pen, "xsi:noNamespaceSchemaLocation", "EtherCATInfo.xsd");
-    ect_pen_attribute(pen, "Version", "1.14");
-    ect_pen_open(pen, "Vendor");
-    ect_pen_hex(pen, "Id", identity_of(part)->vendor_id, 8);
-    ect_pen_text(pen, "Name", part->device->vendor_name);
-    ect_pen_close(pen);
+    ect_xml_attribute(xml, "xmlns:xsi", "http://www.w3.org/2001/XMLSchema-instance");
+    ect_xml_attribute(xml, "xsi:noNamespaceSchemaLocation", "EtherCATInfo.xsd");
+    ect_xml_attribute(xml, "Version", "1.14");
+    ect_xml_open(xml, "Vendor");
+    ect_xml_hex(xml, "Id", identity_of(part)->vendor_id, 8);
+    ect_xml_text(xml, "Name", part->device->vendor_name);
+    ect_xml_close(xml);
 }
 
 /* Writes a modular device without modules: slots and modules of its file are copied. */
-static void write_device(ect_pen_t *pen, const ect_esi_part_t *part)
+static void write_device(ect_xml_writer_t *xml, const ect_esi_part_t *part)
 {
     ect_esi_twin_t *bare = part->twin != NULL ? ect_esi_twin_without_modules(part->twin) : NULL;
     ect_esi_part_t written = *part;
     if (bare != NULL)
         written.device = ect_esi_twin_product(bare)->device;
-    ect_pen_device(pen, &written, bare != NULL);
+    ect_xml_device(xml, &written, bare != NULL);
     ect_esi_twin_free(bare);
 }
 
 /* Writes the modules of each file of a device with slots, once for each file. */
-static void write_modules(ect_pen_t *pen, const ect_esi_part_t *parts, size_t count)
+static void write_modules(ect_xml_writer_t *xml, const ect_esi_part_t *parts, size_t count)
 {
     const xmlNode *written = NULL;
     bool open = false;
     for (size_t i = 0; i < count; i++) {
-        const xmlNode *device = ect_pen_source(&parts[i]);
+        const xmlNode *device = ect_xml_source(&parts[i]);
         const xmlNode *descriptions = device != NULL ? device->parent->parent : NULL;
         if (ect_esi_child(device, "Slots") == NULL || descriptions == written)
             continue;
         if (!open)
-            ect_pen_open(pen, "Modules");
+            ect_xml_open(xml, "Modules");
         open = true;
         written = descriptions;
-        ect_pen_copy_children(pen, ect_esi_child(descriptions, "Modules"), "Module");
+        ect_xml_copy_children(xml, ect_esi_child(descriptions, "Modules"), "Module");
     }
     if (open)
-        ect_pen_close(pen);
+        ect_xml_close(xml);
 }
 
-static void write_descriptions(ect_pen_t *pen, const ect_esi_part_t *parts, size_t count)
+static void write_descriptions(ect_xml_writer_t *xml, const ect_esi_part_t *parts, size_t count)
 {
-    ect_pen_open(pen, "Descriptions");
-    ect_pen_open(pen, "Groups");
+    ect_xml_open(xml, "Descriptions");
+    ect_xml_open(xml, "Groups");
     for (size_t i = 0; i < count; i++) {
         if (!group_is_new(parts, i))
             continue;
-        ect_pen_open(pen, "Group");
-        ect_pen_text(pen, "Type", parts[i].device->group_type);
-        ect_pen_text(pen, "Name", parts[i].device->group_name);
-        ect_pen_close(pen);
+        ect_xml_open(xml, "Group");
+        ect_xml_text(xml, "Type", parts[i].device->group_type);
+        ect_xml_text(xml, "Name", parts[i].device->group_name);
+        ect_xml_close(xml);
     }
-    ect_pen_close(pen);
-    ect_pen_open(pen, "Devices");
+    ect_xml_close(xml);
+    ect_xml_open(xml, "Devices");
     for (size_t i = 0; i < count; i++)
-        write_device(pen, &parts[i]);
-    ect_pen_close(pen);
-    write_modules(pen, parts, count);
-    ect_pen_close(pen);
+        write_device(xml, &parts[i]);
+    ect_xml_close(xml);
+    write_modules(xml, parts, count);
+    ect_xml_close(xml);
 }
 
 typedef struct content {
@@ -112,13 +112,13 @@ typedef struct content {
     size_t count;
 } content_t;
 
-static void write_file(ect_pen_t *pen, const void *what)
+static void write_file(ect_xml_writer_t *xml, const void *what)
 {
     const content_t *content = what;
-    ect_pen_open(pen, "EtherCATInfo");
-    write_head(pen, &content->parts[0]);
-    write_descriptions(pen, content->parts, content->count);
-    ect_pen_close(pen);
+    ect_xml_open(xml, "EtherCATInfo");
+    write_head(xml, &content->parts[0]);
+    write_descriptions(xml, content->parts, content->count);
+    ect_xml_close(xml);
 }
 
 const char *ect_esi_write(ect_arena_t *arena, const ect_esi_part_t *parts, size_t count, size_t *length, char *text,
@@ -126,5 +126,5 @@ const char *ect_esi_write(ect_arena_t *arena, const ect_esi_part_t *parts, size_
 {
     ECT_ASSERT(parts != NULL && count > 0);
     const content_t content = {parts, count};
-    return agree(parts, count, text, room) ? ect_pen_file(arena, write_file, &content, length, text, room) : NULL;
+    return agree(parts, count, text, room) ? ect_xml_file(arena, write_file, &content, length, text, room) : NULL;
 }

@@ -6,29 +6,30 @@
 
 #include "esi/internal.h"
 
-static void note(ect_pen_t *pen, int result)
+static void note(ect_xml_writer_t *xml, int result)
 {
-    pen->failed |= result < 0;
+    xml->failed |= result < 0;
 }
 
-static bool write_document(ect_pen_t *pen, void (*write)(ect_pen_t *pen, const void *what), const void *what)
+static bool write_document(ect_xml_writer_t *xml, void (*write)(ect_xml_writer_t *xml, const void *what),
+                           const void *what)
 {
-    note(pen, xmlTextWriterSetIndent(pen->writer, 1));
-    note(pen, xmlTextWriterSetIndentString(pen->writer, BAD_CAST "  "));
-    note(pen, xmlTextWriterStartDocument(pen->writer, "1.0", "UTF-8", NULL));
-    write(pen, what);
-    note(pen, xmlTextWriterEndDocument(pen->writer));
-    return !pen->failed;
+    note(xml, xmlTextWriterSetIndent(xml->writer, 1));
+    note(xml, xmlTextWriterSetIndentString(xml->writer, BAD_CAST "  "));
+    note(xml, xmlTextWriterStartDocument(xml->writer, "1.0", "UTF-8", NULL));
+    write(xml, what);
+    note(xml, xmlTextWriterEndDocument(xml->writer));
+    return !xml->failed;
 }
 
-const char *ect_pen_file(ect_arena_t *arena, void (*write)(ect_pen_t *pen, const void *what), const void *what,
+const char *ect_xml_file(ect_arena_t *arena, void (*write)(ect_xml_writer_t *xml, const void *what), const void *what,
                          size_t *length, char *text, size_t room)
 {
     const char *file = NULL;
     xmlBufferPtr buffer = xmlBufferCreate();
-    ect_pen_t pen = {.writer = buffer != NULL ? xmlNewTextWriterMemory(buffer, 0) : NULL, .arena = arena};
-    bool fine = pen.writer != NULL && write_document(&pen, write, what);
-    xmlFreeTextWriter(pen.writer);
+    ect_xml_writer_t xml = {.writer = buffer != NULL ? xmlNewTextWriterMemory(buffer, 0) : NULL, .arena = arena};
+    bool fine = xml.writer != NULL && write_document(&xml, write, what);
+    xmlFreeTextWriter(xml.writer);
     if (fine) {
         *length = (size_t)xmlBufferLength(buffer);
         file = ect_arena_copy(arena, (const char *)xmlBufferContent(buffer), *length);
@@ -40,117 +41,117 @@ const char *ect_pen_file(ect_arena_t *arena, void (*write)(ect_pen_t *pen, const
     return file;
 }
 
-void ect_pen_open(ect_pen_t *pen, const char *element)
+void ect_xml_open(ect_xml_writer_t *xml, const char *element)
 {
-    note(pen, xmlTextWriterStartElement(pen->writer, BAD_CAST element));
+    note(xml, xmlTextWriterStartElement(xml->writer, BAD_CAST element));
 }
 
-void ect_pen_close(ect_pen_t *pen)
+void ect_xml_close(ect_xml_writer_t *xml)
 {
-    note(pen, xmlTextWriterEndElement(pen->writer));
+    note(xml, xmlTextWriterEndElement(xml->writer));
 }
 
-void ect_pen_attribute(ect_pen_t *pen, const char *name, const char *format, ...)
+void ect_xml_attribute(ect_xml_writer_t *xml, const char *name, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    note(pen, xmlTextWriterWriteVFormatAttribute(pen->writer, BAD_CAST name, format, arguments));
+    note(xml, xmlTextWriterWriteVFormatAttribute(xml->writer, BAD_CAST name, format, arguments));
     va_end(arguments);
 }
 
-void ect_pen_flag(ect_pen_t *pen, const char *name, bool value)
+void ect_xml_flag(ect_xml_writer_t *xml, const char *name, bool value)
 {
     if (value)
-        ect_pen_attribute(pen, name, "true");
+        ect_xml_attribute(xml, name, "true");
 }
 
-void ect_pen_content(ect_pen_t *pen, const char *text)
+void ect_xml_content(ect_xml_writer_t *xml, const char *text)
 {
     bool special = strpbrk(text, "<>&") != NULL && strstr(text, "]]>") == NULL;
-    note(pen, special ? xmlTextWriterWriteCDATA(pen->writer, BAD_CAST text)
-                      : xmlTextWriterWriteString(pen->writer, BAD_CAST text));
+    note(xml, special ? xmlTextWriterWriteCDATA(xml->writer, BAD_CAST text)
+                      : xmlTextWriterWriteString(xml->writer, BAD_CAST text));
 }
 
-void ect_pen_text(ect_pen_t *pen, const char *element, const char *text)
+void ect_xml_text(ect_xml_writer_t *xml, const char *element, const char *text)
 {
-    ect_pen_open(pen, element);
-    ect_pen_content(pen, text);
-    ect_pen_close(pen);
+    ect_xml_open(xml, element);
+    ect_xml_content(xml, text);
+    ect_xml_close(xml);
 }
 
-void ect_pen_number(ect_pen_t *pen, const char *element, int64_t value)
+void ect_xml_number(ect_xml_writer_t *xml, const char *element, int64_t value)
 {
     char text[24];
     (void)snprintf(text, sizeof text, "%" PRId64, value);
-    ect_pen_text(pen, element, text);
+    ect_xml_text(xml, element, text);
 }
 
-void ect_pen_hex(ect_pen_t *pen, const char *element, uint32_t value, int digits)
+void ect_xml_hex(ect_xml_writer_t *xml, const char *element, uint32_t value, int digits)
 {
     char text[16];
     ECT_ASSERT(digits > 0 && digits <= 8);
     (void)snprintf(text, sizeof text, "#x%0*" PRIX32, digits, value);
-    ect_pen_text(pen, element, text);
+    ect_xml_text(xml, element, text);
 }
 
-void ect_pen_bytes(ect_pen_t *pen, const char *element, const uint8_t *bytes, size_t length)
+void ect_xml_bytes(ect_xml_writer_t *xml, const char *element, const uint8_t *bytes, size_t length)
 {
-    ect_pen_open(pen, element);
+    ect_xml_open(xml, element);
     if (length > 0)
-        note(pen, xmlTextWriterWriteBinHex(pen->writer, (const char *)bytes, 0, (int)length));
-    ect_pen_close(pen);
+        note(xml, xmlTextWriterWriteBinHex(xml->writer, (const char *)bytes, 0, (int)length));
+    ect_xml_close(xml);
 }
 
-static void copy_attributes(ect_pen_t *pen, const xmlNode *node)
+static void copy_attributes(ect_xml_writer_t *xml, const xmlNode *node)
 {
     for (const xmlAttr *a = node->properties; a != NULL; a = a->next) {
         const char *prefix = a->ns != NULL && a->ns->prefix != NULL ? (const char *)a->ns->prefix : "";
         const char *value = a->children != NULL ? (const char *)a->children->content : "";
         const char *name =
-            ect_arena_print(pen->arena, "%s%s%s", prefix, *prefix != '\0' ? ":" : "", (const char *)a->name);
-        ect_pen_attribute(pen, name, "%s", value != NULL ? value : "");
+            ect_arena_print(xml->arena, "%s%s%s", prefix, *prefix != '\0' ? ":" : "", (const char *)a->name);
+        ect_xml_attribute(xml, name, "%s", value != NULL ? value : "");
     }
 }
 
-static void copy_node(ect_pen_t *pen, const xmlNode *node)
+static void copy_node(ect_xml_writer_t *xml, const xmlNode *node)
 {
     if (node->type == XML_ELEMENT_NODE) {
-        ect_pen_open(pen, (const char *)node->name);
-        copy_attributes(pen, node);
+        ect_xml_open(xml, (const char *)node->name);
+        copy_attributes(xml, node);
     } else if ((node->type == XML_TEXT_NODE || node->type == XML_CDATA_SECTION_NODE) && node->content != NULL) {
-        ect_pen_content(pen, (const char *)node->content);
+        ect_xml_content(xml, (const char *)node->content);
     }
 }
 
-void ect_pen_copy(ect_pen_t *pen, const xmlNode *top)
+void ect_xml_copy(ect_xml_writer_t *xml, const xmlNode *top)
 {
     const xmlNode *node = top;
     ECT_ASSERT(top != NULL && top->type == XML_ELEMENT_NODE);
     while (node != NULL) {
-        copy_node(pen, node);
+        copy_node(xml, node);
         if (node->type == XML_ELEMENT_NODE && node->children != NULL) {
             node = node->children;
             continue;
         }
         if (node->type == XML_ELEMENT_NODE)
-            ect_pen_close(pen);
+            ect_xml_close(xml);
         while (node != top && node->next == NULL) {
             node = node->parent;
-            ect_pen_close(pen);
+            ect_xml_close(xml);
         }
         node = node != top ? node->next : NULL;
     }
 }
 
-void ect_pen_copy_children(ect_pen_t *pen, const xmlNode *parent, const char *name)
+void ect_xml_copy_children(ect_xml_writer_t *xml, const xmlNode *parent, const char *name)
 {
     for (const xmlNode *node = parent != NULL ? parent->children : NULL; node != NULL; node = node->next) {
         if (node->type == XML_ELEMENT_NODE && (name == NULL || ect_esi_is(node, name)))
-            ect_pen_copy(pen, node);
+            ect_xml_copy(xml, node);
     }
 }
 
-const xmlNode *ect_pen_source(const ect_esi_part_t *part)
+const xmlNode *ect_xml_source(const ect_esi_part_t *part)
 {
     return part->twin != NULL ? ect_esi_twin_file(part->twin)->nodes[ect_esi_twin_model(part->twin)->place] : NULL;
 }
