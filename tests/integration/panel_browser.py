@@ -227,6 +227,27 @@ def recordings(browser, folder):
     browser.click('[data-signal="data1"] .trace')
 
 
+# Rules of WCAG 2.1 and ARIA that a script can check, each with the elements that break it.
+RULES = {
+    "4.1.2 a control has a name": "[...document.querySelectorAll('button, input, select, a, [role=slider]')].filter((e) => !(e.getAttribute('aria-label') || "
+                                  "e.getAttribute('aria-labelledby') || e.closest('label') || e.textContent.trim()))",
+    "4.1.2 aria-labelledby refers to an element": "[...document.querySelectorAll('[aria-labelledby]')].filter((e) => !document.getElementById(e.getAttribute("
+                                                  "'aria-labelledby'))?.textContent)",
+    "4.1.1 ids are unique": "[...document.querySelectorAll('[id]')].filter((e, i, all) => all.findIndex((o) => o.id === e.id) !== i)",
+    "1.1.1 a picture has a text": "[...document.querySelectorAll('[role=img], canvas')].filter((e) => !e.getAttribute('aria-label'))",
+    "1.1.1 a picture has a role": "[...document.querySelectorAll('svg')].filter((e) => e.getAttribute('role') !== 'img')",
+    "4.1.2 a slider has a value": "[...document.querySelectorAll('[role=slider]')].filter((e) => !e.getAttribute('aria-valuenow') || e.tabIndex < 0)",
+    "1.3.1 levels of headings are not skipped": "[...document.querySelectorAll('h1, h2, h3')].filter((e, i, all) => i > 0 && e.tagName[1] - all[i - 1].tagName[1] > 1)",
+    "3.1.1 the page has a language": "[document.documentElement].filter((e) => !e.lang)",
+    "2.1.1 what can be clicked can be focused": "[...document.querySelectorAll('main button:not(:disabled), main a, main select')].filter((e) => e.tabIndex < 0)",
+}
+
+
+def accessible(browser):
+    for title, broken in RULES.items():
+        check(f"WCAG {title}", [], browser.run(f"return {broken}.map((e) => e.outerHTML.slice(0, 200))"))
+
+
 def machine(browser, url):
     """A bus file with `panel:` opens as one page of fronts."""
     file = pathlib.Path(__file__).resolve().parents[2] / "examples" / "machine" / "machine.yaml"
@@ -241,6 +262,7 @@ def machine(browser, url):
         browser.command("Emulation.setDeviceMetricsOverride", width=1400, height=2300, deviceScaleFactor=1, mobile=False)
         browser.picture("machine.png", "light")
         browser.command("Emulation.clearDeviceMetricsOverride")
+        accessible(browser)
         browser.click("main header > button")
         check("one button leads to the selected twin", ["Drive"], browser.wait(f"const t = (() => {{ {titles} }})(); return t.length === 1 && t"))
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A master over SOEM that brings slaves back: takes the bus to OP, and each slave that leaves OP or the bus again.
- * usage: panel_master IFACE [BYTE]      Until SIGTERM. Prints each value of the two input bytes from BYTE on,
- * big-endian. */
+ * usage: panel_master IFACE [BYTE [CYCLE_US]]      Until SIGTERM. Prints each value of the two input bytes from BYTE
+ * on, big-endian; the cycle is 2000 us by default. */
 #include "master.h"
 
 #include <stdio.h>
@@ -52,8 +52,9 @@ static void print_input(size_t byte)
 int main(int argc, char **argv)
 {
     static const master_start_t start = {0};
-    const size_t byte = argc == 3 ? strtoul(argv[2], NULL, 10) : SIZE_MAX - 2;
-    if (argc < 2 || argc > 3 || !master_open("panel_master", argv[1]))
+    const size_t byte = argc > 2 ? strtoul(argv[2], NULL, 10) : SIZE_MAX - 2;
+    const uint32_t cycle_us = argc > 3 ? (uint32_t)strtoul(argv[3], NULL, 10) : CYCLE_US;
+    if (argc < 2 || argc > 4 || !master_open("panel_master", argv[1]))
         return MASTER_OPEN;
     master_catch_signals();
     while (!master_to_op(&start) && !master_ended) /* on a busy machine replies are late */
@@ -64,7 +65,7 @@ int main(int argc, char **argv)
         print_input(byte);
         if (cycle % CHECK_CYCLES == 0) /* the working counter of a slave in SAFEOP is that of one in OP */
             check_slaves();
-        master_pace(&next_ns, CYCLE_US);
+        master_pace(&next_ns, cycle_us);
     }
     master_close();
     return 0;
