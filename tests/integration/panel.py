@@ -191,7 +191,7 @@ def pages():
         check("its help is there all the same", 0, subprocess.run([alone, "panel", "--help"], stdout=subprocess.DEVNULL, env={"PATH": folder}).returncode)
     with running("--bind", "0.0.0.0") as panel:
         pass
-    check("another address than this machine's: a warning", True, "everybody on the way" in panel.errors)
+    check("another address than this machine's: a warning", True, "everybody on the network path" in panel.errors)
 
 
 def browsers():
