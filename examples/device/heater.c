@@ -50,6 +50,7 @@ static void init(void *instance, const ect_host_t *host, uint64_t now_ns)
     heater_t *h = instance;
     (void)now_ns;
     h->host = host;
+    h->peak = INT16_MIN;
 }
 
 static void outputs(void *instance, uint64_t now_ns)
@@ -85,6 +86,7 @@ static uint64_t tick(void *instance, uint64_t now_ns)
     int missing = goal - h->sensed;
     watch_sensor(h);
     h->temperature = h->broken ? INT16_MAX : h->sensed;
+    h->peak = !h->broken && h->sensed > h->peak ? h->sensed : h->peak;
     if (!h->live || h->broken || missing < 0)
         missing = 0;
     h->power = (uint8_t)(missing < 100 ? missing : 100);
@@ -94,7 +96,7 @@ static uint64_t tick(void *instance, uint64_t now_ns)
 /* --- the description ---------------------------------------------------------------------------------------------- */
 
 static const ect_protocol_t *const protocols[] = {&ect_protocol_emergency, &ect_protocol_sdo, &ect_protocol_sdo_info,
-                                                  NULL};
+                                                  &heater_voe, NULL};
 
 const ect_device_t heater = {
     .name = "heater",
@@ -115,7 +117,7 @@ const ect_device_t heater = {
     .sm_count = 4,
     .fmmu = {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS, ECT_FMMU_MAILBOX_STATE},
     .fmmu_count = 3,
-    .mailbox_protocols = ECT_MAILBOX_COE,
+    .mailbox_protocols = ECT_MAILBOX_COE | ECT_MAILBOX_VOE,
     .protocols = protocols,
     .coe_details = ECT_COE_SDO | ECT_COE_SDO_INFO | ECT_COE_COMPLETE_ACCESS,
     .physics = "YY",

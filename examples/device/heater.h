@@ -23,6 +23,8 @@ typedef struct heater {
     int16_t sensed;
     uint8_t broken; /* the wire of the sensor */
 
+    int16_t peak; /* highest temperature since the peak was cleared; by VoE (heater_voe.c) */
+
     /* its own */
     const ect_host_t *host;
     bool live;     /* in OP: the set point counts */
@@ -30,6 +32,13 @@ typedef struct heater {
 } heater_t;
 
 extern const ect_device_t heater;
+
+/**
+ * A protocol of the vendor's own (VoE, ETG.1000.6): a mail has the vendor ID (4 bytes), a service (2 bytes), and its
+ * data. The reply repeats the six bytes; that to HEATER_READ_PEAK has the peak behind them (2 bytes).
+ */
+enum { HEATER_READ_PEAK = 1, HEATER_CLEAR_PEAK = 2 };
+extern const ect_protocol_t heater_voe;
 
 /* For the PC only: signals that take the place of the surroundings. */
 extern const ect_plant_t heater_plant;

@@ -41,12 +41,14 @@ check "set, get" "sensed=215" "$("$heater" with heater -- sh -c "'$heater' set s
 mirror=$work/device/ectwin-mirror
 check "the mirror: conformance" "0 fail" \
   "$("$mirror" with mirror -- "$build/ectwin-conform" -i '{}' --only 'CF-033,CF-05*,CF-06*' 2>/dev/null | sed -n 's/.* cases in .* \([0-9]* fail\), .*/\1/p')"
+check "the heater: EEPROM and mailbox agree on VoE" "0 fail" \
+  "$("$heater" with heater -- "$build/ectwin-conform" -i '{}' --only 'CF-058,CF-086' 2>/dev/null | sed -n 's/.* cases in .* \([0-9]* fail\), .*/\1/p')"
 check "sii" 2048 "$("$heater" sii heater | wc -c)"
 
 # By pkg-config.
 export PKG_CONFIG_PATH=$work/prefix/lib/pkgconfig
 # shellcheck disable=SC2046,SC2086
-quietly ${CC:-cc} -std=c11 $flags "$work"/examples/device/{main,heater,heater_plant}.c $(pkg-config --cflags --libs ectwin-host) \
+quietly ${CC:-cc} -std=c11 $flags "$work"/examples/device/{main,heater,heater_voe,heater_plant}.c $(pkg-config --cflags --libs ectwin-host) \
   -o "$work/by-pkg-config"
 check "pkg-config: list" "3/2" "$("$work/by-pkg-config" list | awk '$1 == "heater" {print $2}')"
 
@@ -133,7 +135,7 @@ void board_alive(void) { }
 void board_reset(void) { }
 BOARD
 # shellcheck disable=SC2046,SC2086
-quietly ${CC:-cc} -std=c11 $flags -I"$work/examples/device" -I"$work/examples/board" "$work"/examples/{board/main,device/heater}.c \
+quietly ${CC:-cc} -std=c11 $flags -I"$work/examples/device" -I"$work/examples/board" "$work"/examples/{board/main,device/heater,device/heater_voe}.c \
   "$work/board.c" $(pkg-config --cflags --libs ectwin-core) -o "$work/firmware"
 check "the firmware reaches the ESC" 42 "$("$work/firmware"; echo $?)"
 
