@@ -229,6 +229,25 @@ static void CF_N01_a_known_bus_has_the_file_of_the_tests_byte_for_byte(void **st
     drop(&w);
 }
 
+/* A bit for each mailbox whose slave has a free FMMU: one command reads those of a bus, also of a single slave. */
+static void ENI_020_the_states_of_mailboxes_are_read_with_one_command(void **state)
+{
+    static const char command[] = "<Comment>states of the mailboxes</Comment>";
+    (void)state;
+    for (size_t i = 0; i < sizeof buses / sizeof buses[0]; i++) {
+        written_t w;
+        bool any = false;
+        write_devices(buses[i].title, buses[i].devices, &w);
+        for (size_t k = 0; k < w.count; k++)
+            any = any || slave_of(w.eni, k)->mailbox.status_bit.given;
+        const char *first = strstr(w.file, command);
+        if ((first != NULL) != any || (first != NULL && strstr(first + 1, command) != NULL))
+            fail_msg("%s: mailboxes with a bit: %d, commands: %s", buses[i].title, any,
+                     first == NULL ? "none" : "one or more");
+        drop(&w);
+    }
+}
+
 static void ENI_010_ENI_021_place_and_alias_of_a_slave_come_back(void **state)
 {
     written_t w = {.count = 0};
@@ -542,6 +561,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(CF_N01_a_written_file_is_read_as_the_same_bus),
         cmocka_unit_test(CF_N01_a_written_file_has_frames_checks_and_mailbox_of_the_device),
         cmocka_unit_test(CF_N01_a_known_bus_has_the_file_of_the_tests_byte_for_byte),
+        cmocka_unit_test(ENI_020_the_states_of_mailboxes_are_read_with_one_command),
         cmocka_unit_test(ENI_010_ENI_021_place_and_alias_of_a_slave_come_back),
         cmocka_unit_test(ENI_017_the_image_holds_every_command_and_its_variables_do_not_overlap),
         cmocka_unit_test(CF_N02_a_file_with_clocks_brings_its_devices_to_OP),

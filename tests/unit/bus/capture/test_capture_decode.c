@@ -168,6 +168,9 @@ static void a_mail_has_its_service_in_words(void **state)
         {5, AT(1001, 0x1000), "0A 00 00 00 00 73 00 20 11 00 00 00 00 00 00 00", -1,
          "FPWR 03E9:1000 mailbox out, 16 bytes | mail of 10 bytes, counter 7: CoE SDO request segment, toggle 1, last "
          "| 0A 00 00 00 00 73 00 20 11 00 00 00 00 00 00 00"},
+        {5, AT(1001, 0x1000), "0A 00 00 00 00 73 00 20 00 00 00 00 00 00 00 00", -1,
+         "FPWR 03E9:1000 mailbox out, 16 bytes | mail of 10 bytes, counter 7: CoE SDO request segment, toggle 0 | 0A "
+         "00 00 00 00 73 00 20 00 00 00 00 00 00 00 00"},
         {4, AT(1001, 0x1400), "0A 00 00 00 00 73 00 30 20 00 00 00 00 00 00 00", 1,
          "FPRD 03E9:1400 mailbox in, 16 bytes, WKC 1 | mail of 10 bytes, counter 7: CoE SDO response segment taken | "
          "0A 00 00 00 00 73 00 30 20 00 00 00 00 00 00 00"},

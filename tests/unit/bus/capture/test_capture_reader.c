@@ -194,6 +194,24 @@ static void options_before(void **state)
     }
 }
 
+/* The place of a mistake is that of its block. */
+static void place_of_a_mistake(void **state)
+{
+    char message[ECT_READER_MESSAGE];
+    ect_item_t packet;
+    file_t f = {0};
+    (void)state;
+    put_section(&f);
+    put_interface(&f, 256, 1);
+    put_packet(&f, 0, 1, FRAME, FRAME);
+    put_packet(&f, 0, 2, FRAME, FRAME);
+    put32(&f, ECT_PCAPNG_PACKET);
+    put32(&f, 13);
+    put32(&f, 0);
+    assert_int_equal(read_all(&f, &packet, message), 2);
+    assert_string_equal(message, "a block of 13 bytes, at byte 232");
+}
+
 static void old_format(void **state)
 {
     (void)state;
@@ -345,6 +363,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         {"times of any resolution are nanoseconds, in both byte orders", resolutions, NULL, NULL, NULL},
+        {"a mistake is reported with the first byte of its block", place_of_a_mistake, NULL, NULL, NULL},
         {"a resolution is found behind an option of any length", options_before, NULL, NULL, NULL},
         {"pcap in microseconds and nanoseconds, in both byte orders", old_format, NULL, NULL, NULL},
         {"each section has interfaces and a byte order of its own", sections_anew, NULL, NULL, NULL},
