@@ -236,6 +236,16 @@ assert time.monotonic() - before < 0.01, time.monotonic() - before" && grep -q 2
   cat "$work/out" "$work/err"
   return 1
 }
+# The master stands still, as on a machine that is suspended. That is no wait.
+stopped_master() {
+  python_master "
+child = subprocess.Popen(real + ['sh', '-c', 'kill -STOP \$PPID; sleep 1.3; kill -CONT \$PPID'])
+before = time.monotonic()
+child.wait()
+assert time.monotonic() - before < 0.01, time.monotonic() - before" && ! grep -q 'real time' "$work/err" && return
+  cat "$work/out" "$work/err"
+  return 1
+}
 long_child() { reported_once 'waitpid()' "for _ in range(2): subprocess.Popen(real + ['sleep', '1.3']).wait()"; }
 long_pipe() { reported_once 'read()' "
 pipe = os.popen('env -u LD_PRELOAD sleep 1.3; echo')
@@ -270,6 +280,7 @@ print(client.recv(4096).decode())" || { cat "$work/err"; return 1; }
 if [ ! "${ECTWIN_NO_PYTHON:-}" ]; then
   check "A client sets a signal at exactly a time of the bus, in each run" set_at_a_time
   check "A child process may be a client of the bus; the virtual clock is stopped meanwhile" child_client
+  check "A master that is stopped for more than a second has not waited" stopped_master
   check "A wait of more than a second for a child process is reported in one line" long_child
   check "A wait of more than a second in system is reported in one line" long_system
   check "A wait of more than a second for a pipe is reported in one line" long_pipe

@@ -247,6 +247,14 @@ static uint64_t real_now(void)
     return (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
 }
 
+/* The length of a pause. The time in which the process or the machine stood still is none in which others could run. */
+static uint64_t length_since(uint64_t since_ns)
+{
+    enum { MOST_NS = 20000000 };
+    uint64_t length_ns = real_now() - since_ns;
+    return length_ns < MOST_NS ? length_ns : MOST_NS;
+}
+
 /* Lets a moment of real time pass, without the lock. @return its length, nanoseconds */
 static uint64_t nap(unsigned int nap_ms)
 {
@@ -261,7 +269,7 @@ static uint64_t nap(unsigned int nap_ms)
         self->idle = false;
     if (result != 0 && self && self->state == WAITING)
         interrupt(self);
-    return real_now() - since_ns;
+    return length_since(since_ns);
 }
 
 static void stop_time(const char *call)
@@ -471,7 +479,7 @@ static void *watch_turn(void *unused)
         lock();
         bool stuck = turns == turns_before && running_is_stuck();
         turns_before = turns;
-        stuck_ns = stuck ? stuck_ns + real_now() - since_ns : 0;
+        stuck_ns = stuck ? stuck_ns + length_since(since_ns) : 0;
         for (unsigned int i = 0; stuck && i < SERVED_MOST && serve_client(); i++)
             ;
         if (stuck_ns >= PATIENCE_NS)
