@@ -23,6 +23,10 @@
 
 enum { LINE_ROOM = 2048 };
 
+/* The patience is a number of short waits: while the machine stands still, the twin cannot reply, and no more than one
+ * of them passes. */
+enum { WAIT_MS = 100, WAITS = ECT_ENDPOINT_PATIENCE_S * 1000 / WAIT_MS };
+
 struct connection {
     int fd;
     char path[ECT_ENDPOINT_PATH];
@@ -81,9 +85,9 @@ static const char *name_of(uid_t user, char room[32])
 
 static connection_t *make_connection(int fd, const char *path, const char *who)
 {
-    const struct timeval patience = {.tv_sec = ECT_ENDPOINT_PATIENCE_S};
+    const struct timeval wait = {.tv_usec = WAIT_MS * 1000};
     connection_t *connection = calloc(1, sizeof *connection);
-    (void)setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    (void)setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &wait, sizeof wait);
     if (connection) {
         connection->fd = fd;
         snprintf(connection->path, sizeof connection->path, "%s", path);
@@ -221,10 +225,11 @@ static bool take_line(connection_t *c, char line[LINE_ROOM])
 /* Waits for more bytes. @return false: connection closed or failed (errno; EAGAIN: timeout) */
 static bool receive(connection_t *c)
 {
+    unsigned int waits = 0;
     ssize_t got;
     do
         got = recv(c->fd, c->received + c->used, sizeof c->received - c->used, 0);
-    while (got < 0 && errno == EINTR);
+    while (got < 0 && (errno == EINTR || (errno == EAGAIN && ++waits < WAITS)));
     errno = got == 0 ? 0 : errno;
     c->used += got > 0 ? (size_t)got : 0;
     return got > 0;

@@ -4,17 +4,18 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import select
 import socket
 import stat
 import struct
-import time
 from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple, Union
 
 from ._errors import Error, Refused
 
 PATIENCE = 5.0  # seconds for a twin to answer
+_STEP = 0.1  # seconds of a wait
 
 Value = Union[int, float, str]
 Slave = Union[int, str]  # number, from 1, or name
@@ -137,6 +138,17 @@ def find(process: Optional[int] = None) -> Tuple[str, socket.socket]:
     raise Error("several twins are running: name one of " + ", ".join(path for path, _ in found))
 
 
+def readable(file: Any, timeout: Optional[float]) -> bool:
+    """Whether a file can be read within `timeout` seconds (None: for ever).
+
+    They are counted in short waits: while the machine stands still, the other side cannot write, and no more than one passes.
+    """
+    if timeout is None:
+        return bool(select.select([file], [], [])[0])
+    waits = max(1, math.ceil(timeout / _STEP))
+    return any(select.select([file], [], [], timeout / waits)[0] for _ in range(waits))
+
+
 # --- a connection ------------------------------------------------------------------------------------------------------
 
 
@@ -154,10 +166,8 @@ class Connection:
 
     def line(self, timeout: Optional[float]) -> Optional[Dict[str, Any]]:
         """The next line as an object, None when none has come in that time (None: for ever)."""
-        end = None if timeout is None else time.monotonic() + timeout
         while b"\n" not in self.received:
-            left = None if end is None else max(0.0, end - time.monotonic())
-            if not select.select([self.socket], [], [], left)[0]:
+            if not readable(self.socket, timeout):
                 return None
             try:
                 data = self.socket.recv(65536)

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import json
 import os
-import select
 import shutil
 import signal
 import subprocess
@@ -14,7 +13,7 @@ import time
 from typing import IO, Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, TypeVar, Union
 
 from . import _network, programs
-from ._control import PATIENCE, Connection, Signal, Slave, Value, Watch, each, find, open_named, path_of
+from ._control import PATIENCE, Connection, Signal, Slave, Value, Watch, each, find, open_named, path_of, readable
 from ._errors import Error, Refused
 
 Result = TypeVar("Result")
@@ -387,9 +386,9 @@ def _words(
 def _first_lines(process: "subprocess.Popen[Any]", count: int) -> List[str]:
     """Lines of standard output; fewer when the process has ended."""
     assert process.stdout
-    received, end = b"", time.monotonic() + _READY
+    received = b""
     while received.count(b"\n") < count:
-        if not select.select([process.stdout], [], [], max(0.0, end - time.monotonic()))[0]:
+        if not readable(process.stdout, _READY):
             raise Error(f"ectwin is not ready after {_READY:.0f} s")
         piece = os.read(process.stdout.fileno(), 65536)
         if not piece:

@@ -57,6 +57,20 @@ class Beside(unittest.TestCase):
             self.assertGreaterEqual(off.time - on.time, 199e-6)  # in a twin that runs late it is seen later
             self.assertIsNone(watch.next(0.05))
 
+    def test_a_machine_that_stands_still_leaves_the_twin_its_time(self):
+        select, calls = ectwin._control.select.select, []
+
+        def first_is_over(*arguments):  # before the twin could run
+            calls.append(arguments)
+            return ([], [], []) if len(calls) == 1 else select(*arguments)
+
+        with unittest.mock.patch.object(ectwin._control.select, "select", first_is_over):
+            self.twin.set({"data5": 2.5})
+        with unittest.mock.patch.object(ectwin._control.select, "select", lambda *_: calls.append(None) or ([], [], [])):
+            with self.assertRaisesRegex(ectwin.Error, "does not answer"):
+                self.twin.get("data5")
+        self.assertEqual(calls.count(None), 50)
+
     def test_wait_for(self):
         self.twin.set({"image_input": 1000, "processing": 50000})
         self.twin.set({"trigger": 1})
