@@ -81,7 +81,7 @@ advice_of_the_interface() {
     ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip addr add 192.0.2.1/24 dev tw0 || exit 9
     rm -f "$work/ready"
     "$ectwin" run -i tw0 fzm1 >"$work/ready" 2>"$work/err" & pid=$!
-    for _ in $(seq 100); do [ -s "$work/ready" ] && break; sleep 0.1; done
+    for _ in $(seq 1200); do [ -s "$work/ready" ] && break; sleep 0.1; done
     kill $pid; wait $pid'
   check "run: a link that is down" yes "$(grep -q "'tw0' has no link: " "$work/err" && echo yes)"
   check "run: an address" yes "$(grep -q "'tw0' has the address 192.0.2.1: " "$work/err" && echo yes)"
@@ -191,7 +191,7 @@ one_twin_an_interface() {
 
 with_ends_where_SIGCHLD_was_ignored() {
   check "with: status of the command" 7 \
-    "$(timeout 20 python3 -c 'import os, signal, sys
+    "$(timeout 300 python3 -c 'import os, signal, sys
 signal.signal(signal.SIGCHLD, signal.SIG_IGN)
 os.execv(sys.argv[1], [sys.argv[1], "with", "vr-bu-ect-map1", "--", "sh", "-c", "exit 7"])' "$ectwin" 2>/dev/null; echo $?)"
 }

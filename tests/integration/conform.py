@@ -578,7 +578,7 @@ def in_the_middle(ectwin, conform, arguments, what):
         script = (f"{conform} -i $ECTWIN_IFACE {arguments} {' '.join(LONG)} --pcap {path} & run=$!; "
                   f"until grep -q 'CF-016 A' {path}; do sleep 0.05; done; {what}")
         return subprocess.run([ectwin, "with", "fzm1", "--", "sh", "-c", script], capture_output=True, text=True,
-                              timeout=120, check=False)
+                              timeout=300, check=False)
 
 
 def interrupted(ectwin, conform):

@@ -111,7 +111,7 @@ a_stopped_twin() {
     "$1" get data1; echo $?; rm "$2"; while [ ! -e "$2" ]; do sleep 0.05; done; "$1" get data1' sh "$ectwin" "$work/asks" \
     >"$work/out" 2>"$work/err" &
   local twin=$!
-  for _ in $(seq 100); do grep -q ready "$work/err" && break; sleep 0.1; done
+  for _ in $(seq 1200); do grep -q ready "$work/err" && break; sleep 0.1; done
   kill -STOP $twin
   touch "$work/asks"
   while [ -e "$work/asks" ]; do sleep 0.1; done
@@ -143,7 +143,7 @@ for _ in range(3):
 EOF
   python3 "$work/hostile.py" "$work/hostile.sock" >"$work/ready" &
   local server=$!
-  for _ in $(seq 50); do [ -s "$work/ready" ] && break; sleep 0.1; done
+  for _ in $(seq 1200); do [ -s "$work/ready" ] && break; sleep 0.1; done
   for command in get list-signals watch; do
     "$ectwin" $command -s "$work/hostile.sock" >>"$work/said" 2>&1
   done
@@ -176,7 +176,7 @@ import os, socket, time
 s = socket.socket(socket.AF_UNIX); s.bind('$work/open/9.sock'); s.listen(); os.chmod('$work/open/9.sock', 0o777)
 print('ready', flush=True); time.sleep(20)" >"$work/ready2" &
   local server=$!
-  for _ in $(seq 50); do [ -s "$work/ready2" ] && break; sleep 0.1; done
+  for _ in $(seq 1200); do [ -s "$work/ready2" ] && break; sleep 0.1; done
   cp "$ectwin" "$work/open/ectwin"
   setpriv --reuid 65533 --clear-groups "$work/open/ectwin" get -s "$work/open/9.sock" 2>"$work/err"
   check "get: a socket that a third user serves" 2 $?
@@ -229,7 +229,7 @@ twins_of_another_user() {
   # shellcheck disable=SC2016
   "$ectwin" with --leave-children --name shared fzm1 -- sleep 20 2>"$work/err" &
   local twin=$!
-  for _ in $(seq 100); do grep -qs ready "$work/err" && break; sleep 0.1; done
+  for _ in $(seq 1200); do grep -qs ready "$work/err" && break; sleep 0.1; done
   # shellcheck disable=SC2016
   env -u XDG_RUNTIME_DIR setpriv --reuid 64997 --clear-groups sh -c '"$1" ps; "$1" get -s shared data1' sh \
     "$work/bin/ectwin" >"$work/out" 2>"$work/err"
@@ -246,7 +246,7 @@ enter() {
   # shellcheck disable=SC2016
   "$ectwin" with --leave-children --name inside --iface ecat7 fzm1 -- sleep 20 2>"$work/err" &
   local twin=$!
-  for _ in $(seq 100); do grep -qs ready "$work/err" && break; sleep 0.1; done
+  for _ in $(seq 1200); do grep -qs ready "$work/err" && break; sleep 0.1; done
   (cd /usr && "$ectwin" enter -s inside -- sh -c 'pwd; echo {} "$ECTWIN_IFACE"; ls /sys/class/net; "$1" get data1; exit 7' \
     sh "$ectwin") >"$work/out" 2>"$work/err"
   check "enter: the status of CMD" 7 $?
@@ -289,9 +289,9 @@ counts() {
 # In a network of its own: the pair exists until a signal, and needs a right.
 pair() {
   # shellcheck disable=SC2016
-  unshare -Urn sh -c '"$1" veth tw >"$2/pair" & pair=$!; for _ in $(seq 100); do [ -s "$2/pair" ] && break; sleep 0.1; done
+  unshare -Urn sh -c '"$1" veth tw >"$2/pair" & pair=$!; for _ in $(seq 1200); do [ -s "$2/pair" ] && break; sleep 0.1; done
     cat "$2/pair"; ip -br link show up | sed "s/@.*//" | sort | xargs; "$1" veth tw; echo $?
-    "$1" run -i tw-twin fzm1 >"$2/run" & run=$!; for _ in $(seq 100); do [ -s "$2/run" ] && break; sleep 0.1; done
+    "$1" run -i tw-twin fzm1 >"$2/run" & run=$!; for _ in $(seq 1200); do [ -s "$2/run" ] && break; sleep 0.1; done
     cat "$2/run"; kill $run $pair; wait; ip -br link | sed "s/[@ ].*//" | xargs' \
     sh "$ectwin" "$work" >"$work/out" 2>"$work/err"
   check "veth: the pair, a second one, a twin on it, its end" \

@@ -12,7 +12,7 @@ export work
 on_failure() { echo "  alone: $0 $ectwin $controller $case_name"; }
 
 until_event() { # waits for an event of the controller
-  for _ in $(seq 200); do grep -q "\"$1\"" "$work/log" 2>/dev/null && return 0; sleep 0.05; done
+  for _ in $(seq 1200); do grep -q "\"$1\"" "$work/log" 2>/dev/null && return 0; sleep 0.05; done
   return 1
 }
 export -f until_event
@@ -62,11 +62,11 @@ the_controller_is_safe_without_a_unit() {
     "$controller" "$ECTWIN_IFACE" --seconds 12 >"$work/log" & pid=$!
     until_event enabled
     "$ectwin" set bu.enabled=0
-    for _ in $(seq 100); do [ "$(grep -c safe "$work/log")" -ge 2 ] && break; sleep 0.05; done
+    for _ in $(seq 1200); do [ "$(grep -c safe "$work/log")" -ge 2 ] && break; sleep 0.05; done
     grep -c enabled "$work/log" >"$work/values"
     grep -c safe "$work/log" >>"$work/values"
     "$ectwin" set bu.enabled=1
-    for _ in $(seq 160); do [ "$(grep -c enabled "$work/log")" -ge 2 ] && break; sleep 0.05; done
+    for _ in $(seq 1200); do [ "$(grep -c enabled "$work/log")" -ge 2 ] && break; sleep 0.05; done
     grep -c enabled "$work/log" >>"$work/values"
     kill -INT $pid; wait $pid' 2>/dev/null
   check "enabled once, safe twice (at first, and without the unit), enabled again" "1 2 2" "$(xargs <"$work/values")"
@@ -79,7 +79,7 @@ killed_and_back() {
     : >"$work/log"
     for n in 1 2 3 4 5 6; do
       "$controller" "$ECTWIN_IFACE" --seconds 20 --counters "$work/counters" >>"$work/log" & pid=$!
-      for _ in $(seq 200); do [ "$(grep -c enabled "$work/log")" -ge $n ] && break; sleep 0.05; done
+      for _ in $(seq 1200); do [ "$(grep -c enabled "$work/log")" -ge $n ] && break; sleep 0.05; done
       "$ectwin" command ru1 "$(printf "%032x" $((2 * n - 1)))"
       "$ectwin" command ru1 "$(printf "%032x" $((2 * n)))"
       sleep "0.$((n * 7 % 4))"

@@ -95,7 +95,7 @@ def ping(count, size):
     """@return how many of the pings are answered, byte by byte"""
     answered = 0
     with socket.socket(socket.AF_INET, socket.SOCK_RAW, socket.IPPROTO_ICMP) as wire:
-        wire.settimeout(20)
+        wire.settimeout(120)
         for n in range(count):
             rest = struct.pack(">HH", 77, n) + bytes(i & 0xFF for i in range(size))
             wire.sendto(struct.pack(">BBH", 8, 0, checksum(b"\x08\x00" + rest)) + rest, (ADDRESS, 0))
@@ -122,11 +122,11 @@ def downloads(inner, size):
             file.write(content)
         behind = serve(inner.words(), folder, ADDRESS)
         started = time.monotonic()
-        with urllib.request.urlopen(f"http://{ADDRESS}:8000/file", timeout=100) as reply:
+        with urllib.request.urlopen(f"http://{ADDRESS}:8000/file", timeout=300) as reply:
             from_twin = reply.read() == content
         between = time.monotonic()
         here = serve([], folder, OURS)
-        fetch = f"import urllib.request as u, sys; sys.stdout.buffer.write(u.urlopen('http://{OURS}:8000/file', timeout=100).read())"
+        fetch = f"import urllib.request as u, sys; sys.stdout.buffer.write(u.urlopen('http://{OURS}:8000/file', timeout=300).read())"
         to_twin = subprocess.run(inner.words(sys.executable, "-c", fetch), stdout=subprocess.PIPE, check=True).stdout == content
         ended = time.monotonic()
         for server in (behind, here):
@@ -139,7 +139,7 @@ DATAGRAMS = """
 import socket, sys
 s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 s.bind(("", 9000))
-s.settimeout(20)
+s.settimeout(120)
 print("ready", flush=True)
 while True:
     data, sender = s.recvfrom(2000)
@@ -153,7 +153,7 @@ def datagrams(inner, count, size):
     echo.stdout.readline()
     good = 0
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:
-        wire.settimeout(20)
+        wire.settimeout(120)
         for n in range(count + 8):
             if n < count:
                 wire.sendto(n.to_bytes(4, "big") + bytes(size - 4), (ADDRESS, 9000))
@@ -239,7 +239,7 @@ def inside_echo(ectwin, program, _):
     run("ip", "addr", "add", OURS + "/24", "dev", "eoe0")
     check("ping of 1400 bytes, 20 times", 20, ping(20, 1400))
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:
-        wire.settimeout(20)
+        wire.settimeout(120)
         wire.sendto(b"echo", (ADDRESS, 7))
         check("echo of UDP", b"echo", wire.recv(100))
     run(ectwin, "set", "eoe.link=0")
@@ -258,10 +258,10 @@ def inside_unix(ectwin, program, _):
     bridge = Bridge(program)
     host = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     host.connect(os.environ["EOE_SOCKET"])
-    host.settimeout(20)
+    host.settimeout(120)
     wire = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(TYPE))
     wire.bind(("eoe0", TYPE))
-    wire.settimeout(20)
+    wire.settimeout(120)
     for size in (60, 118, 119, 1014, 1015, 1514):
         frame = b"\xff" * 6 + b"\x02\0\0\0\0\x01" + TYPE.to_bytes(2, "big") + bytes(i & 0xFF for i in range(size - 14))
         host.send(frame)
@@ -342,12 +342,12 @@ def refusals():
          "--eoe 2:taplo: another program has 'taplo' open: end it, or choose another name"),
     ]
     for options, status, line in rows:
-        done = subprocess.run([ectwin, "with", "--quiet", *options, "--", "true"], capture_output=True, text=True, timeout=60,
+        done = subprocess.run([ectwin, "with", "--quiet", *options, "--", "true"], capture_output=True, text=True, timeout=300,
                               env={**os.environ, "XDG_RUNTIME_DIR": work})
         lines = [one for one in done.stderr.splitlines() if line in one]
         check(f"{options}: status and line", (status, True), (done.returncode, len(lines) == 1 or done.stderr))
     done = subprocess.run([ectwin, "with", "--in-process", "--eoe", "echo", device, "--", "true"], capture_output=True, text=True,
-                          timeout=60)
+                          timeout=300)
     check("echo needs no process of its own", True, "--eoe" not in done.stderr or done.stderr)
 
 

@@ -17,7 +17,7 @@ on_failure() { echo "  alone:    external.sh ... $case_name"; }
 with() { # PROGRAM CMD...: `with --external`; standard error in $work/err
   local program=$1
   shift
-  timeout 60 "$ectwin" with --external "$program" -- "$@" 2>"$work/err"
+  timeout 300 "$ectwin" with --external "$program" -- "$@" 2>"$work/err"
 }
 
 a_master_finds_them() {

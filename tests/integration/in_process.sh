@@ -199,9 +199,9 @@ check "The files of the interface are gone when CMD has ended" gone
 # CMD starts the master and gives it a time, as timeout(1) and test runners do.
 runner() {
   for _ in 1 2 3 4 5 6 7 8 9 10; do # the child may end at any moment of the wait
-    with --virtual-time fzm1 -- timeout 20 "$calls" {} virtual "Sleeps*" >"$work/out" 2>"$work/err" || { cat "$work/out" "$work/err"; return 1; }
+    with --virtual-time fzm1 -- timeout 300 "$calls" {} virtual "Sleeps*" >"$work/out" 2>"$work/err" || { cat "$work/out" "$work/err"; return 1; }
   done
-  with --virtual-time fzm1 -- timeout 20 env -u LD_PRELOAD sleep 0.3 >/dev/null 2>&1 || return 1
+  with --virtual-time fzm1 -- timeout 300 env -u LD_PRELOAD sleep 0.3 >/dev/null 2>&1 || return 1
   exits 124 with --virtual-time fzm1 -- timeout 1 env -u LD_PRELOAD sleep 30 >/dev/null 2>&1 || return 1
   [ "${ECTWIN_NO_PYTHON:-}" ] || with --virtual-time fzm1 -- python3 -c "
 import subprocess
@@ -246,15 +246,22 @@ assert time.monotonic() - before < 0.01, time.monotonic() - before" && ! grep -q
   cat "$work/out" "$work/err"
   return 1
 }
-long_child() { reported_once 'waitpid()' "for _ in range(2): subprocess.Popen(real + ['sleep', '1.3']).wait()"; }
+# A child that ends when the line is there.
+until_line() { echo "for i in \$(seq 1200); do grep -q \"real time\" $work/err && break; sleep 0.1; done"; }
+long_child() { reported_once 'waitpid()' "
+subprocess.Popen(real + ['sh', '-c', '''$(until_line)''']).wait()
+subprocess.Popen(real + ['sleep', '1.3']).wait()"; }
 long_pipe() { reported_once 'read()' "
-pipe = os.popen('env -u LD_PRELOAD sleep 1.3; echo')
+os.environ['UNTIL'] = '''$(until_line)'''
+pipe = os.popen('env -u LD_PRELOAD sh -c \"\$UNTIL\"; echo')
 pipe.read()"; }
-long_system() { reported_once 'wait4()' "os.system('env -u LD_PRELOAD sleep 1.3')" ; }
+long_system() { reported_once 'wait4()' "
+os.environ['UNTIL'] = '''$(until_line)'''
+os.system('env -u LD_PRELOAD sh -c \"\$UNTIL\"')"; }
 long_poll() {
   reported_once 'recv()' "
 a, b = socket.socketpair()
-child = subprocess.Popen(real + ['sh', '-c', 'sleep 1.3; echo >&%d' % b.fileno()], pass_fds=[b.fileno()])
+child = subprocess.Popen(real + ['sh', '-c', '''$(until_line)''' + '; echo >&%d' % b.fileno()], pass_fds=[b.fileno()])
 a.recv(1)"
 }
 set_at_a_time() {

@@ -25,12 +25,12 @@ drive() {
     ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip link set tw1 up || exit 9
     rm -f "$work/ready" # that of the run before would end the wait
     "$board" tw0 --spi /dev/spidev7.1 "$@" "vr-bu-ect-${mode,,}" >"$work/ready" 2>"$work/err" & pid=$!
-    for _ in $(seq 300); do [ -s "$work/ready" ] && break; sleep 0.1; done
+    for _ in $(seq 1200); do [ -s "$work/ready" ] && break; sleep 0.1; done
     cat "$work/ready"
     if [ -n "${RESETS:-}" ]; then # the master takes the board to OP, and resets its ESC
       "$base_unit" tw1 "VR-BU-ECT-$mode" "$in" "$out" >"$work/master" 2>&1 || echo "before the reset"
       python3 "$here/reset_esc.py" tw1
-      for _ in $(seq 100); do grep -q "was reset" "$work/err" && break; sleep 0.1; done
+      for _ in $(seq 1200); do grep -q "was reset" "$work/err" && break; sleep 0.1; done
     fi
     if [ -n "${FAULTS_MS:-}" ]; then # with any result, and at any time
       sleep "$((FAULTS_MS / 1000 + 2))" & over=$!
@@ -77,7 +77,7 @@ a_chip_with_faults() {
 alone() {
   local status=$1 pattern=$2
   shift 2
-  board=$board work=$work timeout 30 unshare -Urn bash -c '
+  board=$board work=$work timeout 300 unshare -Urn bash -c '
     ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip link set tw1 up || exit 9
     "$board" tw0 --spi /dev/spidev7.1 "$@" fzm1 2>"$work/err"' bash "$@" >/dev/null
   check "'$*' with a chip" "$status" $?
@@ -95,10 +95,10 @@ registers_of_a_chip() {
 
 # A save that is under way when a signal ends the command
 a_save_under_way() {
-  board=$board work=$work SAVE=1 timeout 60 unshare -Urn bash -c '
+  board=$board work=$work SAVE=1 timeout 300 unshare -Urn bash -c '
     ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip link set tw1 up || exit 9
     "$board" tw0 --spi /dev/spidev7.1 --store "$work/store" fzm1 >"$work/ready" 2>"$work/err" & pid=$!
-    for _ in $(seq 300); do grep -q saving "$work/err" && break; sleep 0.1; done
+    for _ in $(seq 1200); do grep -q saving "$work/err" && break; sleep 0.1; done
     cat "$work/store"/* | grep -ac FZM1
     kill $pid; wait $pid; echo "board $?"
     cat "$work/store"/* | grep -ac FZM1' >"$work/out"

@@ -14,7 +14,7 @@ trap 'rm -rf "$work"' EXIT
 on_failure() { touch "$work/failed"; } # the cases run in processes of their own
 
 with_slave() { # DEVICE COMMAND...
-  timeout 60 "$tests" with --in-process --virtual-time "$1" -- "${@:2}"
+  timeout 300 "$tests" with --in-process --virtual-time "$1" -- "${@:2}"
 }
 
 read_slave() { # DEVICE EXIT LINE
@@ -47,7 +47,7 @@ clone() { # DEVICE EXIT: what could be read is a bus that runs
   with_slave "$1" "$ectwin" clone --preop -i {} --limit 15 -o "$work/$1.clone" >"$work/$1.out" 2>"$work/$1.err"
   check "$1: exit code of the clone" "$2" $?
   check "$1: a line of the clone" 1 "$(grep -c '^ectwin clone: slave 1: dictionary, read in part: ' "$work/$1.err")"
-  timeout 20 "$ectwin" check "$work/$1.clone/bus.yaml" >/dev/null 2>"$work/$1.err"
+  timeout 300 "$ectwin" check "$work/$1.clone/bus.yaml" >/dev/null 2>"$work/$1.err"
   check "$1: the clone can run" 0 $?
 }
 for device in liar-upload-4g liar-no-uploads liar-no-replies liar-other-index liar-toggle liar-endless-list liar-endless-mails; do

@@ -31,15 +31,15 @@ END
 
 # in_network SCRIPT: with loopback and 10.9.8.7; $ectwin and $work are there. start ARGUMENT...: runs a twin, $pid, until it is ready.
 in_network() {
-  ectwin=$ectwin work=$work script=$script XDG_RUNTIME_DIR=$work timeout 120 unshare -Urn bash -c '
+  ectwin=$ectwin work=$work script=$script XDG_RUNTIME_DIR=$work timeout 300 unshare -Urn bash -c '
     ip link set lo up && ip address add 10.9.8.7/32 dev lo || exit 9
     start() {
       : >"$work/ready"
       "$ectwin" run "$@" >"$work/ready" 2>"$work/err" & pid=$!
-      for _ in $(seq 600); do [ -s "$work/ready" ] && break; [ -e /proc/$pid ] || break; sleep 0.1; done
+      for _ in $(seq 1200); do [ -s "$work/ready" ] && break; [ -e /proc/$pid ] || break; sleep 0.1; done
     }
     stop() { kill $pid; wait $pid; echo $?; }
-    ask() { for _ in $(seq 50); do answer=$(python3 "$script" "$@"); [ "$answer" = "VLAPs 0" ] || break; sleep 0.1; done; echo "$answer"; }
+    ask() { for _ in $(seq 1200); do answer=$(python3 "$script" "$@"); [ "$answer" = "VLAPs 0" ] || break; sleep 0.1; done; echo "$answer"; }
     '"$1"
 }
 
@@ -75,7 +75,7 @@ VLAPs 3
 refused() {
   local status=$1 pattern=$2
   shift 2
-  timeout 60 unshare -Un "$ectwin" "$@" >/dev/null 2>"$work/err"
+  timeout 300 unshare -Un "$ectwin" "$@" >/dev/null 2>"$work/err"
   check "'$*': status" "$status" $?
   grep -q -- "$pattern" "$work/err" || check "'$*': it says why" "$pattern" "$(cat "$work/err")"
 }
@@ -90,7 +90,7 @@ refused_arguments() {
   refused 1 "a slave of your own" with --modbus 0.0.0.0:0 --external /bin/true -- true
   refused 2 "below 1024 needs CAP_NET_BIND_SERVICE" run --modbus 0.0.0.0:502 vr-bu-ect-map7
   in_network 'start --modbus 1502 vr-bu-ect-map7
-    for at in 1502 192.0.2.1:1502; do timeout 60 "$ectwin" run --modbus $at vr-bu-ect-map7 2>&1; echo $?; done; stop' >"$work/out"
+    for at in 1502 192.0.2.1:1502; do timeout 300 "$ectwin" run --modbus $at vr-bu-ect-map7 2>&1; echo $?; done; stop' >"$work/out"
   check "run: the port is taken, the address is somebody else's" "\
 ectwin run: --modbus: cannot listen at '1502': the port is taken: choose another one, or 0 for any that is free
 2

@@ -56,7 +56,7 @@ for wrong in "" "a.yaml b.yaml"; do
   check "new '$wrong': wrong usage" 1 "$("$ectwin" new $wrong >"$work/out" 2>&1; echo $?)"
 done
 
-external() { timeout 60 "$ectwin" with --external "$slave --sii $files/soes/eeprom.bin" -- "$@" 2>"$work/err"; }
+external() { timeout 300 "$ectwin" with --external "$slave --sii $files/soes/eeprom.bin" -- "$@" 2>"$work/err"; }
 check "the SOES application goes to OP (CF-095)" 1 "$(external "$conform" -i {} --only CF-095 | grep -c 'pass CF-095')"
 check "the SOES application has the EEPROM of the file" "0 " "$(external "$ectwin" verify "$files/gauge-1.bin" slave:{} >"$work/out"; echo $? "$(grep EEPROM "$work/out")")"
 exit $failed

@@ -40,7 +40,7 @@ class Panel:
         self.port = int(self.base.rsplit(":", 1)[1])
 
     def get(self, path, method="GET", **headers):
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=10)
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=120)
         connection.request(method, path, headers=headers)
         reply = connection.getresponse()
         reply.text = reply.read()
@@ -52,7 +52,7 @@ class Panel:
 
     def stop(self):
         self.process.send_signal(signal.SIGTERM)
-        text = self.process.communicate(timeout=20)[1]
+        text = self.process.communicate(timeout=120)[1]
         return self.process.returncode, text
 
 
@@ -61,7 +61,7 @@ class Page:
 
     def __init__(self, panel, token=None, **headers):
         self.panel = panel
-        self.socket = socket.create_connection(("127.0.0.1", panel.port), timeout=10)
+        self.socket = socket.create_connection(("127.0.0.1", panel.port), timeout=120)
         key = base64.b64encode(os.urandom(16)).decode()
         lines = {"Host": f"127.0.0.1:{panel.port}", "Origin": panel.base, "Upgrade": "websocket", "Connection": "Upgrade",
                  "Sec-WebSocket-Key": key, "Sec-WebSocket-Version": "13", "Sec-WebSocket-Protocol": "ectwin-panel", **headers}
@@ -150,7 +150,7 @@ def twins(devices, *options):
     process.stdout.readline()
     yield
     process.terminate()
-    process.wait(20)
+    process.wait(120)
 
 
 @contextlib.contextmanager
@@ -203,7 +203,7 @@ def browsers():
     os.environ["PATH"] = f"{folder}:{os.environ['PATH']}"
     with twins("fzm1"), running("--open") as panel:
         arguments = folder / "arguments"
-        deadline = time.monotonic() + 10
+        deadline = time.monotonic() + 120
         while not (arguments.exists() and arguments.read_text()) and time.monotonic() < deadline:
             time.sleep(0.05)
         page = arguments.read_text().strip()
@@ -314,19 +314,19 @@ def hostile():
         check("SEC: requests without end close the connection", None, page.wait("never"))
         held = []
         for _ in range(300):
-            held.append(socket.create_connection(("127.0.0.1", panel.port), timeout=10))
+            held.append(socket.create_connection(("127.0.0.1", panel.port), timeout=120))
         check("SEC: 300 idle connections do not stop a page", {"ok": True},
               good.request(bus, {"op": "set", "name": "data1", "value": 3}, 5))
         check("SEC: connections are bounded", True, panel.descriptors() < 64 + 32)
         for one in held:
             one.close()
         for garbage in (b"\0" * 10000, b"GET " + b"/" * 20000, b"GET / HTTP/1.1\r\n" + b"a: b\r\n" * 5000, b"\r\n\r\n" * 100):
-            one = socket.create_connection(("127.0.0.1", panel.port), timeout=10)
+            one = socket.create_connection(("127.0.0.1", panel.port), timeout=120)
             with contextlib.suppress(OSError):
                 one.sendall(garbage)
             one.close()
         check("SEC: garbage does no harm", {"ok": True}, good.request(bus, {"op": "set", "name": "data1", "value": 4}, 6))
-        deadline = time.monotonic() + 20  # connections that were closed are counted out
+        deadline = time.monotonic() + 120  # connections that were closed are counted out
         while time.monotonic() < deadline:
             with contextlib.suppress(OSError, http.client.HTTPException):
                 if panel.get("/").status == 200:
@@ -339,11 +339,12 @@ def patience():
     with running() as panel, twins("fzm1"):
         good = Page(panel, panel.token)
         bus, _ = good.open("fzm1")
-        silent, deaf, idle = Page(panel), Page(panel, panel.token), socket.create_connection(("127.0.0.1", panel.port), timeout=15)
+        silent, deaf, idle = Page(panel), Page(panel, panel.token), socket.create_connection(("127.0.0.1", panel.port), timeout=120)
         deaf.wait("buses", lambda m: m["buses"])
-        for _ in range(400):  # all signals again and again, 20 MB
-            deaf.send({"open": bus})
-            time.sleep(0.002)
+        with contextlib.suppress(ConnectionError):  # on a busy machine its patience ends before that
+            for _ in range(400):  # all signals again and again, 20 MB
+                deaf.send({"open": bus})
+                time.sleep(0.002)
         check("SEC: a page that does not read delays no other one", {"ok": True},
               good.request(bus, {"op": "set", "name": "data1", "value": 3}, 5))
         check("SEC: a page without a token is closed", None, silent.next())

@@ -50,7 +50,7 @@ class Browser:
         url = self.base + ("" if bare else f"/session/{self.session}") + path
         data = json.dumps(body).encode() if body is not None else None
         request = urllib.request.Request(url, data, {"Content-Type": "application/json"}, method=method)
-        with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(request, timeout=60) as reply:
+        with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(request, timeout=300) as reply:
             return json.load(reply)["value"]
 
     def open(self, url):
@@ -106,7 +106,7 @@ class Browser:
             if self.session:
                 self.call("DELETE", "")
         self.driver.terminate()
-        self.driver.wait(20)
+        self.driver.wait(120)
 
 
 @contextlib.contextmanager
@@ -116,7 +116,7 @@ def panel(*options):
         yield json.loads(process.stdout.readline())["url"]
     finally:
         process.send_signal(signal.SIGTERM)
-        process.communicate(timeout=20)
+        process.communicate(timeout=120)
 
 
 @contextlib.contextmanager
@@ -126,7 +126,7 @@ def bus(devices, master, *options, output=subprocess.DEVNULL):
         yield
     finally:
         process.terminate()
-        process.wait(20)
+        process.wait(120)
 
 
 STATES = "return [...document.querySelectorAll('.module')].map((m) => m.dataset.state).join()"
@@ -151,7 +151,7 @@ def with_a_master(browser, url):
     browser.click('.plug[data-slave="3"][data-port="input"]')
     check("again, and the slave returns to OP", True, reaches(browser, "OP,OP,OP"))
     browser.type('[data-signal="data1"] input.number', "12.5\n")
-    deadline = time.monotonic() + 5
+    deadline = time.monotonic() + 120
     while value("gripper.data1") != "gripper.data1=12.5" and time.monotonic() < deadline:
         time.sleep(0.05)
     check("a signal is set", "gripper.data1=12.5", value("gripper.data1"))

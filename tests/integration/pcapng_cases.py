@@ -19,7 +19,7 @@ def expect(what, wanted, got):
 
 
 def call(*words):
-    return subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=100, check=False)
+    return subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=300, check=False)
 
 
 def blocks(path):

@@ -20,7 +20,7 @@ def main():
         sys.exit(__doc__.strip().splitlines()[-1])
     with socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(ETHERCAT)) as wire:
         wire.bind((sys.argv[1], 0))
-        wire.settimeout(5)
+        wire.settimeout(120)
         for value in b"RES":
             wire.send(frame(value))
             while wire.recvfrom(2048)[1][2] == socket.PACKET_OUTGOING:

@@ -80,7 +80,7 @@ the_verdict_on_the_virtual_clock() { the_verdict_is_the_status --in-process --vi
 its_progress_is_watched() {
   script '# two steps' 'at 3s set data1=5' 'at 4s expect data1=5'
   "$ectwin" with --in-process --virtual-time --scenario "$work/script.txt" fzm1 -- "$python" "$recorder" {} "$work/out" true \
-    timeout 60 "$ectwin" watch --every --until scenario.verdict=met 'scenario.*' >"$work/out" 2>"$work/err"
+    timeout 300 "$ectwin" watch --every --until scenario.verdict=met 'scenario.*' >"$work/out" 2>"$work/err"
   check "watch: until the verdict" 0 $?
   check "watch: line 2 has acted" yes "$(grep -q '"name":"scenario.line","value":2,' "$work/out" && echo yes)"
   check "watch: its text" yes "$(grep -q '"name":"scenario.step","value":"at 3s set data1=5",' "$work/out" && echo yes)"
@@ -95,7 +95,7 @@ run_has_it_too() {
     ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip link set tw1 up || exit 9
     for script in "$2" "$3"; do
       "$1" run -i tw0 --scenario "$script" fzm1 >"$4/ready" 2>>"$4/err" & pid=$!
-      for _ in $(seq 100); do [ -s "$4/ready" ] && break; sleep 0.1; done
+      for _ in $(seq 1200); do [ -s "$4/ready" ] && break; sleep 0.1; done
       sleep 0.3; kill $pid; wait $pid; echo $?
       : >"$4/ready"
     done' - "$ectwin" "$work/script.txt" <(echo 'expect ecat.state=2') "$work" >"$work/values" 2>/dev/null
@@ -147,7 +147,7 @@ python=$(python3 -c "import sys; print(sys.executable)") # not a script that sta
 record() {
   local run=$1 table=$2 device=$3 commands=$4
   "$ectwin" with --in-process --virtual-time --play "$table" --name "recorded$run" "$device" -- "$python" "$recorder" {} "$work/record$run.csv" "$commands" \
-    timeout 60 "$ectwin" watch --csv "$work/record$run.csv" --every --until "${@:5}" >"$work/out" 2>"$work/err"
+    timeout 300 "$ectwin" watch --csv "$work/record$run.csv" --every --until "${@:5}" >"$work/out" 2>"$work/err"
   check "run $run: exit status" 0 $?
 }
 
@@ -216,9 +216,9 @@ set_in_time() {
 waves_and_scenes() {
   printf 'time,data1\n0,0.0\n1,8.0\n2,0.0\n' >"$work/wave,loop"
   "$ectwin" with --in-process --virtual-time --play "$work/wave,loop,loop,every=250ms" fzm1 -- "$python" "$recorder" {} "$work/wave.csv" true \
-    timeout 60 "$ectwin" watch --csv "$work/wave.csv" --every --until data1=8 data1 2>"$work/err"
+    timeout 300 "$ectwin" watch --csv "$work/wave.csv" --every --until data1=8 data1 2>"$work/err"
   check "a wave: steps on a line" yes "$(cut -d, -f2 "$work/wave.csv" | xargs | grep -Eq '2 4 6 8$' && echo yes)"
-  "$ectwin" with --play "$work/wave,loop,loop" fzm1 -- sh -c "sleep 2.2; timeout 8 '$ectwin' wait data1=8" 2>"$work/err"
+  "$ectwin" with --play "$work/wave,loop,loop" fzm1 -- sh -c "sleep 2.2; timeout 300 '$ectwin' wait data1=8" 2>"$work/err"
   check "a wave: it begins again" 0 $?
   printf 'time,row_scene,row1,row_add\n0,4,41,1\n0,4,42,1\n0,6,61,1\n' >"$work/scenes.csv"
   "$ectwin" with --play "$work/scenes.csv" --set source1=4 --set switch_time=0 fzm1 -- sh -c "

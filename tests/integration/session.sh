@@ -16,14 +16,14 @@ says() { # TITLE PATTERN: what the last command wrote to its standard error
 }
 
 wait_for() { # FILE: until there is something in it, 10 s at most
-  for _ in $(seq 100); do [ -s "$1" ] && return; sleep 0.1; done
+  for _ in $(seq 1200); do [ -s "$1" ] && return; sleep 0.1; done
 }
 
 # in_network SCRIPT: with a veth pair tw0, tw1; $ectwin, $work and $here are there.
 in_network() {
   ectwin=$ectwin work=$work here=$here master=${master:-} unshare -Urn bash -c '
     ip link add name tw0 type veth peer name tw1 && ip link set tw0 up && ip link set tw1 up || exit 9
-    wait_for() { for _ in $(seq 100); do [ -s "$1" ] && return; sleep 0.1; done; }
+    wait_for() { for _ in $(seq 1200); do [ -s "$1" ] && return; sleep 0.1; done; }
     rm -f "$work/a" "$work/b" # what another case has left there is nothing to go by
     '"$1"
 }
@@ -63,7 +63,7 @@ output_that_cannot_be_written() {
     check "$arguments: standard output on a full disk" 2 $?
     says "$arguments" "No space left on device"
   done
-  in_network 'timeout 20 "$ectwin" run -i tw0 fzm1 >/dev/full 2>"$work/err"; echo $?' >"$work/out"
+  in_network 'timeout 300 "$ectwin" run -i tw0 fzm1 >/dev/full 2>"$work/err"; echo $?' >"$work/out"
   check "run: a ready line that cannot be written" 2 "$(cat "$work/out")"
   says "run" "No space left on device"
   check "list: a reader that stops is none of its business" "" "$("$ectwin" list 2>&1 >/dev/null | head -c0; "$ectwin" list 2>&1 | true)"
@@ -183,7 +183,7 @@ names_of_the_private_network() {
 }
 
 runs() { # COMMAND LINE: whether a process has exactly this one; "no" after 3 s at most
-  for _ in $(seq 30); do pgrep -xf "$1" >/dev/null || { echo no; return; }; sleep 0.1; done
+  for _ in $(seq 1200); do pgrep -xf "$1" >/dev/null || { echo no; return; }; sleep 0.1; done
   echo yes
 }
 
@@ -212,7 +212,7 @@ killed_at_once() {
   for slave in fzm1 "--external=sh -c 'sleep $(unique 5); :'"; do
     XDG_RUNTIME_DIR=$work/killed "$ectwin" with "$slave" -- sh -c 'setsid sleep $1 & sleep $2; :' sh "$(unique 6)" "$(unique 7)" 2>"$work/ready" &
     pid=$!
-    for _ in $(seq 100); do pgrep -xf "sleep $(unique 6)" >/dev/null && break; sleep 0.1; done
+    for _ in $(seq 1200); do pgrep -xf "sleep $(unique 6)" >/dev/null && break; sleep 0.1; done
     check "with $slave: its child runs" yes "$(pgrep -xf "sleep $(unique 6)" >/dev/null && echo yes)"
     kill -9 $pid
     wait $pid 2>/dev/null
@@ -323,7 +323,7 @@ rights_of_a_running_twin() {
     "$(cat "$work/out")"
   "$ectwin" with fzm1 -- sh -c 'sed -n "s/^CapEff:\s*0*//p" /proc/self/status; ip link set lo down && echo yes; exec sleep 2' >"$work/out" 2>/dev/null &
   local pid=$!
-  for _ in $(seq 30); do grep -q "NoNewPrivs:.1" /proc/$pid/status && break; sleep 0.1; done
+  for _ in $(seq 1200); do grep -q "NoNewPrivs:.1" /proc/$pid/status && break; sleep 0.1; done
   check "with: nothing for the twins" "0 1" \
     "$(sed -n 's/^CapEff:\s*0*\([0-9a-f]\)/\1/p; s/NoNewPrivs:\s*//p' /proc/$pid/status | xargs)"
   if strings "$ectwin" 2>/dev/null | grep -q seccomp_load; then
@@ -395,7 +395,7 @@ END
   check "--busy-poll: a tagged frame is answered with its tag" 0 "$?"
   rm -f "$work/a"
   in_network '
-    timeout 30 "$ectwin" run --busy-poll -i tw0 fzm1 >"$work/a" 2>/dev/null & pid=$!
+    timeout 300 "$ectwin" run --busy-poll -i tw0 fzm1 >"$work/a" 2>/dev/null & pid=$!
     wait_for "$work/a"
     ip link delete tw0
     wait $pid; echo $?' >"$work/out"

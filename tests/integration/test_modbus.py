@@ -25,7 +25,7 @@ except ImportError:
     print("skipped: no pymodbus here; 'tools/bootstrap.sh test' fetches it where PyPI can be reached")
     sys.exit(77)
 
-PATIENCE = 60  # seconds for what comes by itself
+PATIENCE = 120  # seconds for what comes by itself
 HOST, PORT = os.environ["ECTWIN_MODBUS"].rsplit(":", 1)
 SIZES = {"vr-bu-ect-map1": (66, 0), "vr-bu-ect-map3": (66, 24), "vr-bu-ect-map7": (66, 228), "vr-bu-ect-multiarm": (142, 228)}
 DEVICE = sys.argv[1]

@@ -15,7 +15,7 @@ import os, socket, sys, time
 def broadcast(interface):
     with socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(0x88A4)) as wire:
         wire.bind((interface, 0x88A4))
-        wire.settimeout(5)
+        wire.settimeout(120)
         wire.send(b"\\xff" * 6 + b"\\2" * 6 + b"\\x88\\xa4\\x0e\\x10" + bytes.fromhex("0701000030010200000000000000") + bytes(32))
         while True:
             reply = wire.recv(2000)
