@@ -88,6 +88,26 @@ static void a_path_at_a_bad_address_is_refused(void **state)
     assert_dispatched();
 }
 
+static void a_mask_at_a_bad_address_is_refused(void **state)
+{
+    static const long bad_pair[] = {1, KERNEL_MASK};
+    const struct {
+        long number, a[6];
+    } calls[] = {{SYS_rt_sigprocmask, {SIG_BLOCK, 1, 0, KERNEL_MASK}},
+                 {SYS_rt_sigaction, {SIGUSR1, 1, 0, KERNEL_MASK}},
+                 {SYS_ppoll, {0, 0, 0, 1, KERNEL_MASK}},
+                 {SYS_pselect6, {0, 0, 0, 0, 0, 1}},
+                 {SYS_pselect6, {0, 0, 0, 0, 0, (long)bad_pair}},
+                 {SYS_rt_sigsuspend, {1, KERNEL_MASK}},
+                 {SYS_rt_sigtimedwait, {1, 0, 0, KERNEL_MASK}}};
+    (void)state;
+    for (size_t i = 0; i < sizeof calls / sizeof *calls; i++) {
+        const long *a = calls[i].a;
+        assert_int_equal(raw_call(calls[i].number, a[0], a[1], a[2], a[3], a[4], a[5]), -EFAULT);
+    }
+    assert_dispatched();
+}
+
 static void floating_point_survives(void **state)
 {
     volatile double before = 1.0;
@@ -358,6 +378,8 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"Results and errors are those of the kernel; errno stays", results_are_those_of_the_kernel, NULL, NULL, NULL},
         {"A path at a bad address is refused, and ends no program", a_path_at_a_bad_address_is_refused, NULL, NULL,
+         NULL},
+        {"A mask at a bad address is refused, and ends no program", a_mask_at_a_bad_address_is_refused, NULL, NULL,
          NULL},
         {"Floating point registers survive calls", floating_point_survives, NULL, NULL, NULL},
         {"The program's own action of SIGSYS stays", own_action_of_sigsys_stays, NULL, NULL, NULL},

@@ -194,10 +194,29 @@ static bool has_bad_path(const ect_raw_call_t *call)
     return ect_raw_pass(&look) == -EFAULT;
 }
 
+/* So do the calls with a mask of signals, which copy it. */
+static bool has_bad_mask(const ect_raw_call_t *call)
+{
+    enum { MASK = 8, WORD = sizeof(long) };
+    static const struct {
+        long number;
+        size_t at;
+    } masks[] = {
+        {SYS_ppoll, 3}, {SYS_epoll_pwait, 4}, {SYS_epoll_pwait2, 4}, {SYS_rt_sigsuspend, 0}, {SYS_rt_sigtimedwait, 0}};
+    const long *pair = (const long *)call->a[5];
+    if (call->number == SYS_pselect6)
+        return pair && (!ect_raw_can_read(call->a[5], 2 * WORD) || (pair[0] != 0 && !ect_raw_can_read(pair[0], MASK)));
+    size_t i = 0;
+    while (i < sizeof masks / sizeof *masks && masks[i].number != call->number)
+        i++;
+    return i < sizeof masks / sizeof *masks && call->a[masks[i].at] != 0 &&
+           !ect_raw_can_read(call->a[masks[i].at], MASK);
+}
+
 static long make(const ect_raw_call_t *call)
 {
     long result;
-    if (has_bad_path(call))
+    if (has_bad_path(call) || has_bad_mask(call))
         return ect_raw_pass(call);
     if (ect_raw_on_clock(call, &result) || ect_raw_find(table, sizeof table / sizeof *table, call, &result))
         return result;

@@ -13,6 +13,7 @@
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
+#include <sys/uio.h>
 #include <ucontext.h>
 #include <unistd.h>
 
@@ -61,6 +62,17 @@ long ect_raw_pass(const ect_raw_call_t *call)
     return ect_raw_result(result);
 }
 
+bool ect_raw_can_read(long address, size_t length)
+{
+    enum { MOST = 64 };
+    char copy[MOST];
+    const struct iovec to = {.iov_base = copy, .iov_len = length < MOST ? length : MOST};
+    const long from[] = {address, (long)to.iov_len}; /* an iovec */
+    const ect_raw_call_t look = {.number = SYS_process_vm_readv, .a = {getpid(), (long)&to, 1, (long)from, 1, 0}};
+    long got = ect_raw_pass(&look);
+    return got == (long)to.iov_len || (got < 0 && got != -EFAULT);
+}
+
 bool ect_raw_find(const ect_raw_entry_t *table, size_t count, const ect_raw_call_t *call, long *result)
 {
     for (size_t i = 0; i < count; i++) {
@@ -88,7 +100,7 @@ static long set_mask(const ect_raw_call_t *call, ucontext_t *at)
 {
     ect_raw_call_t its = *call;
     uint64_t mask;
-    if (call->a[1] && call->a[3] == KERNEL_MASK) {
+    if (call->a[1] && call->a[3] == KERNEL_MASK && ect_raw_can_read(call->a[1], sizeof mask)) {
         memcpy(&mask, (const void *)call->a[1], sizeof mask);
         mask = call->a[0] == SIG_UNBLOCK ? mask : ect_raw_mask(mask);
         its.a[1] = (long)&mask;
@@ -123,7 +135,7 @@ static long set_action(const ect_raw_call_t *call)
     kernel_action_t action;
     if (call->a[0] == SIGSYS)
         return set_own_action((const kernel_action_t *)call->a[1], (kernel_action_t *)call->a[2]);
-    if (call->a[1]) {
+    if (call->a[1] && ect_raw_can_read(call->a[1], sizeof action)) {
         action = *(const kernel_action_t *)call->a[1];
         action.mask = ect_raw_mask(action.mask);
         its.a[1] = (long)&action;
