@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Installs what a job needs and is missing, and no more.  usage: tools/bootstrap.sh run|board|bench|package|test
+# Installs what a job needs and is missing, and no more.  usage: tools/bootstrap.sh run|kernel|board|bench|package|test
 #
 #   run   build ectwin and run the demo: compiler, CMake, libnl, cJSON, libseccomp, libxml2, libyaml, libmodbus, libwebsockets, and SOEM for
 #         the demo's master
+#   kernel run, and what --in-kernel is built with: libbpf, clang, bpftool
 #   board run, and what the firmware of a board needs: compilers for ARM, with their C libraries, and RISC-V; QEMU and iproute2
 #         to see it run
 #   bench run, and what tools/dev/bench/run.py measures with: valgrind, iproute2, util-linux
@@ -20,6 +21,7 @@ run_packages="gcc libc6-dev cmake ninja-build pkg-config libnl-route-3-dev libcj
 soem_packages="python3 python3-pip python3-venv ca-certificates"
 board_packages="binutils gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-unknown-elf gcc-aarch64-linux-gnu libc6-dev-arm64-cross
   gcc-arm-linux-gnueabihf libc6-dev-armhf-cross qemu-system-arm iproute2 python3"
+kernel_packages="libbpf-dev clang bpftool"
 package_packages="dpkg-dev file git python3 python3-pip python3-venv ca-certificates"
 bench_packages="valgrind iproute2 util-linux python3"
 test_packages="libcmocka-dev clang gcovr libxml2-utils doxygen iperf3"
@@ -159,6 +161,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 case "$job" in
   run) install_packages $run_packages ;;
+  kernel) install_packages $run_packages $kernel_packages ;;
   board) install_packages $run_packages $board_packages ;;
   bench) install_packages $run_packages $bench_packages ;;
   package) install_packages $run_packages $package_packages ;;
@@ -171,7 +174,7 @@ case "$job" in
     # shellcheck disable=SC2086
     (install_packages $lint_packages) || say "without $lint_packages the layout of the files and what clang-tidy says are not checked"
     ;;
-  *) die "usage: tools/bootstrap.sh run|board|bench|package|test" ;;
+  *) die "usage: tools/bootstrap.sh run|kernel|board|bench|package|test" ;;
 esac
 install_soem
 [ "$job" != test ] || (install_pymodbus) || say "without pymodbus from PyPI the base unit's Modbus side is not tested over the wire"

@@ -109,6 +109,7 @@ typedef struct twin_args {
     ect_filter_t filter;
     int realtime;        /* real-time priority; 0: normal scheduling */
     bool busy_poll;      /* polls the interfaces continuously */
+    bool in_kernel;      /* replies in the kernel to frames with a plan */
     bool quiet;          /* no notes on standard error */
     ect_about_t about;   /* name and devices, as given */
     const char *modbus;  /* [ADDRESS:]PORT of a Modbus TCP server, NULL: none */
@@ -223,6 +224,11 @@ int session_open_modbus(session_t *s);
  * @return EXIT_CLEAN; EXIT_OPEN with the reason printed
  */
 int session_open_hosts(session_t *s);
+/**
+ * Replies in the kernel from now on, on the interface of the input. Without --in-kernel: no effect.
+ * @return EXIT_CLEAN; EXIT_OPEN with the reason printed
+ */
+int session_attach(session_t *s);
 /** The address of the Modbus server; NULL: none. */
 const char *session_modbus(const session_t *s);
 /**
@@ -241,7 +247,8 @@ int session_open_control(session_t *s, char *const ifaces[ECT_ENDS]);
 /** Drops all rights except those of running twins and, with `children`, of the user's command. */
 void session_drop_rights(session_t *s, bool children);
 /**
- * Powers the twins on, and sets the real-time priority of --realtime. Call it before ::session_drop_rights.
+ * Powers the twins on, sets the real-time priority of --realtime, and loads the program of --in-kernel. Call it before
+ * ::session_drop_rights, and outside user namespaces.
  * @return EXIT_CLEAN; another exit status, with the reason printed
  */
 int session_power_on(session_t *s);

@@ -135,6 +135,8 @@ int command_run(int argc, char **argv)
         status = session_power_on(&session);
     if (status == EXIT_CLEAN)
         status = session_open_hosts(&session);
+    if (status == EXIT_CLEAN)
+        status = session_attach(&session);
     if (status == EXIT_CLEAN) {
         session_drop_rights(&session, false);
         bool printed =

@@ -205,10 +205,10 @@ static void cut_words(save_t *s, int count, char **words)
 /* Options without effect on the initial signals of a bus, and options replaced by the present state. */
 static bool is_of_run(const char *name)
 {
-    static const char *const names[] = {"set",      "fault",          "faults",    "scenario", "drop",  "delay",
-                                        "delay-us", "play",           "store",     "files",    "pcap",  "pcap-size",
-                                        "record",   "modbus",         "udp",       "break",    "quiet", "name",
-                                        "realtime", "files-password", "busy-poll", "panel"};
+    static const char *const names[] = {"set",      "fault",          "faults",    "scenario", "drop",     "delay",
+                                        "delay-us", "play",           "store",     "files",    "pcap",     "pcap-size",
+                                        "record",   "modbus",         "udp",       "break",    "quiet",    "name",
+                                        "realtime", "files-password", "busy-poll", "panel",    "in-kernel"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         if (strcmp(names[i], name) == 0)
             return true;

@@ -2,6 +2,7 @@
 /* The common part of `run` and `with`: twins on one or two interfaces until a signal. */
 #define _GNU_SOURCE
 #include <errno.h>
+#include <sched.h>
 #include <signal.h>
 #include <string.h>
 #include <sys/signalfd.h>
@@ -205,10 +206,48 @@ const char *session_modbus(const session_t *s)
     return s->runner.modbus ? ect_modbus_server_address(s->runner.modbus) : NULL;
 }
 
+/* A process of the ordinary class that a frame wakes would preempt the master that has sent the frame. */
+static void let_the_master_run(void)
+{
+    const struct sched_param parameters = {0};
+    (void)sched_setscheduler(0, SCHED_BATCH | SCHED_RESET_ON_FORK, &parameters);
+}
+
 static int run_before_others(const session_t *s)
 {
     char message[ECT_RIGHTS_MESSAGE];
+    if (s->twins->realtime == 0 && s->twins->in_kernel)
+        let_the_master_run();
     if (s->twins->realtime == 0 || ect_rights_realtime(s->twins->realtime, message) == 0)
+        return EXIT_CLEAN;
+    fprintf(stderr, "%s: %s\n", s->who, message);
+    return EXIT_OPEN;
+}
+
+static int load_into_kernel(session_t *s)
+{
+    char message[ECT_KERNEL_MESSAGE];
+    if (!s->twins->in_kernel)
+        return EXIT_CLEAN;
+    if (s->twins->udp || s->twins->busy_poll) {
+        fprintf(stderr, "%s: --in-kernel excludes --udp and --busy-poll: leave one of them out\n", s->who);
+        return EXIT_USAGE;
+    }
+    s->runner.kernel = ect_kernel_load(message);
+    if (s->runner.kernel)
+        return EXIT_CLEAN;
+    fprintf(stderr, "%s: %s\n", s->who, message);
+    return EXIT_OPEN;
+}
+
+int session_attach(session_t *s)
+{
+    char message[ECT_KERNEL_MESSAGE];
+    if (!s->runner.kernel)
+        return EXIT_CLEAN;
+    if (!s->runner.ports[ECT_END_IN] || s->runner.ports[ECT_END_OUT])
+        snprintf(message, sizeof message, "--in-kernel needs one interface, at the input: leave the option out");
+    else if (ect_kernel_attach(s->runner.kernel, s->ports[ECT_END_IN].index, message) == 0)
         return EXIT_CLEAN;
     fprintf(stderr, "%s: %s\n", s->who, message);
     return EXIT_OPEN;
@@ -229,6 +268,8 @@ int session_power_on(session_t *s)
     int status = twin_args_power_on(s->twins, s->who, ect_packet_now(), &s->runner.exchange.chain);
     if (status == EXIT_CLEAN)
         status = twin_args_trace(s->twins, s->who, &s->runner.exchange.trace);
+    if (status == EXIT_CLEAN)
+        status = load_into_kernel(s);
     return status == EXIT_CLEAN ? run_before_others(s) : status;
 }
 
@@ -263,6 +304,7 @@ void session_close(session_t *s)
     (void)twin_args_end_trace(s->twins, s->who, s->runner.exchange.trace, ect_packet_now());
     ect_modbus_server_close(s->runner.modbus);
     ect_hosts_close(s->runner.hosts);
+    ect_kernel_close(s->runner.kernel);
     ect_chain_free(s->runner.exchange.chain);
     for (unsigned int end = 0; end < ECT_ENDS; end++) {
         if (s->runner.ports[end])

@@ -52,6 +52,7 @@ static void print_counters(const cJSON *line)
     } counters[] = {
         {"frames", "received"},
         {"answered", "sent back, or out at the other end"},
+        {"in_kernel", "of these in the kernel, by --in-kernel; not in the times below"},
         {"unanswered", "no EtherCAT, malformed, or without a way back"},
         {"stale", "discarded, too old: this machine was busy"},
         {"circling", "replies that another program replied to"},

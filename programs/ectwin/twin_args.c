@@ -38,6 +38,7 @@ enum {
     KEY_SET,
     KEY_REALTIME,
     KEY_BUSY_POLL,
+    KEY_IN_KERNEL,
     KEY_BREAK,
     KEY_MODULE,
     KEY_BEHAVIOUR,
@@ -155,6 +156,8 @@ static const struct argp_option options[] = {
      "Run with real-time priority 1 to 99 (SCHED_FIFO, default 50) and locked memory", 1},
     {"busy-poll", KEY_BUSY_POLL, NULL, 0,
      "Poll continuously: lower latency, one CPU core at 100 % (default: sleep until a frame comes)", 1},
+    {"in-kernel", KEY_IN_KERNEL, NULL, 0,
+     "Reply to recurring frames in the kernel (XDP), as root (default: every reply in this process)", 1},
     {0},
 };
 
@@ -582,6 +585,9 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_BUSY_POLL:
         args->busy_poll = true;
+        return 0;
+    case KEY_IN_KERNEL:
+        args->in_kernel = true;
         return 0;
     case KEY_CONNECT:
         add_connection(args, state, text);

@@ -64,11 +64,12 @@ static void check_in_process(const with_args_t *args, const struct argp_state *s
         argp_error(state, "--virtual-time needs --in-process: the clock of a network cannot be virtual");
     if (args->in_process && args->external)
         argp_error(state, "--external is a process of its own, and --in-process has none: leave one of them out");
-    if (args->in_process &&
-        (args->twins.modbus || args->twins.udp || args->twins.realtime != 0 || args->twins.busy_poll))
+    if (args->in_process && (args->twins.modbus || args->twins.udp || args->twins.realtime != 0 ||
+                             args->twins.busy_poll || args->twins.in_kernel))
         argp_error(
             state,
-            "--modbus, --udp, --realtime and --busy-poll need a process of the twins' own: leave out --in-process");
+            "--modbus, --udp, --realtime, --busy-poll and --in-kernel need a process of the twins' own: leave out "
+            "--in-process");
 }
 
 static void check_arguments(with_args_t *args, const struct argp_state *state)
@@ -476,6 +477,8 @@ int command_with(int argc, char **argv)
         status = session_open_modbus(&session); /* inside too */
     if (status == EXIT_CLEAN)
         status = session_open_hosts(&session);
+    if (status == EXIT_CLEAN)
+        status = session_attach(&session);
     if (status == EXIT_CLEAN)
         status = serve(&args, &session);
     session_close(&session);

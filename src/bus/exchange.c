@@ -202,6 +202,22 @@ void ect_exchange_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t 
     release_kept(x);
 }
 
+bool ect_exchange_is_plain(const ect_exchange_t *x)
+{
+    return !x->trace && !x->filter && !faults_of(x) && late_due(x) == ECT_NEVER;
+}
+
+void ect_exchange_replied(ect_exchange_t *x, uint8_t *frame, size_t length, uint64_t now_ns)
+{
+    touch(x, ect_later(now_ns, x->polled_ns));
+    ect_end_t out = ect_chain_pass(x->chain, ECT_END_IN, frame, length, x->polled_ns);
+    ECT_ASSERT(out == ECT_END_IN);
+    (void)out;
+    x->stats.frames++;
+    x->stats.answered++;
+    x->stats.in_kernel++;
+}
+
 void ect_exchange_long_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
 {
     touch(x, now_ns);

@@ -84,6 +84,18 @@ void ect_exchange_start(ect_exchange_t *x);
  */
 void ect_exchange_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t length, const ect_packet_time_t *time);
 
+/**
+ * Whether frames pass nothing but the chain: no trace, filter, fault or late reply. Then a program that knows the
+ * chain's replies in advance may give them (bus/kernel).
+ */
+bool ect_exchange_is_plain(const ect_exchange_t *x);
+
+/**
+ * Passes a frame through the chain whose reply has left already, in the kernel. Its time may lie before that of a frame
+ * that came later, since then no call was made, but never before a call.
+ */
+void ect_exchange_replied(ect_exchange_t *x, uint8_t *frame, size_t length, uint64_t now_ns);
+
 /** Shows the chain a frame that is too long for EtherCAT and for ::ect_exchange_frame: controllers count it, no reply
  * leaves. `frame` has at least the first ECT_EXCHANGE_FRAME of its `length` bytes. */
 void ect_exchange_long_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns);

@@ -6,6 +6,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/signalfd.h>
 #include <time.h>
 #include <unistd.h>
@@ -13,8 +14,19 @@
 enum { NS_PER_S = 1000000000 };
 
 /* The descriptors of the loop: frames at each end, without a VLAN tag and with one, signals, cables, control socket,
- * Modbus server, hosts behind EoE, EtherCAT in UDP. */
-enum { TAGGED_FD = ECT_ENDS, TAGGED_OUT_FD, SIGNAL_FD, LINK_FD, CONTROL_FD, MODBUS_FD, HOSTS_FD, UDP_FD, WAITABLE };
+ * Modbus server, hosts behind EoE, EtherCAT in UDP, replies in the kernel. */
+enum {
+    TAGGED_FD = ECT_ENDS,
+    TAGGED_OUT_FD,
+    SIGNAL_FD,
+    LINK_FD,
+    CONTROL_FD,
+    MODBUS_FD,
+    HOSTS_FD,
+    UDP_FD,
+    KERNEL_FD,
+    WAITABLE
+};
 
 /* Kinds of clients, in the order of their descriptors. */
 enum { CONTROL, MODBUS, HOSTS, CLIENTS };
@@ -76,6 +88,7 @@ static int wait_for(const ect_runner_t *r, struct pollfd fds[WAITABLE], uint64_t
     fds[SIGNAL_FD] = (struct pollfd){.fd = r->signal_fd, .events = POLLIN};
     fds[LINK_FD] = (struct pollfd){.fd = r->link_fd, .events = POLLIN};
     fds[UDP_FD] = (struct pollfd){.fd = r->udp ? r->udp->fd : -1, .events = POLLIN};
+    fds[KERNEL_FD] = (struct pollfd){.fd = r->kernel ? ect_kernel_fd(r->kernel) : -1, .events = POLLIN};
     for (unsigned int i = 0; i < CLIENTS; i++)
         fds[CONTROL_FD + i] = (struct pollfd){.fd = r->pausing ? -1 : client_fd(r, i), .events = POLLIN};
     struct timespec timeout = {0};
@@ -130,6 +143,11 @@ static int take_frame(ect_runner_t *r, ect_end_t in, uint8_t *frame, ssize_t len
 {
     if (length == ECT_PACKET_NONE || length == ECT_PACKET_GONE)
         return (int)length;
+    if (r->kernel) {
+        ect_kernel_got(r->kernel);
+        if (length > 0 && (size_t)length <= ECT_EXCHANGE_FRAME)
+            ect_kernel_see(r->kernel, frame, (size_t)length);
+    }
     if (!r->linked[in])
         follow_cables(r); /* the frame comes before the news that a cable is in again: Linux takes up to a second */
     r->exchange.stats.frames++;
@@ -220,7 +238,7 @@ static void serve_clients(ect_runner_t *r, bool frame, const struct pollfd fds[W
 static bool may_wait_for_frame(const ect_runner_t *r, uint64_t wake_ns)
 {
     const ect_packet_t *port = r->ports[ECT_END_IN];
-    if (!port || r->ports[ECT_END_OUT] || r->udp)
+    if (!port || r->ports[ECT_END_OUT] || r->udp || r->kernel)
         return false;
     return r->busy_poll || (r->frames_come && port->wait_ns != 0 && wake_ns > r->exchange.polled_ns + port->wait_ns);
 }
@@ -261,6 +279,27 @@ static int serve(ect_runner_t *r, const struct pollfd fds[WAITABLE])
     return 1;
 }
 
+/* The kernel replies to frames while the loop sleeps. */
+static void give_turn(ect_runner_t *r)
+{
+    if (r->kernel && ect_exchange_is_plain(&r->exchange))
+        ect_kernel_give(r->kernel, r->exchange.chain, ect_packet_now());
+}
+
+/* The frames that the kernel has replied to come before all else. */
+static void take_turn(ect_runner_t *r)
+{
+    const ect_held_t *held;
+    if (!r->kernel)
+        return;
+    ect_kernel_take(r->kernel);
+    while ((held = ect_kernel_next(r->kernel)) != NULL) {
+        uint8_t frame[ECT_HELD_ROOM];
+        memcpy(frame, held->frame, held->length);
+        ect_exchange_replied(&r->exchange, frame, held->length, held->time_ns);
+    }
+}
+
 /* Devices, then a frame, or all that there is to wait for. @return as serve() */
 static int run_once(ect_runner_t *r)
 {
@@ -275,7 +314,9 @@ static int run_once(ect_runner_t *r)
     } else if (waits) {
         r->frames_first = FRAMES_FIRST; /* others have waited long enough */
     }
+    give_turn(r);
     int ready = wait_for(r, fds, waits ? 0 : wake_ns);
+    take_turn(r);
     r->waited_ns = r->exchange.polled_ns;
     r->frames_come = waits || fds[ECT_END_IN].revents != 0;
     return ready < 0 && errno != EINTR ? -1 : serve(r, fds);

@@ -11,6 +11,7 @@
 
 #include "bus/eoe/hosts.h"
 #include "bus/exchange.h"
+#include "bus/kernel/kernel.h"
 #include "bus/modbus/modbus.h"
 #include "bus/net/endless.h"
 #include "bus/net/packet.h"
@@ -25,6 +26,7 @@ typedef struct ect_runner {
     ect_exchange_t exchange;       /**< chain, control socket, faults, filter; the loop sets its callbacks */
     ect_modbus_server_t *modbus;   /**< of the first twin; NULL: none */
     ect_hosts_t *hosts;            /**< networks behind twins with EoE; NULL: none */
+    ect_kernel_t *kernel;          /**< replies in the kernel, with one port alone; NULL: none */
     /** Pause between two pieces of work for clients, so that these never take a whole core; 0: none. */
     uint32_t client_pause_ns;
     bool busy_poll; /**< polls continuously: lower latency, one core at 100 % */

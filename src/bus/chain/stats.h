@@ -22,6 +22,7 @@ typedef struct ect_stats {
     uint64_t start_ns;   /**< when the run began */
     uint64_t frames;     /**< received, at either end */
     uint64_t answered;   /**< sent back, or out at the other end */
+    uint64_t in_kernel;  /**< of these, in the kernel (bus/kernel); not in the histogram */
     uint64_t unanswered; /**< no EtherCAT, malformed, or without a way back */
     uint64_t stale;      /**< discarded: they had waited for more than 5 ms while newer ones came */
     uint64_t circling;   /**< replies of this program that circulated, and were destroyed */

@@ -315,6 +315,7 @@ static void put_counters(ect_client_t *client, uint64_t now_ns)
     } counters[] = {
         {"frames", s->frames},
         {"answered", s->answered},
+        {"in_kernel", s->in_kernel},
         {"unanswered", s->unanswered},
         {"stale", s->stale},
         {"circling", s->circling},

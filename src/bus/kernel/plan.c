@@ -51,7 +51,7 @@ typedef struct maker {
     uint32_t image;         /* bytes in use */
 } maker_t;
 
-static bool add_step(maker_t *m, ect_step_t step)
+static bool add_step(maker_t *m, ect_plan_step_t step)
 {
     if (m->plan->step_count >= ECT_PLAN_STEPS)
         return false;
@@ -67,10 +67,10 @@ static bool copy_pieces(void *ctx, const ect_esc_t *esc)
         return false;
     for (unsigned int i = 0; i < effect.piece_count; i++) {
         const ect_esc_piece_t *piece = &effect.pieces[i];
-        ect_step_t step = {.kind = ECT_STEP_COPY,
-                           .at = (uint16_t)(m->at + piece->at),
-                           .length = piece->length,
-                           .value = (uint16_t)m->image};
+        ect_plan_step_t step = {.kind = ECT_PLAN_DO_COPY,
+                                .at = (uint16_t)(m->at + piece->at),
+                                .length = piece->length,
+                                .value = (uint16_t)m->image};
         if (m->image + piece->length > ECT_PLAN_IMAGE - 2048u || !add_step(m, step))
             return false;
         memcpy(m->plan->image + m->image, piece->from, piece->length);
@@ -91,8 +91,8 @@ static bool plan_status(maker_t *m, uint16_t address)
 {
     m->gain = (uint32_t)m->steady.reach;
     return address == ECT_REG_AL_STATUS && m->length <= 2 && !m->steady.al_status_new &&
-           add_step(m,
-                    (ect_step_t){.kind = ECT_STEP_OR, .at = m->at, .length = m->length, .value = m->steady.al_status});
+           add_step(m, (ect_plan_step_t){
+                           .kind = ECT_PLAN_DO_OR, .at = m->at, .length = m->length, .value = m->steady.al_status});
 }
 
 /* Frames with another reference clock would change the rate of this one. */
@@ -107,7 +107,8 @@ static bool plan_time(maker_t *m, const uint8_t *d, uint16_t address)
         return false;
     m->clock = clock;
     m->gain = m->steady.time_takers - (takes ? 1u : 0u) + 1u;
-    return add_step(m, (ect_step_t){.kind = ECT_STEP_TIME, .at = m->at, .length = m->length, .wide = offset_ns});
+    return add_step(m,
+                    (ect_plan_step_t){.kind = ECT_PLAN_DO_TIME, .at = m->at, .length = m->length, .wide = offset_ns});
 }
 
 static bool plan_command(maker_t *m, const uint8_t *d)
@@ -137,14 +138,15 @@ static bool plan_command(maker_t *m, const uint8_t *d)
 static bool plan_datagram(maker_t *m, uint8_t *d)
 {
     const size_t at = (size_t)(d - m->frame);
-    const ect_step_t irq = {
-        .kind = ECT_STEP_OR, .at = (uint16_t)(at + ECT_DATAGRAM_IRQ), .length = 2, .value = m->steady.events};
+    const ect_plan_step_t irq = {
+        .kind = ECT_PLAN_DO_OR, .at = (uint16_t)(at + ECT_DATAGRAM_IRQ), .length = 2, .value = m->steady.events};
     m->at = (uint16_t)(at + ECT_DATAGRAM_DATA);
     if (ect_datagram_length(d) == 0 || (irq.value != 0 && !add_step(m, irq)) || !plan_command(m, d))
         return false;
-    const ect_step_t counter = {.kind = ECT_STEP_ADD, .at = (uint16_t)(m->at + m->length), .value = (uint16_t)m->gain};
-    const ect_step_t address = {
-        .kind = ECT_STEP_ADD, .at = (uint16_t)(at + ECT_DATAGRAM_ADP), .value = (uint16_t)m->steady.reach};
+    const ect_plan_step_t counter = {
+        .kind = ECT_PLAN_DO_ADD, .at = (uint16_t)(m->at + m->length), .value = (uint16_t)m->gain};
+    const ect_plan_step_t address = {
+        .kind = ECT_PLAN_DO_ADD, .at = (uint16_t)(at + ECT_DATAGRAM_ADP), .value = (uint16_t)m->steady.reach};
     m->plan->shortest = counter.at + (uint32_t)ECT_DATAGRAM_COUNTER;
     return add_step(m, counter) && (!ect_command_counts(m->command) || add_step(m, address));
 }
@@ -166,7 +168,8 @@ static bool plan_frame(maker_t *m, ect_plan_sample_t *sample)
     m->plan->source_bits = m->steady.marks_source ? 0x02 : 0;
     memcpy(m->plan->type, sample->frame + ECT_PLAN_TYPE, sizeof m->plan->type);
     for (const uint8_t *d = first; d; d = ect_datagram_next((uint8_t *)(uintptr_t)d)) {
-        const ect_step_t header = {.kind = ECT_STEP_HEADER, .at = (uint16_t)(d - m->frame), .wide = ect_step_header(d)};
+        const ect_plan_step_t header = {
+            .kind = ECT_PLAN_DO_HEADER, .at = (uint16_t)(d - m->frame), .wide = ect_step_header(d)};
         if (!add_step(m, header))
             return false;
     }

@@ -24,21 +24,21 @@
 enum { ECT_PLANS = 16, ECT_PLAN_STEPS = 64, ECT_PLAN_FRAME = 1514, ECT_PLAN_IMAGE = 4096 };
 
 /** The kinds of steps. `at` is an offset in the frame. */
-typedef enum ect_step_kind {
-    ECT_STEP_HEADER, /**< the 8 bytes at `at` must be `wide`, but for the second one: command, addresses, length */
-    ECT_STEP_OR,     /**< ORs `value` to `length` bytes, 1 or 2 */
-    ECT_STEP_ADD,    /**< adds `value` to 2 bytes */
-    ECT_STEP_COPY,   /**< copies `length` bytes of the image from `value` on */
-    ECT_STEP_TIME,   /**< stores `length` bytes, 4 to 8, of the time of arrival plus `wide` */
-} ect_step_kind_t;
+typedef enum ect_plan_kind {
+    ECT_PLAN_DO_HEADER, /**< the 8 bytes at `at` must be `wide`, but for the second one: command, addresses, length */
+    ECT_PLAN_DO_OR,     /**< ORs `value` to `length` bytes, 1 or 2 */
+    ECT_PLAN_DO_ADD,    /**< adds `value` to 2 bytes */
+    ECT_PLAN_DO_COPY,   /**< copies `length` bytes of the image from `value` on */
+    ECT_PLAN_DO_TIME,   /**< stores `length` bytes, 4 to 8, of the time of arrival plus `wide` */
+} ect_plan_kind_t;
 
-typedef struct ect_step {
-    uint16_t kind; /**< ::ect_step_kind_t */
+typedef struct ect_plan_step {
+    uint16_t kind; /**< ::ect_plan_kind_t */
     uint16_t at;
     uint16_t length;
     uint16_t value;
     uint64_t wide;
-} ect_step_t;
+} ect_plan_step_t;
 
 /** The plan of one layout. */
 typedef struct ect_plan {
@@ -46,7 +46,7 @@ typedef struct ect_plan {
     uint32_t shortest;    /**< bytes of a frame up to its last working counter */
     uint32_t source_bits; /**< ORed to the first byte of the source address */
     uint8_t type[4];      /**< EtherType and EtherCAT header */
-    ect_step_t steps[ECT_PLAN_STEPS];
+    ect_plan_step_t steps[ECT_PLAN_STEPS];
     uint8_t image[ECT_PLAN_IMAGE];
 } ect_plan_t;
 
@@ -84,8 +84,8 @@ static inline bool ect_steps_match(const ect_plan_t *plan, ECT_STEPS_FRAME frame
         ect_load_le32(head + ECT_PLAN_TYPE) != ect_load_le32(plan->type))
         return false;
     for (uint32_t i = 0; i < ECT_PLAN_STEPS && i < plan->step_count; i++) {
-        const ect_step_t *step = &plan->steps[i];
-        if (step->kind != ECT_STEP_HEADER)
+        const ect_plan_step_t *step = &plan->steps[i];
+        if (step->kind != ECT_PLAN_DO_HEADER)
             return true;
         if (ECT_STEPS_LOAD(frame, step->at, header, 8) != 0 || ect_step_header(header) != step->wide)
             return false;
@@ -93,7 +93,7 @@ static inline bool ect_steps_match(const ect_plan_t *plan, ECT_STEPS_FRAME frame
     return true;
 }
 
-static inline bool ect_step_or(const ect_step_t *step, ECT_STEPS_FRAME frame)
+static inline bool ect_step_or(const ect_plan_step_t *step, ECT_STEPS_FRAME frame)
 {
     uint8_t bytes[2];
     if (step->length == 1) {
@@ -108,7 +108,7 @@ static inline bool ect_step_or(const ect_step_t *step, ECT_STEPS_FRAME frame)
     return ECT_STEPS_STORE(frame, step->at, bytes, 2) == 0;
 }
 
-static inline bool ect_step_add(const ect_step_t *step, ECT_STEPS_FRAME frame)
+static inline bool ect_step_add(const ect_plan_step_t *step, ECT_STEPS_FRAME frame)
 {
     uint8_t bytes[2];
     if (ECT_STEPS_LOAD(frame, step->at, bytes, 2) != 0)
@@ -117,7 +117,7 @@ static inline bool ect_step_add(const ect_step_t *step, ECT_STEPS_FRAME frame)
     return ECT_STEPS_STORE(frame, step->at, bytes, 2) == 0;
 }
 
-static inline bool ect_step_copy(const ect_plan_t *plan, const ect_step_t *step, ECT_STEPS_FRAME frame)
+static inline bool ect_step_copy(const ect_plan_t *plan, const ect_plan_step_t *step, ECT_STEPS_FRAME frame)
 {
     uint32_t from = step->value, length = step->length;
     if (from > ECT_PLAN_IMAGE - 2048 || length == 0 || length > ECT_PLAN_FRAME)
@@ -125,7 +125,7 @@ static inline bool ect_step_copy(const ect_plan_t *plan, const ect_step_t *step,
     return ECT_STEPS_STORE(frame, step->at, plan->image + from, length) == 0;
 }
 
-static inline bool ect_step_time(const ect_step_t *step, ECT_STEPS_FRAME frame, uint64_t now_ns)
+static inline bool ect_step_time(const ect_plan_step_t *step, ECT_STEPS_FRAME frame, uint64_t now_ns)
 {
     uint32_t length = step->length;
     uint8_t bytes[8];
@@ -135,16 +135,17 @@ static inline bool ect_step_time(const ect_step_t *step, ECT_STEPS_FRAME frame, 
     return ECT_STEPS_STORE(frame, step->at, bytes, length) == 0;
 }
 
-static inline bool ect_step_run(const ect_plan_t *plan, const ect_step_t *step, ECT_STEPS_FRAME frame, uint64_t now_ns)
+static inline bool ect_step_run(const ect_plan_t *plan, const ect_plan_step_t *step, ECT_STEPS_FRAME frame,
+                                uint64_t now_ns)
 {
     switch (step->kind) {
-    case ECT_STEP_HEADER:
+    case ECT_PLAN_DO_HEADER:
         return true;
-    case ECT_STEP_OR:
+    case ECT_PLAN_DO_OR:
         return ect_step_or(step, frame);
-    case ECT_STEP_ADD:
+    case ECT_PLAN_DO_ADD:
         return ect_step_add(step, frame);
-    case ECT_STEP_COPY:
+    case ECT_PLAN_DO_COPY:
         return ect_step_copy(plan, step, frame);
     default:
         return ect_step_time(step, frame, now_ns);

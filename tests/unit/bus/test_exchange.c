@@ -621,9 +621,50 @@ static void begins_and_ends(void **state)
 #define TEST(title, function)  {title, function, setup, teardown, NULL}
 #define TABLE(title, function) {title, function, NULL, NULL, NULL}
 
+/* --- replies in the kernel ---------------------------------------------------------------------------------------- */
+
+static void replied_before(void **state)
+{
+    rig_t *r = *state;
+    run_at(r, r->clock_ns);
+    wire_build(&r->w, BRD, 0, 0x0130, "\0", 1);
+    r->clock_ns += 5 * MS;
+    uint64_t came_ns = r->clock_ns - 2 * MS;
+    ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, came_ns);
+    expect_log(r, "");
+    assert_int_equal(wire_wkc(&r->w, 0), TWINS);
+    assert_int_equal(r->x.stats.frames, 1);
+    assert_int_equal(r->x.stats.answered, 1);
+    assert_int_equal(r->x.stats.in_kernel, 1);
+    assert_int_equal(in_histogram(r), 0);
+    assert_int_equal(r->x.touched_ns, came_ns);
+    ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, came_ns - 1);
+    assert_int_equal(r->x.touched_ns, came_ns); /* time does not go back */
+}
+
+static void plain(void **state)
+{
+    rig_t *r = *state;
+    const ect_filter_t filter = {.before = before, .after = after, .ctx = r};
+    assert_true(ect_exchange_is_plain(&r->x));
+    r->x.filter = &filter;
+    assert_false(ect_exchange_is_plain(&r->x));
+    r->x.filter = NULL;
+    set_fault(r, "delay 1000us 100%");
+    assert_false(ect_exchange_is_plain(&r->x));
+    pass(r, ECT_END_IN, 1);
+    r->x.scenario = NULL;
+    assert_false(ect_exchange_is_plain(&r->x)); /* a reply is late */
+    run_at(r, r->clock_ns + 2 * MS);
+    expect_log(r, "<1");
+    assert_true(ect_exchange_is_plain(&r->x));
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
+        TEST("a frame with a reply from the kernel passes the chain at its time, and nothing is sent", replied_before),
+        TEST("with a filter, a fault or a late reply frames do not pass the chain alone", plain),
         TABLE("each fault of a frame: the frames sent at once, and the counter that counts it", fates),
         TEST("without a scenario a frame gets its reply, and its devices alone ask for a run", without_a_scenario),
         TABLE("a lost request reaches neither filter nor chain; a lost reply has passed both", lost_on_both_ways),

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/eventfd.h>
 #include <sys/signalfd.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -559,6 +560,109 @@ static void never_rests(void **state)
     close_bench(&b);
 }
 
+/* --- replies in the kernel ---------------------------------------------------------------------------------------- */
+
+/* The kernel of the test: K: the turn is given, T: it is taken, G: a frame of the socket is counted, S: shown. */
+static struct {
+    bool given;
+    int fd;            /* an eventfd: readable when it holds frames */
+    unsigned int held; /* frames that it holds */
+    ect_held_t frame;
+} kernel;
+
+int __wrap_ect_kernel_fd(const ect_kernel_t *k);
+void __wrap_ect_kernel_give(ect_kernel_t *k, ect_chain_t *chain, uint64_t now_ns);
+void __wrap_ect_kernel_take(ect_kernel_t *k);
+const ect_held_t *__wrap_ect_kernel_next(ect_kernel_t *k);
+void __wrap_ect_kernel_got(ect_kernel_t *k);
+void __wrap_ect_kernel_see(ect_kernel_t *k, const uint8_t *frame, size_t length);
+
+int __wrap_ect_kernel_fd(const ect_kernel_t *k)
+{
+    (void)k;
+    return kernel.fd;
+}
+
+void __wrap_ect_kernel_give(ect_kernel_t *k, ect_chain_t *chain, uint64_t now_ns)
+{
+    (void)k;
+    (void)now_ns;
+    assert_ptr_equal(chain, running->wire.chain);
+    kernel.given = true;
+    note('K');
+}
+
+void __wrap_ect_kernel_take(ect_kernel_t *k)
+{
+    uint64_t rung;
+    (void)k;
+    (void)!read(kernel.fd, &rung, sizeof rung);
+    kernel.given = false;
+    note('T');
+}
+
+const ect_held_t *__wrap_ect_kernel_next(ect_kernel_t *k)
+{
+    (void)k;
+    assert_false(kernel.given);
+    if (kernel.held == 0)
+        return NULL;
+    kernel.held--;
+    kernel.frame.time_ns = ect_packet_now();
+    return &kernel.frame;
+}
+
+void __wrap_ect_kernel_got(ect_kernel_t *k)
+{
+    (void)k;
+    assert_false(kernel.given);
+    note('G');
+}
+
+void __wrap_ect_kernel_see(ect_kernel_t *k, const uint8_t *frame, size_t length)
+{
+    (void)k;
+    assert_true(frame && length > 0);
+    note('S');
+}
+
+/* Two frames by the kernel and one by the loop, then the end. */
+static void take_turns(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    (void)limit;
+    assert_true(kernel.given);
+    const uint64_t one = 1;
+    if (n == 0) {
+        kernel.held = 2;
+        assert_int_equal(write(kernel.fd, &one, sizeof one), sizeof one);
+    }
+    if (n == 1)
+        send_frame(b);
+    if (n == 2)
+        (void)raise(SIGUSR1);
+}
+
+static void turns(void **state)
+{
+    static int any;
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    wire_build(&b.wire, BRD, 0, ECT_REG_AL_STATUS, "\0", 1);
+    memcpy(kernel.frame.frame, b.wire.frame, b.wire.frame_length);
+    kernel.frame.length = (uint32_t)b.wire.frame_length;
+    b.runner.kernel = (ect_kernel_t *)(void *)&any;
+    kernel.fd = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+    assert_true(kernel.fd >= 0);
+    run(&b, take_turns);
+    b.runner.kernel = NULL;
+    close(kernel.fd);
+    assert_string_equal(b.order, "KTKTGSFKT");
+    assert_int_equal(b.runner.exchange.stats.in_kernel, 2);
+    assert_int_equal(b.runner.exchange.stats.answered, 3);
+    close_bench(&b);
+}
+
 /* --- results of the wire ------------------------------------------------------------------------------------------ */
 
 static void one_result(bench_t *b, unsigned int n, const struct timespec *limit)
@@ -942,6 +1046,8 @@ int main(int argc, char **argv)
          waits_where_it_receives, NULL, NULL, NULL},
         {"Frames in a row: clients are served between them", clients_between_frames_in_a_row, NULL, NULL, NULL},
         {"--busy-poll: nothing rests, and all is served", never_rests, NULL, NULL, NULL},
+        {"--in-kernel: the kernel has the turn while the loop sleeps, and its frames come first", turns, NULL, NULL,
+         NULL},
         {"Each result of the wire has its counter", results_of_the_wire, NULL, NULL, NULL},
         {"A pause of the clients ends at its last nanosecond", a_pause_ends_at_its_last_nanosecond, NULL, NULL, NULL},
         {"Attack: a frame longer than any of EtherCAT is counted by the controller, gets no reply and changes "

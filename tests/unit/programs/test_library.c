@@ -440,7 +440,7 @@ static void control_socket(void **state)
     assert_true(size > 0);
     got[size] = 0;
     assert_non_null(strstr(got, "{\"slave\":1,\"name\":\"data1\",\"value\":0}\n{\"ok\":true}\n"));
-    assert_non_null(strstr(got, "\"frames\":1,\"answered\":1,\"unanswered\":0"));
+    assert_non_null(strstr(got, "\"frames\":1,\"answered\":1,\"in_kernel\":0,\"unanswered\":0"));
     ectwin_bus_close(bus);
     assert_int_equal(read(fd, got, sizeof got), 0); /* the end of the bus ends the connection */
     close(fd);

@@ -3,7 +3,7 @@
 
   --build DIR   where ectwin and ectwin-bench are (default build/release)
   --quick       a tenth of the rounds
-  --only        some of: instructions, round, spin, inprocess, rates, cycle, start (default: all)
+  --only        some of: instructions, round, spin, kernel, inprocess, rates, cycle, start (default: all)
   --write       the tables of docs/PERFORMANCE.md and the picture docs/performance.svg from the results
   -o FILE       the results as JSON (default: build/bench.json)
 
@@ -25,7 +25,7 @@ import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-PARTS = ["instructions", "round", "spin", "inprocess", "rates", "cycle", "start"]
+PARTS = ["instructions", "round", "spin", "kernel", "inprocess", "rates", "cycle", "start"]
 UNIT = "vr-bu-ect-map1"
 STANDARD = "vr-bu-ect-map7"
 BUSY_LOOPS = 8
@@ -144,6 +144,23 @@ class BusyLoops:
             process.wait()
 
 
+def kernel(args):
+    """Replies in the kernel, in turns with an echo, without and with busy loops; None: not as root."""
+    if os.geteuid() != 0 or os.readlink("/proc/self/ns/user") != os.environ.get("ECTWIN_BENCH_USERS"):
+        print("run.py: replies in the kernel are measured as root only", file=sys.stderr)
+        return None
+    rows, load = [], os.getloadavg()[0]
+    for options, busy in [([], 0), (["--in-kernel"], 0), ([], BUSY_LOOPS), (["--in-kernel"], BUSY_LOOPS)]:
+        runs = []
+        for _ in range(args.runs):
+            with Running(on_core(args, args.build / "ectwin", "run", "-i", "twin1", *options, STANDARD), True), \
+                 Running(on_core(args, args.build / "ectwin-bench", "echo", "echo1"), False), BusyLoops(busy):
+                time.sleep(0.3)
+                runs.append(bench(args, "round", "twin0", "echo0", STANDARD, 1, 1, args.rounds))
+        rows.append(middle(runs, lambda row: row["ratio"]) | {"in_kernel": bool(options), "busy_loops": busy})
+    return {"load": load, "round": rows}
+
+
 def in_process(args, devices, *words, options=(), core=()):
     """Standard output of a master with twins in its process, and the seconds of the whole command."""
     start = time.monotonic()
@@ -253,6 +270,7 @@ def inside(args):
         "instructions": instructions,
         "round": lambda a: against_echo(a, [], "echo", [1, 8, 64, 199]),
         "spin": lambda a: against_echo(a, ["--busy-poll"], "spin", [1]),
+        "kernel": kernel,
         "inprocess": inprocess,
         "rates": rates,
         "cycle": cycle,
@@ -286,6 +304,14 @@ def round_table(rows):
     return table(["twins", "bytes", "twin, µs", "echo, µs", "ratio of medians", "p99 of the twin, µs"],
                  [[r["present"], r["bytes"], us(r["twin"]), us(r["echo"]), f"{r['ratio']:.2f}",
                    f"{r['twin']['p99_ns'] / 1000:.1f}"] for r in rows])
+
+
+def kernel_table(result):
+    load = f"Load of the machine at the start: {result['load']:.1f}.\n\n"
+    return load + table(["replies", "beside it", "twin, µs", "p99, µs", "echo, µs", "p99 of the echo, µs", "ratio of medians"],
+                 [["in the kernel" if r["in_kernel"] else "by the twin", f"{r['busy_loops']} busy loops" if r["busy_loops"] else "nothing",
+                   us(r["twin"]), f"{r['twin']['p99_ns'] / 1000:.1f}", us(r["echo"]), f"{r['echo']['p99_ns'] / 1000:.1f}",
+                   f"{r['ratio']:.2f}"] for r in result["round"]])
 
 
 def in_process_tables(result):
@@ -329,6 +355,8 @@ def tables(result):
             [r["present"], r["touched"], r["bytes"], f"{r['frames_lost']} in {r['cycles']} cycles",
              r["cycles_longer_than_1_ms"], f"{r['cpu_percent']} %",
              f"{r['cpu_percent_idle']} %" if "cpu_percent_idle" in r else ""] for r in result["cycle"]])
+    if result.get("kernel"):
+        found["kernel"] = kernel_table(result["kernel"])
     if "start" in result:
         found["start"] = table(["device", "twins", "seconds to ready", "KB each"], [
             [r["device"], r["twins"], r["seconds"], r["kilobytes_each"]] for r in result["start"]])
@@ -388,7 +416,9 @@ def main():
         sys.exit(f"run.py: {' and '.join(missing)} not installed: tools/bootstrap.sh bench")
     if not (args.build / "ectwin-bench").exists():
         sys.exit(f"run.py: there is no {args.build}/ectwin-bench: cmake --preset release && cmake --build --preset release")
-    command = ["unshare", "-Urn", sys.executable, __file__, "--inside", *sys.argv[1:]]
+    root = os.geteuid() == 0
+    os.environ["ECTWIN_BENCH_USERS"] = os.readlink("/proc/self/ns/user") if root else ""
+    command = ["unshare", "-n" if root else "-Urn", sys.executable, __file__, "--inside", *sys.argv[1:]]
     if subprocess.run(command, check=False).returncode != 0:
         sys.exit(1)
     if args.write:

@@ -59,8 +59,8 @@ typedef struct rig {
     bool plans;   /* plans reply while nothing else happens */
     bool asleep;
     size_t held_count;
-    uint64_t planned[ECT_STEP_TIME + 1]; /* steps of plans that were carried out, by kind */
-    uint32_t layout;                     /* of the frames that come in each cycle */
+    uint64_t planned[ECT_PLAN_DO_TIME + 1]; /* steps of plans that were carried out, by kind */
+    uint32_t layout;                        /* of the frames that come in each cycle */
     ect_planner_t planner;
     uint64_t now_ns;
     uint8_t frame[ROOM];
@@ -681,7 +681,7 @@ static void run_round(uint32_t seed, bool damages, uint64_t *planned)
     compare(&r);
     ect_chain_free(r.fast);
     ect_chain_free(r.slow);
-    for (unsigned int kind = 0; planned && kind <= ECT_STEP_TIME; kind++)
+    for (unsigned int kind = 0; planned && kind <= ECT_PLAN_DO_TIME; kind++)
         planned[kind] += r.planned[kind];
 }
 
@@ -702,14 +702,14 @@ static void with_bad_check_sums(void **state)
 /* Steps of each kind must have been carried out, or else nothing was shown. */
 static void plans_reply_alike(void **state)
 {
-    uint64_t planned[ECT_STEP_TIME + 1] = {0};
+    uint64_t planned[ECT_PLAN_DO_TIME + 1] = {0};
     (void)state;
     for (unsigned int round = 0; round < rounds; round++)
         run_round(first_seed + round, round % 4 == 3, planned);
     print_message("steps: %" PRIu64 " headers, %" PRIu64 " bits, %" PRIu64 " counters, %" PRIu64 " images, %" PRIu64
                   " times\n",
                   planned[0], planned[1], planned[2], planned[3], planned[4]);
-    for (unsigned int kind = 0; kind <= ECT_STEP_TIME && rounds >= 12; kind++)
+    for (unsigned int kind = 0; kind <= ECT_PLAN_DO_TIME && rounds >= 12; kind++)
         assert_int_not_equal(planned[kind], 0);
 }
 

@@ -87,6 +87,7 @@ static void statistics_are_in_the_reply(void **state)
     static const ect_stats_t stats = {.start_ns = 400 * MS,
                                       .frames = 11,
                                       .answered = 12,
+                                      .in_kernel = 23,
                                       .unanswered = 13,
                                       .stale = 14,
                                       .circling = 15,
@@ -109,7 +110,7 @@ static void statistics_are_in_the_reply(void **state)
     b.wire.now_ns = 2150 * MS;
     expect_answer(
         &b, "{\"op\":\"stats\"}\n",
-        "{\"frames\":11,\"answered\":12,\"unanswered\":13,\"stale\":14,\"circling\":15,\"dropped\":16,"
+        "{\"frames\":11,\"answered\":12,\"in_kernel\":23,\"unanswered\":13,\"stale\":14,\"circling\":15,\"dropped\":16,"
         "\"delayed\":17,\"captured\":21,\"uncaptured\":22,\"p50_us\":5,\"p99_us\":100,\"longest_us\":1999999,\"polls\":"
         "19,\"late_polls\":20,"
         "\"latest_poll_us\":2100000,\"time\":1.750000}\n"

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Replies in the kernel: a program at the XDP hook of an interface that carries out plans (bus/kernel/plan.h).
+ *
+ * The process owns the chain while its loop runs, and gives the turn to the kernel before it sleeps
+ * (bus/kernel/turn.h). While it sleeps, a frame with a plan gets its reply in the kernel, and is held for the process,
+ * which wakes up, takes the turn and passes the held frames through the chain, with their times of arrival, before it
+ * does anything else. A frame without a plan, a frame that comes while the process has the turn, and every frame behind
+ * such a frame go to the process's socket, in their order. The process counts them (ect_kernel_t::got).
+ *
+ * Context: the thread of the loop. No call blocks, except ::ect_kernel_take for a frame in the kernel, about 1 µs.
+ */
+#ifndef ECT_BUS_KERNEL_KERNEL_H
+#define ECT_BUS_KERNEL_KERNEL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "bus/kernel/plan.h"
+#include "bus/kernel/shared.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
+typedef struct ect_kernel ect_kernel_t;
+
+/** Room for a message of this header. */
+enum { ECT_KERNEL_MESSAGE = 320 };
+
+/**
+ * Loads the program, which replies to no frame until it is attached. Needs CAP_BPF and CAP_NET_ADMIN, or root.
+ * @param[out] message  on failure one line, cause and cure; ECT_KERNEL_MESSAGE bytes
+ * @return NULL: a right, a feature of the kernel or a part of this build is missing
+ */
+ect_kernel_t *ect_kernel_load(char *message);
+
+/**
+ * Attaches it to an interface: until ::ect_kernel_close or the end of the process. Needs CAP_NET_ADMIN there.
+ * @param index  of the interface
+ * @return 0; -1: `message` has the reason
+ */
+int ect_kernel_attach(ect_kernel_t *kernel, unsigned int index, char *message);
+
+/** Detaches and unloads the program. NULL: no effect */
+void ect_kernel_close(ect_kernel_t *kernel);
+
+/** Readable when the kernel has replied to a frame. */
+int ect_kernel_fd(const ect_kernel_t *kernel);
+
+/** Shows a frame of the socket that is about to pass the chain, for a plan (::ect_planner_see). */
+void ect_kernel_see(ect_kernel_t *kernel, const uint8_t *frame, size_t length);
+
+/** Counts a frame that the socket has returned, whatever becomes of it. */
+void ect_kernel_got(ect_kernel_t *kernel);
+
+/**
+ * Makes plans and gives the turn to the kernel. Due before the process sleeps, and nothing may call the chain between.
+ * The process keeps the turn if there is no plan, or frames are on their way to the socket; if one of these has not
+ * arrived after 20 ms it counts as lost.
+ */
+void ect_kernel_give(ect_kernel_t *kernel, ect_chain_t *chain, uint64_t now_ns);
+
+/** Takes the turn and makes plans void. Due before anything calls the chain. No effect with the turn. */
+void ect_kernel_take(ect_kernel_t *kernel);
+
+/** With the turn: the next frame that the kernel has held, in the order of arrival; NULL: there is none. */
+const ect_held_t *ect_kernel_next(ect_kernel_t *kernel);
+
+/**
+ * Runs the program for a frame without an interface (BPF_PROG_TEST_RUN): for tests.
+ * @param[in,out] frame  at most ECT_PLAN_FRAME bytes; changed as on the wire
+ * @return whether the frame has got its reply; else it is left to the process
+ */
+bool ect_kernel_try(ect_kernel_t *kernel, uint8_t *frame, size_t length);
+
+ECT_C_END
+
+#endif

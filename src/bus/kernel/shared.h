@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Memory that the program in the kernel (answer.bpf.c) and the twins' process share, beside the plans.
+ */
+#ifndef ECT_BUS_KERNEL_SHARED_H
+#define ECT_BUS_KERNEL_SHARED_H
+
+#include <stdint.h>
+
+#include "bus/kernel/turn.h"
+
+/** Frames that the kernel holds at most for the program: 64 ms at 4 kHz. The ones behind wait for the program.
+ */
+enum { ECT_HELD_FRAMES = 256, ECT_HELD_ROOM = 1520 };
+
+/** A frame that a plan has replied to, as it came. */
+typedef struct ect_held {
+    uint64_t time_ns; /**< of arrival, CLOCK_MONOTONIC */
+    uint32_t length;
+    uint32_t unused;
+    uint8_t frame[ECT_HELD_ROOM];
+} ect_held_t;
+
+typedef struct ect_shared {
+    ect_turn_t turn;
+    uint64_t held; /**< frames held; owned by the side that has the turn */
+} ect_shared_t;
+
+#endif
