@@ -10,14 +10,15 @@ extern const cf_section_t cf_watchdog;
 extern const cf_section_t cf_eeprom;
 extern const cf_section_t cf_coe;
 extern const cf_section_t cf_coe_more;
+extern const cf_section_t cf_modules;
 extern const cf_section_t cf_mailbox;
 extern const cf_section_t cf_dc;
 extern const cf_section_t cf_system;
 extern const cf_section_t cf_beyond;
 
 const cf_section_t *const cf_catalogue[] = {
-    &cf_datalink, &cf_syncman,  &cf_fmmu,    &cf_machine, &cf_watchdog, &cf_eeprom,
-    &cf_coe,      &cf_coe_more, &cf_mailbox, &cf_dc,      &cf_system,   &cf_beyond,
+    &cf_datalink, &cf_syncman, &cf_fmmu,    &cf_machine, &cf_watchdog, &cf_eeprom, &cf_coe,
+    &cf_coe_more, &cf_modules, &cf_mailbox, &cf_dc,      &cf_system,   &cf_beyond,
 };
 const size_t cf_catalogue_count = sizeof cf_catalogue / sizeof cf_catalogue[0];
 

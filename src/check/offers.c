@@ -261,7 +261,7 @@ static bool init_commands_good(const report_t *r)
         if (!transitions_good(c->transitions))
             return wrong(r, "init_commands: %04Xh:%u names transitions other than IP PS SO SP OP OS", c->index,
                          c->subindex);
-        if (!c->data || c->size == 0)
+        if (!c->upload && (!c->data || c->size == 0))
             return wrong(r, "init_commands: %04Xh:%u has no data", c->index, c->subindex);
     }
     return true;

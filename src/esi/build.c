@@ -118,7 +118,8 @@ ect_build_object_t *ect_build_object(ect_build_t *build, uint16_t index, uint16_
     build->objects = ect_arena_grow(build->arena, build->objects, build->object_count, sizeof *build->objects);
     ect_build_object_t *object = &build->objects[build->object_count++];
     build->positions[index] = (uint32_t)build->object_count;
-    *object = (ect_build_object_t){.index = index, .code = code, .name = ect_build_text(build, name, ECT_BUILD_TEXT)};
+    *object = (ect_build_object_t){
+        .index = index, .code = code, .name = ect_build_text(build, name, ECT_BUILD_TEXT), .module = build->module};
     return object;
 }
 

@@ -43,8 +43,18 @@ static void add_pdo(ect_build_t *build, const ect_esi_pdo_t *model, uint32_t pdo
         }
     }
     build->pdos = ect_arena_grow(build->arena, build->pdos, build->pdo_count, sizeof *build->pdos);
-    build->pdos[build->pdo_count++] =
-        (ect_build_pdo_t){.model = model, .index = index, .pdo_shift = pdo_shift, .index_shift = index_shift};
+    build->pdos[build->pdo_count++] = (ect_build_pdo_t){
+        .model = model, .index = index, .pdo_shift = pdo_shift, .index_shift = index_shift, .module = build->module};
+}
+
+void ect_build_module(ect_build_t *build, const ect_esi_module_t *module, uint32_t pdo_shift, uint32_t index_shift)
+{
+    build->module = module->ident;
+    for (size_t i = 0; i < module->pdo_count; i++)
+        add_pdo(build, &module->pdos[i], pdo_shift, index_shift);
+    ect_build_objects(build, &module->dictionary, index_shift);
+    ect_build_inits(build, module->inits, module->init_count, index_shift);
+    build->module = 0;
 }
 
 /* One place for a module. */
@@ -64,11 +74,7 @@ static void insert(ect_build_t *build, const place_t *place, uint32_t ident)
         return;
     }
     unsigned int steps = place->slot->own_increments ? place->instance : place->number;
-    uint32_t index_shift = steps * place->slot->index_increment;
-    for (size_t i = 0; i < module->pdo_count; i++)
-        add_pdo(build, &module->pdos[i], steps * place->slot->pdo_increment, index_shift);
-    ect_build_objects(build, &module->dictionary, index_shift);
-    ect_build_inits(build, module->inits, module->init_count, index_shift);
+    ect_build_module(build, module, steps * place->slot->pdo_increment, steps * place->slot->index_increment);
 }
 
 /* The module of a place: the choice of the user, else the preset of the file, in as many places as must have one. */

@@ -296,8 +296,11 @@ static void add_assignment(ect_build_t *build, int sm)
 void ect_build_pdos(ect_build_t *build)
 {
     const ect_esi_device_t *model = build->model;
-    for (size_t i = 0; i < build->pdo_count; i++)
+    for (size_t i = 0; i < build->pdo_count; i++) {
+        build->module = build->pdos[i].module;
         add_mapping(build, &build->pdos[i]);
+    }
+    build->module = 0;
     for (size_t i = 0; i < build->pdo_count; i++) {
         assign(build, &build->pdos[i]);
         find_place(build, i);

@@ -188,6 +188,12 @@ static bool is_of_the_stack(uint16_t index)
     return index >= 0x1000 && index < 0x2000;
 }
 
+/* The lists of modules that change follow the slots, which have signals of their own, and the master. */
+static bool is_of_slots(const ect_build_t *build, uint16_t index)
+{
+    return build->rack != NULL && index >= ECT_ESI_PROFILES && index <= ECT_ESI_IDENTS_DETECTED;
+}
+
 static void add_objects(ect_build_t *build, ect_plant_t *plant, const bool *seen)
 {
     list_t list = {.build = build};
@@ -197,7 +203,7 @@ static void add_objects(ect_build_t *build, ect_plant_t *plant, const bool *seen
         for (size_t i = 0; i < object->count; i++, at++) {
             const ect_build_entry_t *entry = &object->entries[i];
             bool count = object->code != ECT_OBJECT_VAR && entry->subindex == 0;
-            if (seen[at] || count || is_of_the_stack(object->index))
+            if (seen[at] || count || is_of_the_stack(object->index) || is_of_slots(build, object->index))
                 continue;
             const char *name =
                 ect_arena_print(build->arena, "%04x_%02x", (unsigned int)object->index, (unsigned int)entry->subindex);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The lists of module idents (ETG.5001): F050h contains the modules in the slots, F030h those configured by a master.
- **/
+/* Lists of modules (ETG.5001): F050h has their idents, F030h those that a master has configured; F040h and F020h their
+ * addresses likewise, which are the numbers of their slots; F010h their profiles. */
 #include <string.h>
 
 #include "esi/internal.h"
@@ -8,7 +8,14 @@
 #include "seams/standard.h"
 #include "wire/bytes.h"
 
-enum { MODULES = 0xF000, CONFIGURED = 0xF030, DETECTED = 0xF050 };
+enum { MODULES = 0xF000 };
+
+static void make(ect_build_t *build, uint16_t index, const char *name, const char *element, uint16_t type,
+                 uint16_t access, size_t count)
+{
+    if (ect_build_find(build, index) == NULL)
+        (void)ect_build_numbers(build, index, name, element, type, access, NULL, 0, count);
+}
 
 static void make_lists(ect_build_t *build, size_t count)
 {
@@ -18,12 +25,19 @@ static void make_lists(ect_build_t *build, size_t count)
                                                        ECT_TYPE_UNSIGNED16, ECT_ACCESS_RO, device, 2, 2);
         object->entries[2].name = "Maximum number of modules";
     }
-    if (ect_build_find(build, CONFIGURED) == NULL)
-        (void)ect_build_numbers(build, CONFIGURED, "Configured module ident list", "Module ident", ECT_TYPE_UNSIGNED32,
-                                ECT_ACCESS_RW_PREOP, NULL, 0, count);
-    if (ect_build_find(build, DETECTED) == NULL)
-        (void)ect_build_numbers(build, DETECTED, "Detected module ident list", "Module ident", ECT_TYPE_UNSIGNED32,
-                                ECT_ACCESS_RO, NULL, 0, count);
+    make(build, ECT_ESI_PROFILES, "Module profile list", "Module profile", ECT_TYPE_UNSIGNED32, ECT_ACCESS_RO, count);
+    if (build->model->download_idents) {
+        make(build, ECT_ESI_IDENTS, "Configured module ident list", "Module ident", ECT_TYPE_UNSIGNED32,
+             ECT_ACCESS_RW_PREOP, count);
+        make(build, ECT_ESI_IDENTS_DETECTED, "Detected module ident list", "Module ident", ECT_TYPE_UNSIGNED32,
+             ECT_ACCESS_RO, count);
+    }
+    if (build->model->download_addresses) {
+        make(build, ECT_ESI_ADDRESSES, "Configured address list", "Module address", ECT_TYPE_UNSIGNED16,
+             ECT_ACCESS_RW_PREOP, count);
+        make(build, ECT_ESI_ADDRESSES_DETECTED, "Detected address list", "Module address", ECT_TYPE_UNSIGNED16,
+             ECT_ACCESS_RO, count);
+    }
 }
 
 /* Sets the values of the existing elements of a list. */
@@ -48,37 +62,51 @@ void ect_build_idents(ect_build_t *build)
     const size_t count = build->ident_count < UINT8_MAX ? build->ident_count : UINT8_MAX;
     if (count == 0 || !build->model->mailbox.coe)
         return;
-    if (build->model->download_idents)
+    uint32_t profiles[UINT8_MAX], addresses[UINT8_MAX];
+    for (size_t i = 0; i < count; i++) {
+        const ect_esi_module_t *module = ect_esi_module(build->model, build->idents[i]);
+        profiles[i] = module != NULL ? module->profile : 0;
+        addresses[i] = module != NULL ? (uint32_t)i + 1 : 0;
+    }
+    if (build->model->download_idents || build->model->download_addresses)
         make_lists(build, count);
-    fill(build, CONFIGURED, NULL, count);
-    fill(build, DETECTED, build->idents, count);
+    fill(build, ECT_ESI_PROFILES, profiles, count);
+    fill(build, ECT_ESI_ADDRESSES, NULL, count);
+    fill(build, ECT_ESI_IDENTS, NULL, count);
+    fill(build, ECT_ESI_ADDRESSES_DETECTED, addresses, count);
+    fill(build, ECT_ESI_IDENTS_DETECTED, build->idents, count);
 }
 
-/* @return element `subindex` of a list; 0: none */
-static uint32_t ident_at(const ect_od_t *od, uint16_t index, uint8_t subindex)
+uint32_t ect_esi_list_at(const ect_od_t *od, uint16_t index, uint8_t subindex)
 {
-    uint32_t ident = 0;
-    return ect_od_number(od, index, subindex, &ident) == ECT_OK ? ident : 0;
+    uint32_t value = 0;
+    return ect_od_number(od, index, subindex, &value) == ECT_OK ? value : 0;
 }
 
-/* @return whether F030h has no idents, or the ident of each slot */
-static bool fits(const ect_od_t *od)
+/* A list without any element but 0 asks for no check; another one has the element of each slot. */
+static bool fits(const ect_od_t *od, uint16_t configured, uint16_t detected)
 {
-    const uint32_t count = ident_at(od, CONFIGURED, 0);
+    const uint32_t count = ect_esi_list_at(od, configured, 0);
     bool any = false, equal = true;
     for (uint32_t i = 1; i <= count && i <= UINT8_MAX; i++) {
-        const uint32_t configured = ident_at(od, CONFIGURED, (uint8_t)i);
-        any |= configured != 0;
-        equal &= configured == ident_at(od, DETECTED, (uint8_t)i);
+        const uint32_t value = ect_esi_list_at(od, configured, (uint8_t)i);
+        any |= value != 0;
+        equal &= value == ect_esi_list_at(od, detected, (uint8_t)i);
     }
     return !any || equal;
+}
+
+bool ect_esi_idents_fit(const ect_od_t *od)
+{
+    return fits(od, ECT_ESI_IDENTS, ECT_ESI_IDENTS_DETECTED) && fits(od, ECT_ESI_ADDRESSES, ECT_ESI_ADDRESSES_DETECTED);
 }
 
 uint16_t ect_esi_idents_state(void *instance, uint8_t from, uint8_t to)
 {
     const ect_standard_t *standard = instance;
     const ect_od_t od = ect_device_od(standard->device, instance);
-    return from == ECT_STATE_PREOP && to == ECT_STATE_SAFEOP && !fits(&od) ? ECT_AL_MODULE_IDENTS : ECT_AL_NO_ERROR;
+    return from == ECT_STATE_PREOP && to == ECT_STATE_SAFEOP && !ect_esi_idents_fit(&od) ? ECT_AL_MODULE_IDENTS
+                                                                                         : ECT_AL_NO_ERROR;
 }
 
 ect_reason_t ect_esi_idents_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size)
@@ -86,7 +114,7 @@ ect_reason_t ect_esi_idents_write(void *instance, uint16_t index, uint8_t subind
     const ect_standard_t *standard = instance;
     const ect_build_t *build = &((const ect_esi_twin_t *)standard->device->context)->build;
     uint8_t bytes[4] = {0};
-    if (index != CONFIGURED || subindex == 0 || size > sizeof bytes)
+    if (index != ECT_ESI_IDENTS || subindex == 0 || size > sizeof bytes)
         return ECT_OK;
     memcpy(bytes, data, size);
     const uint32_t ident = ect_load_le32(bytes);
@@ -101,7 +129,7 @@ static uint16_t state_change(void *instance, uint8_t from, uint8_t to, uint64_t 
 
 void ect_esi_idents_set(const ect_build_t *build, ect_device_t *device)
 {
-    if (build->ident_count == 0 || ect_build_find(build, CONFIGURED) == NULL)
+    if (build->ident_count == 0 || ect_build_find(build, ECT_ESI_IDENTS) == NULL)
         return;
     device->state_change = state_change;
     device->sdo_write = ect_esi_idents_write;

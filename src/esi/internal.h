@@ -22,7 +22,9 @@
  *   idents.c           lists of the idents of modules
  *   build_pdos.c       PDOs, mappings and assignments
  *   build_signals.c    signals from PDO entries and objects
+ *   change.c           modules that change while the twin runs
  *   twin.c             the description and its behaviour
+ *   rack.c             twins, with a description for each set of modules
  *   behaviour.c        drives with objects of CiA 402
  *   network.c          EoE: an IP host
  *   values.c           the values of a dictionary before the first write
@@ -105,8 +107,9 @@ typedef struct ect_build_object {
     const char *name;
     ect_build_entry_t *entries;
     size_t count;
-    bool complete; /**< from the dictionary: sub-index 0 is among the entries */
-    size_t first;  /**< number of entries of the previous objects, after ::ect_build_sort */
+    bool complete;   /**< from the dictionary: sub-index 0 is among the entries */
+    uint32_t module; /**< ident of the module that brings it, 0: the device */
+    size_t first;    /**< entries of the objects before it, once they are sorted */
 } ect_build_object_t;
 
 /** A PDO of the device, or of a module in a slot. */
@@ -115,7 +118,8 @@ typedef struct ect_build_pdo {
     uint16_t index; /**< shifted by the slot */
     uint32_t pdo_shift;
     uint32_t index_shift;
-    bool assigned; /**< to a SyncManager with process data, by default */
+    uint32_t module; /**< ident of the module that brings it, 0: the device */
+    bool assigned;   /**< to a SyncManager with process data, by default */
     bool usable;
     bool on_virtual; /**< of a virtual SyncManager: the master accesses registers instead */
     size_t place; /**< place in the assignment; PDOs that exclude each other have the same place, that of the first */
@@ -137,7 +141,9 @@ typedef struct ect_build {
     size_t pdo_count;
     uint32_t *idents; /**< of the modules in the slots, 0: an empty slot */
     size_t ident_count;
-    const char **notes; /**< features of the file that are not represented, one line each */
+    uint32_t module;           /**< whose objects are being added, 0: the device's */
+    struct ect_esi_rack *rack; /**< the modules can change; NULL: they cannot */
+    const char **notes;        /**< features of the file that are not represented, one line each */
     ect_build_note_kind_t *note_kinds;
     size_t note_count;
     size_t entry_count;  /**< entries added to all objects */
@@ -219,10 +225,28 @@ void ect_build_modules(ect_build_t *build, const ect_module_choice_t *choices, s
 /** idents.c: adds F030h and F050h, after all other objects; F000h too if the file requires the download of idents. */
 void ect_build_idents(ect_build_t *build);
 
-/** idents.c: sets the checks of F030h in a device with F030h. Call it before a behaviour sets its functions. */
+/** build_modules.c: adds the PDOs, objects and start-up commands of one module, moved by its slot. */
+void ect_build_module(ect_build_t *build, const ect_esi_module_t *module, uint32_t pdo_shift, uint32_t index_shift);
+
+/** idents.c: makes a device with F030h check it. Before a behaviour that has functions of its own. */
 void ect_esi_idents_set(const ect_build_t *build, ect_device_t *device);
 
-/** idents.c: as ect_device_t::state_change. @return ECT_AL_MODULE_IDENTS: the idents in F030h and F050h differ */
+/** idents.c: whether the lists that a master configured are empty, or equal to those that the twin detects. */
+bool ect_esi_idents_fit(const ect_od_t *od);
+
+/** Lists of a modular device, an element a slot. */
+enum {
+    ECT_ESI_PROFILES = 0xF010,
+    ECT_ESI_ADDRESSES = 0xF020,
+    ECT_ESI_IDENTS = 0xF030,
+    ECT_ESI_ADDRESSES_DETECTED = 0xF040,
+    ECT_ESI_IDENTS_DETECTED = 0xF050
+};
+
+/** idents.c: element `subindex` of a list; 0: it has none. */
+uint32_t ect_esi_list_at(const ect_od_t *od, uint16_t index, uint8_t subindex);
+
+/** idents.c: as ect_device_t::state_change. @return ECT_AL_MODULE_IDENTS: the idents of F030h are not those of F050h */
 uint16_t ect_esi_idents_state(void *instance, uint8_t from, uint8_t to);
 
 /** idents.c: as ect_device_t::sdo_write. @return ECT_REASON_RANGE: the slot does not accept this module */
@@ -250,12 +274,66 @@ const ect_protocol_t *ect_esi_network(ect_build_t *build, const ect_device_t *de
 /** network.c: places the state of EoE in the instance, from `at` on. @return the end */
 size_t ect_esi_network_place(const ect_build_t *build, size_t at);
 
+/* --- modules that change ----------------------------------------------------------------------------------------- */
+
+/** Place of an entry in the instance, the same in each description that has it. */
+typedef struct ect_esi_place {
+    struct ect_esi_place *next; /**< of the same index */
+    uint32_t module;            /**< that brings the entry */
+    uint16_t data_type, bits;
+    uint8_t subindex;
+    size_t offset;
+} ect_esi_place_t;
+
+/** Most sets of modules that a device has while a program runs. */
+enum { ECT_ESI_SETS = 64 };
+
+/**
+ * A device whose modules change: a twin for each set of modules, all over the same instance. An entry of the same
+ * module has the same place in all of them, so that a reference to a signal never reaches the data of another.
+ */
+typedef struct ect_esi_rack {
+    const ect_esi_t *esi;
+    const ect_esi_device_t *model;
+    ect_arena_t *arena;
+    ect_esi_place_t **places; /**< by index */
+    size_t used;              /**< bytes of the instance */
+    size_t size;              /**< of the instance; 0: while the first set is built */
+    size_t room;              /**< for the entries of sets after the first */
+    ect_growth_t growth;
+    unsigned int slots;
+    struct {
+        uint32_t *idents;
+        struct ect_esi_twin *twin; /**< NULL: this set cannot be built */
+    } sets[ECT_ESI_SETS];
+    size_t set_count;
+    struct ect_esi_twin *(*find)(struct ect_esi_rack *rack, const uint32_t *idents); /**< rack.c */
+} ect_esi_rack_t;
+
+/** change.c: bytes at the beginning of the instance of a device whose modules change. */
+size_t ect_esi_change_size(const ect_esi_rack_t *rack);
+
+/** change.c: signals for the modules, before those of process data. */
+void ect_esi_change_signals(ect_build_t *build, ect_plant_t *plant);
+
+/** change.c: the functions of device and plant. */
+void ect_esi_change_set(const ect_build_t *build, ect_device_t *device, ect_plant_t *plant);
+
+/** twin.c: a twin with one set of modules. @param rack  NULL: its modules do not change; else as ::ect_esi_twin_of */
+struct ect_esi_twin *ect_esi_twin_assemble(const ect_esi_t *esi, const ect_esi_device_t *model,
+                                           const ect_module_choice_t *modules, size_t module_count,
+                                           ect_esi_rack_t *rack, char *text, size_t room);
+
+/** twin.c: frees one set. NULL is allowed. */
+void ect_esi_twin_drop(struct ect_esi_twin *twin);
+
 /** The axes of a twin that is a drive: behaviour.c. */
 typedef struct ect_esi_drives ect_esi_drives_t;
 
 struct ect_esi_twin {
     ect_arena_t arena;
-    ect_esi_t *own; /* the file, if owned by the twin; else NULL */
+    ect_arena_t racks; /* of the first set of modules: the rack */
+    ect_esi_t *own;    /* the file, when it is the twin's */
     const ect_esi_t *esi;
     bool chosen; /* the user has selected modules */
     ect_build_t build;

@@ -84,6 +84,7 @@ typedef struct ect_esi_init {
     const char *comment;  /**< "" when absent */
     bool depends_on_slot; /**< `DependOnSlot`: the index moves with the module's slot */
     bool disabled;        /**< `Disabled` of a network file */
+    bool upload;          /**< a network file's command without `Data`: the master reads */
     int line;
 } ect_esi_init_t;
 
@@ -199,6 +200,7 @@ typedef struct ect_esi_module {
     uint32_t ident;
     const char *type;
     const char *module_class;
+    uint32_t profile; /**< `<ProfileNo>`, the first, and in the upper half its `<AddInfo>`; 0 none */
     const char *name;
     const ect_esi_pdo_t *pdos;
     size_t pdo_count;
@@ -268,6 +270,7 @@ typedef struct ect_esi_device {
     size_t slot_count;
     uint32_t slot_pdo_increment, slot_index_increment, slots_max;
     bool download_idents;            /**< `DownloadModuleIdentList`: a master writes F030h */
+    bool download_addresses;         /**< `DownloadModuleAddressList`: a master writes F020h */
     const ect_esi_module_t *modules; /**< all of the file */
     size_t module_count;
 

@@ -325,12 +325,19 @@ static void read_slots(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t
     device->slot_index_increment =
         (uint32_t)ect_esi_attribute_number(xml, node, "SlotIndexIncrement", 0, UINT16_MAX, 0);
     device->download_idents = ect_esi_flag(xml, node, "DownloadModuleIdentList");
+    device->download_addresses = ect_esi_flag(xml, node, "DownloadModuleAddressList");
     ECT_ESI_EACH(child, node, "Slot")
     {
         ECT_APPEND(xml, slots, device->slot_count, slot);
         read_slot(xml, child, device, slot);
     }
     device->slots = slots;
+}
+
+static uint32_t read_profile(ect_esi_xml_t *xml, const xmlNode *profile)
+{
+    uint32_t number = (uint32_t)ect_esi_number(xml, profile, "ProfileNo", 0, UINT16_MAX, 0);
+    return number | (uint32_t)ect_esi_number(xml, profile, "AddInfo", 0, UINT16_MAX, 0) << 16;
 }
 
 static void read_modules(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t *device)
@@ -346,10 +353,12 @@ static void read_modules(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device
         module->ident = (uint32_t)ect_esi_attribute_number(xml, type, "ModuleIdent", 0, UINT32_MAX, 0);
         module->module_class = ect_esi_attribute(xml, type, "ModuleClass");
         module->type = ect_esi_text(xml, type);
+        const xmlNode *profile = ect_esi_child(child, "Profile");
+        module->profile = profile != NULL ? read_profile(xml, profile) : 0;
         module->name = ect_esi_name(xml, child, "Name");
         module->pdos = ect_esi_read_pdos(xml, child, &module->pdo_count);
         module->inits = read_inits(xml, ect_esi_child(ect_esi_child(child, "Mailbox"), "CoE"), &module->init_count);
-        ect_esi_read_dictionary(xml, ect_esi_child(child, "Profile"), &module->dictionary);
+        ect_esi_read_dictionary(xml, profile, &module->dictionary);
     }
     device->modules = modules;
 }
@@ -381,12 +390,6 @@ static void read_identity(ect_esi_xml_t *xml, const xmlNode *root, const xmlNode
     device->line = ect_esi_line(node);
     if (ect_esi_child(vendor, "Id") == NULL)
         ect_esi_fail(xml, vendor != NULL ? vendor : root, "there is no Vendor with an Id");
-}
-
-static uint32_t read_profile(ect_esi_xml_t *xml, const xmlNode *profile)
-{
-    uint32_t number = (uint32_t)ect_esi_number(xml, profile, "ProfileNo", 0, UINT16_MAX, 0);
-    return number | (uint32_t)ect_esi_number(xml, profile, "AddInfo", 0, UINT16_MAX, 0) << 16;
 }
 
 ect_esi_device_t *ect_esi_read_device(ect_esi_xml_t *xml, const xmlNode *root, const xmlNode *node)

@@ -321,7 +321,7 @@ static void set_init_commands(ect_build_t *build, ect_device_t *device)
     for (size_t i = 0; i < count; i++) {
         const ect_esi_init_t *init = &mailbox->inits[i];
         const char *transitions = known_transitions(build, init);
-        if (*transitions == '\0' || init->data.length == 0 || init->data.length > UINT16_MAX)
+        if (*transitions == '\0' || (init->data.length == 0 && !init->upload) || init->data.length > UINT16_MAX)
             continue;
         commands[device->init_command_count++] = (ect_init_command_t){
             .transitions = transitions,
@@ -333,6 +333,7 @@ static void set_init_commands(ect_build_t *build, ect_device_t *device)
             .data = init->data.bytes,
             .comment = *init->comment != '\0' ? init->comment : NULL,
             .disabled = init->disabled,
+            .upload = init->upload,
         };
     }
 }
@@ -564,24 +565,61 @@ static void link_error_register(const ect_build_t *build)
 
 /* --- the object list --------------------------------------------------------------------------------------------- */
 
-/* Lays out the instance: each entry is aligned to its size, texts have a terminator. */
+static size_t align_to(size_t at, size_t bytes)
+{
+    size_t alignment = bytes >= 8 ? 8 : bytes >= 4 ? 4 : bytes >= 2 ? 2 : 1;
+    return (at + alignment - 1) / alignment * alignment;
+}
+
+/* The place of an entry: that of the same entry in another set of modules, else the next one. */
+static size_t place_of(ect_esi_rack_t *rack, const ect_build_object_t *object, const ect_build_entry_t *entry,
+                       size_t room)
+{
+    ect_esi_place_t **first = &rack->places[object->index];
+    for (ect_esi_place_t *place = *first; place != NULL; place = place->next) {
+        if (place->subindex == entry->subindex && place->module == object->module &&
+            place->data_type == entry->data_type && place->bits == entry->bits)
+            return place->offset;
+    }
+    ect_esi_place_t *place = ect_arena_alloc(rack->arena, sizeof *place);
+    *place = (ect_esi_place_t){.next = *first,
+                               .module = object->module,
+                               .data_type = entry->data_type,
+                               .bits = entry->bits,
+                               .subindex = entry->subindex,
+                               .offset = align_to(rack->used, room)};
+    *first = place;
+    rack->used = place->offset + room;
+    return place->offset;
+}
+
+/* Room in the instance for each entry, aligned to its size, and a terminator behind texts. */
 static size_t lay_out(ect_build_t *build)
 {
     size_t at = sizeof(ect_standard_t);
     for (size_t i = 0; i < build->object_count; i++) {
         for (size_t k = 0; k < build->objects[i].count; k++) {
             ect_build_entry_t *entry = &build->objects[i].entries[k];
-            size_t bytes = (entry->bits + 7u) / 8u;
+            size_t bytes = (entry->bits + 7u) / 8u + (entry->data_type == ECT_TYPE_VISIBLE_STRING ? 1 : 0);
             if (entry->identity)
                 continue;
-            size_t alignment = bytes >= 8 ? 8 : bytes >= 4 ? 4 : bytes >= 2 ? 2 : 1;
-            at = (at + alignment - 1) / alignment * alignment;
-            ECT_ASSERT(at % alignment == 0);
-            entry->offset = at;
-            at += bytes + (entry->data_type == ECT_TYPE_VISIBLE_STRING ? 1 : 0);
+            entry->offset =
+                build->rack != NULL ? place_of(build->rack, &build->objects[i], entry, bytes) : align_to(at, bytes);
+            at = entry->offset + bytes;
         }
     }
     return at;
+}
+
+/* All sets of modules have an instance of the same size, which the first one determines. */
+static size_t rack_size(ect_build_t *build)
+{
+    ect_esi_rack_t *rack = build->rack;
+    if (rack->size == 0)
+        rack->size = align_to(rack->used + rack->room, sizeof(uint64_t));
+    if (rack->used > rack->size)
+        ect_build_fail(build, "there is no room for one more set of modules");
+    return rack->size;
 }
 
 static int64_t default_of(const ect_build_entry_t *entry, bool is_signed)
@@ -807,6 +845,8 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     set_categories(b, device);
     device->esc = esc_of(device);
     device->instance_size = ect_esi_network_place(b, lay_out(b));
+    if (b->rack != NULL)
+        device->instance_size = rack_size(b);
     set_objects(b, device);
     set_pdos(b, device);
     if (can_be_configured(b))
@@ -817,6 +857,10 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     ect_esi_idents_set(b, device);
     if (device->sii == NULL && b->failure == NULL)
         fit_eeprom(b, device);
+    if (b->rack != NULL) {
+        ect_esi_change_set(b, device, &twin->plant);
+        ect_esi_change_signals(b, &twin->plant);
+    }
     if (b->failure == NULL)
         ect_build_signals(b, &twin->plant);
     ect_build_count_notes(b);
@@ -824,8 +868,9 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     twin->product = (ect_product_t){.device = device, .plant = &twin->plant};
 }
 
-ect_esi_twin_t *ect_esi_twin_of(const ect_esi_t *esi, const ect_esi_device_t *model, const ect_module_choice_t *modules,
-                                size_t module_count, char *text, size_t room)
+ect_esi_twin_t *ect_esi_twin_assemble(const ect_esi_t *esi, const ect_esi_device_t *model,
+                                      const ect_module_choice_t *modules, size_t module_count, ect_esi_rack_t *rack,
+                                      char *text, size_t room)
 {
     char why[200];
     ect_esi_twin_t *twin = calloc(1, sizeof *twin);
@@ -833,7 +878,7 @@ ect_esi_twin_t *ect_esi_twin_of(const ect_esi_t *esi, const ect_esi_device_t *mo
         (void)snprintf(text, room, "%s: no memory left", ect_esi_file(esi));
         return NULL;
     }
-    twin->build = (ect_build_t){.arena = &twin->arena, .model = model};
+    twin->build = (ect_build_t){.arena = &twin->arena, .model = model, .rack = rack};
     twin->esi = esi;
     twin->chosen = module_count > 0;
     build(twin, modules, module_count);
@@ -843,26 +888,8 @@ ect_esi_twin_t *ect_esi_twin_of(const ect_esi_t *esi, const ect_esi_device_t *mo
     if (twin->build.failure == NULL)
         return twin;
     (void)snprintf(text, room, "%s:%d: %s: %s", ect_esi_file(esi), model->line, model->type, twin->build.failure);
-    ect_esi_twin_free(twin);
+    ect_esi_twin_drop(twin);
     return NULL;
-}
-
-ect_esi_twin_t *ect_esi_twin_make(const char *path, const char *selector, const ect_module_choice_t *modules,
-                                  size_t module_count, char *text, size_t room)
-{
-    return ect_esi_twin_take(ect_esi_open(path, text, room), selector, modules, module_count, text, room);
-}
-
-ect_esi_twin_t *ect_esi_twin_take(ect_esi_t *esi, const char *selector, const ect_module_choice_t *modules,
-                                  size_t module_count, char *text, size_t room)
-{
-    const ect_esi_device_t *model = esi != NULL ? ect_esi_select(esi, selector, text, room) : NULL;
-    ect_esi_twin_t *twin = model != NULL ? ect_esi_twin_of(esi, model, modules, module_count, text, room) : NULL;
-    if (twin != NULL)
-        twin->own = esi;
-    else
-        ect_esi_close(esi);
-    return twin;
 }
 
 const ect_product_t *ect_esi_twin_product(const ect_esi_twin_t *twin)
@@ -898,12 +925,12 @@ ect_esi_twin_t *ect_esi_twin_without_modules(const ect_esi_twin_t *twin)
         return NULL;
     for (size_t i = 0; i < count; i++)
         empty[i].slot = (unsigned int)i; /* ident 0: no module */
-    ect_esi_twin_t *bare = ect_esi_twin_of(twin->esi, model, empty, count, text, sizeof text);
+    ect_esi_twin_t *bare = ect_esi_twin_assemble(twin->esi, model, empty, count, NULL, text, sizeof text);
     free(empty);
     return bare;
 }
 
-void ect_esi_twin_free(ect_esi_twin_t *twin)
+void ect_esi_twin_drop(ect_esi_twin_t *twin)
 {
     if (twin == NULL)
         return;

@@ -229,7 +229,7 @@ static void write_coe(ect_xml_writer_t *xml, const ect_device_t *device, const x
     ect_xml_flag(xml, "SegmentedSdo", true);
     ect_xml_flag(xml, "DiagHistory", ect_od_find(&od, 0x10F3) != NULL);
     for (unsigned int i = 0; source == NULL && i < device->init_command_count; i++) {
-        if (!device->init_commands[i].disabled) /* an ESI file has no such commands */
+        if (!device->init_commands[i].disabled && !device->init_commands[i].upload) /* no commands of an ESI file */
             write_init_command(xml, &device->init_commands[i]);
     }
     ect_xml_copy_children(xml, source, NULL);

@@ -202,6 +202,7 @@ typedef struct ect_init_command {
     bool complete;       /**< by Complete Access */
     bool adapts;         /**< the configuration tool replaces the data, e.g. a cycle time by that of its bus */
     bool disabled;       /**< kept, and not sent: `<Disabled>` of a network file */
+    bool upload;         /**< the master reads, as some network files want; no data */
     uint16_t size;       /**< bytes of `data`, at least 1 */
     const uint8_t *data; /**< wire form */
     const char *comment; /**< or NULL */
@@ -218,6 +219,15 @@ typedef struct ect_timeouts {
     uint16_t mailbox_response_ms; /**< until the reply is available */
 } ect_timeouts_t;
 
+/** Memory that later descriptions of the same device need (ect_host_t::describe), where it is more. All 0: none
+ * follows.
+ */
+typedef struct ect_growth {
+    uint16_t image; /**< bytes of the longest process image */
+    uint16_t runs;  /**< entries of PDOs that can be assigned together */
+    uint16_t value; /**< bytes of the longest value that a master may write */
+} ect_growth_t;
+
 /** Synchronisation abilities, 1C32h/1C33h. All zero: free run only. */
 typedef struct ect_sync {
     uint16_t supported;           /**< 1C32h:4: bit 0 free run, bit 1 SM event, bit 2 DC SYNC0 */
@@ -226,6 +236,8 @@ typedef struct ect_sync {
     uint8_t dc_cycle_count;
     bool asynchronous; /**< runs at its own rate: outputs missing at a SYNC0 are counted and do not end OP */
 } ect_sync_t;
+
+struct ect_device;
 
 /**
  * Requests of a device to its surroundings. The stack passes the structure to ::ect_device_t::init; it is valid as long
@@ -248,6 +260,14 @@ typedef struct ect_host {
 
     /** Completes a transition that ::ect_device_t::state_change delayed: 0, or the AL status code that refuses it. */
     void (*transition_done)(void *ctx, uint16_t al_status_code);
+
+    /**
+     * Replaces the description of the device, whose dictionary has changed: a module was inserted. Below SAFEOP only.
+     * The new description equals the old one in identity, layout of the SyncManagers, mailbox and `instance_size`, and
+     * needs no more memory than the first one announces (ect_device_t::growth). It outlives the slave. The instance is
+     * unchanged but for ect_standard_t::device: the device sets the data of new entries.
+     */
+    void (*describe)(void *ctx, const struct ect_device *device);
 
     /**
      * Adds a message to the diagnosis history 10F3h: ECT_DIAGNOSIS_INFO/WARNING/ERROR, diagnosis code, text id of one
@@ -353,6 +373,7 @@ typedef struct ect_device {
 
     /* --- behaviour ------------------------------------------------------------------------------------------- */
     size_t instance_size; /**< bytes of instance memory that the caller provides, aligned as by malloc */
+    ect_growth_t growth;  /**< memory for later descriptions */
     size_t buffer_size;   /**< bytes of optional memory that the device can use (::ect_host_t::buffer); 0: none */
     const void *context;  /**< private to the device; its functions reach it through the instance */
 
@@ -403,6 +424,12 @@ typedef struct ect_device {
      * @return the time of the next call (> now_ns), or ECT_NEVER
      */
     uint64_t (*tick)(void *instance, uint64_t now_ns);
+
+    /**
+     * A request of the master is about to be executed: a change of the AL state (index 0), SDO information (index 0),
+     * an SDO. The device may replace its description here.
+     */
+    void (*requested)(void *instance, uint16_t index);
 
     /**
      * A request for an SDO upload or download has arrived; the stack has checked nothing of it yet.

@@ -24,6 +24,12 @@ typedef struct ect_bulk {
 
 /** The surroundings of a device. Constant. */
 typedef struct ect_plant {
+    /**
+     * The plant whose signals the device has now, where its description can change (ect_host_t::describe); valid as
+     * long as this one. All other members count of the plant that a program was given. NULL: always this one.
+     */
+    const struct ect_plant *(*present)(const void *instance);
+
     const ect_signal_group_t *signal_groups;
     uint16_t signal_group_count;
 

@@ -48,6 +48,16 @@ static void restart(void *slave)
     ((ect_slave_t *)slave)->restart = true;
 }
 
+static void describe(void *slave, const ect_device_t *device)
+{
+    ect_slave_t *s = slave;
+    ECT_ASSERT(s->state < ECT_STATE_SAFEOP && device->sm_count == s->config.device->sm_count);
+    ECT_ASSERT(device->instance_size == s->config.device->instance_size);
+    s->config.device = device;
+    s->od = ect_device_od(device, s->config.instance);
+    ((ect_standard_t *)s->config.instance)->device = device;
+}
+
 void ect_host_init(ect_slave_t *s)
 {
     s->host = (ect_host_t){.ctx = s,
@@ -56,6 +66,7 @@ void ect_host_init(ect_slave_t *s)
                            .transition_done = transition_done,
                            .off_bus = off_bus,
                            .restart = restart,
+                           .describe = describe,
                            .storage = s->config.storage,
                            .buffer = s->config.buffer};
 }

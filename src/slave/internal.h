@@ -54,6 +54,12 @@ static inline void *ect_services_data(const ect_slave_t *s, uint16_t index)
 /* The functions of ect_host_t, which object services use too. */
 void ect_host_drop(void *slave, uint8_t state, uint16_t al_status_code);
 void ect_host_emergency(void *slave, uint16_t code, uint8_t error_register, const uint8_t data[5]);
+/* A request of the master is about to be executed; the device may replace its description. */
+static inline void ect_slave_requested(ect_slave_t *s, uint16_t index)
+{
+    if (s->config.device->requested)
+        s->config.device->requested(s->config.instance, index);
+}
 /* Fills in the table that the device gets. */
 void ect_host_init(ect_slave_t *s);
 

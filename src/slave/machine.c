@@ -249,6 +249,7 @@ void ect_machine_al_control(ect_slave_t *s)
 void ect_machine_request(ect_slave_t *s)
 {
     uint16_t request = s->request;
+    ect_slave_requested(s, 0);
     bool has_boot = s->config.device->boot_out.length > 0;
     ect_al_decision_t d = ect_al_decide(s->state, s->error, request, has_boot);
     ECT_ASSERT(d.action != ECT_AL_REFUSE || d.code != ECT_AL_NO_ERROR);

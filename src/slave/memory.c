@@ -98,6 +98,10 @@ ect_slave_memory_t ect_slave_memory(const ect_device_t *device)
         need.process_data = bytes > need.process_data ? bytes : need.process_data;
         need.runs += mapping_is_constant(device, n) ? ect_pdo_count_runs(device, n) : most_runs(device, n);
     }
+    const ect_growth_t *growth = &device->growth;
+    need.process_data = growth->image > need.process_data ? growth->image : need.process_data;
+    need.runs = growth->runs > need.runs ? growth->runs : need.runs;
+    need.staging = growth->value > need.staging ? growth->value : need.staging;
     return need;
 }
 

@@ -232,6 +232,7 @@ static ect_reason_t open_transfer(ect_slave_t *s, const uint8_t *request, ect_di
     ect_sdo_t *sdo = &s->sdo;
     const ect_device_t *device = s->config.device;
     *sdo = (ect_sdo_t){.state = ECT_SDO_IDLE, .subindex = request[3], .complete = (request[0] & COMPLETE) != 0};
+    ect_slave_requested(s, index);
     ect_reason_t reason =
         device->sdo_request ? device->sdo_request(s->config.instance, index, sdo->subindex) : (ect_reason_t)ECT_OK;
     if (reason != ECT_OK)

@@ -247,6 +247,7 @@ static uint16_t request(const ect_protocol_t *self, ect_slave_t *s, const uint8_
     const uint8_t *data = info + INFO_HEADER;
     uint8_t opcode = length > ECT_COE_HEADER ? info[0] & 0x7F : 0;
     s->info.list = 0; /* a new request ends the list under way */
+    ect_slave_requested(s, 0);
     if (opcode >= sizeof shortest || shortest[opcode] == 0)
         send_error(s, ECT_REASON_COMMAND);
     else if (length < ECT_COE_HEADER + INFO_HEADER + shortest[opcode])

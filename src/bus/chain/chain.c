@@ -474,7 +474,7 @@ bool ect_chain_next_signal(const ect_chain_t *chain, size_t position, ect_chain_
 {
     const ect_twin_t *twin = twin_at(chain, position);
     ect_chain_show_lamps(chain, position);
-    bool found = ect_signals_next(twin->config.plant, twin->slave.config.instance, &cursor->device, ref) ||
+    bool found = ect_signals_next(ect_twin_plant(twin), twin->slave.config.instance, &cursor->device, ref) ||
                  ect_signals_next(twin->config.beside.plant, twin->config.beside.instance, &cursor->beside, ref) ||
                  ect_signals_next(&ect_lamps_plant, twin->lamps, &cursor->lamps, ref) ||
                  ect_signals_next(&ect_wiring_plant, twin->wiring, &cursor->wiring, ref) ||
@@ -512,7 +512,8 @@ bool ect_chain_set_names(ect_chain_t *chain, const ect_names_t *names, char *mes
     }
     for (size_t i = 0; names && i < chain->cabling.count; i++) {
         const ect_twin_config_t *twin = &chain->twins[i].config, *before = &chain->twins[i > 0 ? i - 1 : 0].config;
-        bool known = i > 0 && twin->plant == before->plant && twin->beside.plant == before->beside.plant;
+        bool known = i > 0 && !(twin->plant && twin->plant->present) && twin->plant == before->plant &&
+                     twin->beside.plant == before->beside.plant;
         if (!known && is_hidden(chain, names, i, message))
             return false;
     }

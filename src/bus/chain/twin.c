@@ -292,9 +292,15 @@ void ect_twin_report_sii(ect_twin_t *twin)
         twin->config.sii_written(twin->config.sii_ctx, twin->esc.config.sii, twin->esc.config.sii_size);
 }
 
+const ect_plant_t *ect_twin_plant(const ect_twin_t *twin)
+{
+    const ect_plant_t *plant = twin->config.plant;
+    return plant && plant->present ? plant->present(twin->slave.config.instance) : plant;
+}
+
 bool ect_twin_signal(const ect_twin_t *twin, const char *name, ect_signal_ref_t *ref)
 {
-    return ect_signal_find(twin->config.plant, twin->slave.config.instance, name, ref) ||
+    return ect_signal_find(ect_twin_plant(twin), twin->slave.config.instance, name, ref) ||
            ect_signal_find(twin->config.beside.plant, twin->config.beside.instance, name, ref) ||
            ect_signal_find(&ect_lamps_plant, twin->lamps, name, ref) ||
            ect_signal_find(&ect_wiring_plant, twin->wiring, name, ref);

@@ -102,6 +102,9 @@ static inline bool ect_twin_on_bus(const ect_twin_t *twin)
     return !twin->slave.off_bus;
 }
 
+/** The plant whose signals the device has now (ect_plant_t::present). */
+const ect_plant_t *ect_twin_plant(const ect_twin_t *twin);
+
 /** Finds a signal of the device, the lamps or the wiring by its name. @return whether there is one; then sets *ref */
 bool ect_twin_signal(const ect_twin_t *twin, const char *name, ect_signal_ref_t *ref);
 

@@ -1,0 +1,405 @@
+/* SPDX-License-Identifier: MIT */
+/* Modules that change in a running twin (src/esi/change.c, src/esi/rack.c): by a user, and by a master through F030h.
+ */
+#include "rack.h"
+
+#include "bus/chain/settings.h"
+
+enum { OP = ECT_STATE_OP, INIT = ECT_STATE_INIT, NO_OBJECT = 0x06020000 };
+
+static bool plug(rig_t *r, unsigned int slot, uint32_t ident)
+{
+    char name[32], value[16], message[ECT_SIGNAL_MESSAGE];
+    (void)snprintf(name, sizeof name, "slot%u.module", slot);
+    (void)snprintf(value, sizeof value, "0x%X", (unsigned int)ident);
+    const ect_setting_t setting = {.name = name, .value = value};
+    bool good = ect_settings_apply(r->wire.chain, 0, &setting, 1, r->wire.now_ns, message);
+    wire_poll(&r->wire);
+    return good;
+}
+
+static void set(rig_t *r, const char *name, const char *value)
+{
+    char message[ECT_SIGNAL_MESSAGE];
+    const ect_setting_t setting = {.name = name, .value = value};
+    if (!ect_settings_apply(r->wire.chain, 0, &setting, 1, r->wire.now_ns, message))
+        fail_msg("%s=%s: %s", name, value, message);
+    wire_poll(&r->wire);
+}
+
+static bool has_signal(rig_t *r, const char *name)
+{
+    ect_signal_ref_t ref;
+    return ect_chain_signal(r->wire.chain, 0, name, &ref);
+}
+
+static uint32_t abort_of(rig_t *r, uint16_t index, uint8_t subindex)
+{
+    uint8_t bytes[64];
+    size_t size = sizeof bytes;
+    return wire_sdo_upload(&r->wire, 0, index, subindex, false, bytes, &size);
+}
+
+/* The AL state, with the error flag. */
+static uint8_t al(rig_t *r, uint16_t *code)
+{
+    *code = wire_read16(&r->wire, 0, 0x0134);
+    return wire_read8(&r->wire, 0, 0x0130);
+}
+
+static void expect_pdos(rig_t *r, const char *what, const uint16_t outputs[4], const uint16_t inputs[4])
+{
+    for (unsigned int sm = 2; sm <= 3; sm++) {
+        const uint16_t *want = sm == 2 ? outputs : inputs;
+        uint8_t count = 0;
+        while (want[count] != 0)
+            count++;
+        if (read_number(r, (uint16_t)(0x1C10 + sm), 0) != count)
+            fail_msg("%s: 1C1%Xh has %u PDOs, expected %u", what, sm,
+                     (unsigned int)read_number(r, (uint16_t)(0x1C10 + sm), 0), count);
+        for (uint8_t i = 0; i < count; i++)
+            assert_int_equal(read_number(r, (uint16_t)(0x1C10 + sm), (uint8_t)(i + 1)) & 0xFFFF, want[i]);
+    }
+}
+
+static void inserted(void **state)
+{
+    static const struct {
+        unsigned int slot;
+        uint32_t ident;
+        uint16_t outputs[4], inputs[4];
+    } rows[] = {
+        {2, OUT, {0x1601}, {0x1A00}}, {3, IN, {0x1601}, {0x1A00, 0x1A02}}, {1, OUT, {0x1600, 0x1601}, {0x1A02}},
+        {2, 0, {0x1600}, {0x1A02}},   {1, IN, {0}, {0x1A00, 0x1A02}},      {3, 0, {0}, {0x1A00}},
+    };
+    rig_t r;
+    (void)state;
+    open_rig(&r, RACK(DOWNLOAD, ""), PREOP);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char what[40];
+        (void)snprintf(what, sizeof what, "slot %u: %X", rows[i].slot, (unsigned int)rows[i].ident);
+        assert_true(plug(&r, rows[i].slot, rows[i].ident));
+        assert_int_equal(read_number(&r, 0xF050, (uint8_t)rows[i].slot), rows[i].ident);
+        expect_pdos(&r, what, rows[i].outputs, rows[i].inputs);
+        const uint16_t input = (uint16_t)(0x6000 + 0x10 * (rows[i].slot - 1));
+        const uint16_t output = (uint16_t)(0x7000 + 0x10 * (rows[i].slot - 1));
+        assert_int_equal(abort_of(&r, input, 1), rows[i].ident == IN ? 0 : NO_OBJECT);
+        assert_int_equal(abort_of(&r, output, 1), rows[i].ident == OUT ? 0 : NO_OBJECT);
+        configure(&r);
+        wire_go(&r.wire, 0, OP);
+        wire_go(&r.wire, 0, PREOP);
+    }
+    close_rig(&r);
+}
+
+static void refused(void **state)
+{
+    rig_t r;
+    (void)state;
+    open_rig(&r, RACK(DOWNLOAD, ""), PREOP);
+    assert_false(plug(&r, 2, OTHER));
+    assert_false(plug(&r, 1, 0x999));
+    assert_false(has_signal(&r, "slot4.module"));
+    assert_int_equal(read_number(&r, 0xF050, 1), IN);
+    close_rig(&r);
+}
+
+static void by_the_master(void **state)
+{
+    rig_t r;
+    uint16_t code;
+    (void)state;
+    open_rig(&r, RACK(DOWNLOAD, ""), PREOP);
+    assert_int_equal(write_number(&r, 1, OUT, 4), 0);
+    assert_int_equal(write_number(&r, 2, IN, 4), 0);
+    expect_pdos(&r, "F030h", (const uint16_t[4]){0x1600}, (const uint16_t[4]){0x1A01});
+    assert_int_equal(abort_of(&r, 0x6010, 1), 0);
+    assert_int_equal(abort_of(&r, 0x6000, 1), NO_OBJECT);
+    assert_int_equal(read_number(&r, 0xF050, 1), IN);
+    configure(&r);
+    assert_int_equal(wire_al(&r.wire, 0, SAFEOP, &code), PREOP | 0x10);
+    assert_int_equal(code, 0x0070);
+    assert_int_equal(wire_al(&r.wire, 0, PREOP | 0x10, &code), PREOP);
+    assert_true(plug(&r, 1, OUT) && plug(&r, 2, IN)); /* the modules that the master expects */
+    wire_go(&r.wire, 0, OP);
+    close_rig(&r);
+}
+
+/* A master that requests SAFEOP at once, with the SyncManagers of its own configuration. */
+static void without_another_request(void **state)
+{
+    rig_t r;
+    (void)state;
+    open_rig(&r, RACK(DOWNLOAD, ""), PREOP);
+    assert_true(plug(&r, 2, OUT));
+    configure(&r);
+    assert_int_equal(write_number(&r, 1, IN, 4), 0);
+    assert_int_equal(write_number(&r, 2, OUT, 4), 0);
+    wire_go(&r.wire, 0, OP);
+    close_rig(&r);
+}
+
+static void pulled_in_op(void **state)
+{
+    static const struct {
+        const char *reaction;
+        uint8_t al;
+        uint16_t code;
+    } rows[] = {{"0", PREOP | 0x10, 0x0070}, {"1", SAFEOP | 0x10, 0x0070}, {"2", OP, 0}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        rig_t r;
+        uint16_t code;
+        open_rig(&r, RACK(DOWNLOAD, ""), PREOP);
+        configure(&r);
+        wire_go(&r.wire, 0, OP);
+        set(&r, "modules.on_change", rows[i].reaction);
+        assert_true(plug(&r, 1, 0));
+        wire_advance(&r.wire, 10000000);
+        const uint8_t status = al(&r, &code);
+        if (status != rows[i].al || code != rows[i].code)
+            fail_msg("on_change=%s: AL status %02X, code %04X", rows[i].reaction, status, code);
+        assert_int_equal(read_number(&r, 0xF050, 1), 0);
+        assert_int_equal(abort_of(&r, 0x6000, 1), i == 0 ? NO_OBJECT : 0); /* the mapping of SAFEOP and OP stays */
+        assert_int_equal(wire_al(&r.wire, 0, PREOP | 0x10, &code), PREOP);
+        assert_int_equal(abort_of(&r, 0x6000, 1), NO_OBJECT);
+        close_rig(&r);
+    }
+}
+
+static void same_module(void **state)
+{
+    rig_t r;
+    uint16_t code;
+    (void)state;
+    open_rig(&r, RACK(DOWNLOAD, ""), PREOP);
+    configure(&r);
+    wire_go(&r.wire, 0, OP);
+    assert_true(plug(&r, 1, IN));
+    wire_advance(&r.wire, 10000000);
+    assert_int_equal(al(&r, &code), OP);
+    close_rig(&r);
+}
+
+static void values(void **state)
+{
+    rig_t r;
+    (void)state;
+    open_rig(&r, RACK(DOWNLOAD, ""), PREOP);
+    assert_true(plug(&r, 2, IN));
+    set(&r, "p_2.a", "7");
+    set(&r, "p.a", "5");
+    assert_true(plug(&r, 3, IN));
+    assert_int_equal(read_number(&r, 0x6000, 1), 5);
+    assert_int_equal(read_number(&r, 0x6010, 1), 7);
+    assert_true(plug(&r, 2, OUT));
+    assert_true(plug(&r, 2, IN)); /* another one of that kind: with its default */
+    assert_int_equal(read_number(&r, 0x6000, 1), 5);
+    assert_int_equal(read_number(&r, 0x6010, 1), 0);
+    close_rig(&r);
+}
+
+/* A reference that a client keeps never reaches the value of another module. */
+static void references(void **state)
+{
+    rig_t r;
+    ect_signal_ref_t ref;
+    char message[ECT_SIGNAL_MESSAGE];
+    (void)state;
+    open_rig(&r, RACK(DOWNLOAD, ""), PREOP);
+    assert_true(ect_chain_signal(r.wire.chain, 0, "p.a", &ref));
+    assert_true(plug(&r, 1, OUT));
+    assert_true(ect_signal_write(&ref, "99", r.wire.now_ns, message));
+    assert_int_equal(read_number(&r, 0x7000, 1), 0);
+    close_rig(&r);
+}
+
+static void power_cycle(void **state)
+{
+    rig_t r;
+    (void)state;
+    open_rig(&r, RACK(DOWNLOAD, ""), PREOP);
+    assert_true(plug(&r, 2, OUT));
+    assert_int_equal(write_number(&r, 1, OUT, 4), 0);
+    ect_chain_power_cycle(r.wire.chain, r.wire.now_ns);
+    wire_poll(&r.wire);
+    wire_assign_stations(&r.wire);
+    wire_configure_mailbox(&r.wire, 0);
+    wire_go(&r.wire, 0, PREOP);
+    assert_int_equal(read_number(&r, 0xF030, 1), 0);
+    assert_int_equal(read_number(&r, 0xF050, 2), OUT);
+    expect_pdos(&r, "after a power cycle", (const uint16_t[4]){0x1601}, (const uint16_t[4]){0x1A00});
+    close_rig(&r);
+}
+
+static void strict(void **state)
+{
+    static const struct {
+        uint8_t subindex;
+        uint32_t ident, tolerant, strict;
+    } rows[] = {{1, IN, 0, 0},
+                {1, OUT, 0, 0x06090033},
+                {2, OUT, 0, 0x06090033},
+                {1, 0, 0, 0},
+                {1, OTHER, 0x06090030, 0x06090030}};
+    (void)state;
+    for (unsigned int on = 0; on < 2; on++) {
+        rig_t r;
+        open_rig(&r, RACK(DOWNLOAD, ""), PREOP);
+        set(&r, "modules.strict", on != 0 ? "1" : "0");
+        for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+            const uint32_t code = write_number(&r, rows[i].subindex, rows[i].ident, 4);
+            if (code != (on != 0 ? rows[i].strict : rows[i].tolerant))
+                fail_msg("strict %u, row %zu: abort code %08X", on, i, (unsigned int)code);
+        }
+        close_rig(&r);
+    }
+}
+
+/* One request of a master; index 0: the AL state in `value`. */
+typedef struct step {
+    uint16_t index;
+    uint8_t subindex, size;
+    uint32_t value;
+} step_t;
+
+#define COUNT(index, count)   {index, 0, 1, count}
+#define IDENT(slot, ident)    {0xF030, slot, 4, ident}
+#define ASSIGN(index, n, pdo) {index, n, 2, pdo}
+#define ENTER(state)          {.value = (state)}
+#define READ(index, n)        {index, n, 0, 0}
+#define ASSIGNED                                                                                                       \
+    COUNT(0x1C12, 0), COUNT(0x1C13, 0), ASSIGN(0x1C12, 1, 0x1601), ASSIGN(0x1C13, 1, 0x1A00),                          \
+        ASSIGN(0x1C13, 2, 0x1A03), COUNT(0x1C12, 1), COUNT(0x1C13, 2)
+#define IDENTS IDENT(1, IN), IDENT(2, OUT), IDENT(3, 0), IDENT(4, IN)
+
+/* The order of requests of masters for modular devices: linuxcnc-ethercat over the IgH master, which configures a slave
+ * again from INIT; its driver for couplers that copies the detected modules; the IgH tool by hand; commands of a
+ * network file. The modules are IN, OUT, none, IN. */
+static const struct {
+    const char *master;
+    step_t steps[28];
+} sequences[] = {
+    {"idents, count, the state machine from INIT, assignments",
+     {IDENTS, COUNT(0xF030, 4), ENTER(INIT), ENTER(PREOP), IDENTS, COUNT(0xF030, 4), ASSIGNED, ENTER(SAFEOP),
+      ENTER(OP)}},
+    {"the detected idents are read and copied, assignments",
+     {READ(0xF050, 0), READ(0xF050, 1), READ(0xF050, 2), READ(0xF050, 3), READ(0xF050, 4), IDENTS, ASSIGNED,
+      ENTER(SAFEOP), ENTER(OP)}},
+    {"assignments before the idents, which replace them",
+     {COUNT(0x1C12, 0), COUNT(0x1C13, 0), ASSIGN(0x1C13, 1, 0x1A03), COUNT(0x1C13, 1), COUNT(0xF030, 0), IDENTS,
+      COUNT(0xF030, 4), ENTER(SAFEOP), ENTER(OP)}},
+    {"count 0, idents, count, no assignments", {COUNT(0xF030, 0), IDENTS, COUNT(0xF030, 4), ENTER(SAFEOP), ENTER(OP)}},
+    {"no idents at all, the present mapping", {READ(0x1C12, 0), READ(0x1C13, 0), ENTER(SAFEOP), ENTER(OP)}},
+};
+
+static void play_step(rig_t *r, const char *master, size_t n, const step_t *step)
+{
+    uint8_t bytes[4];
+    ect_store_le32(bytes, step->value);
+    if (step->index == 0 && step->value == SAFEOP)
+        configure(r);
+    if (step->index == 0)
+        wire_go(&r->wire, 0, (uint8_t)step->value);
+    else if (step->size == 0)
+        (void)read_number(r, step->index, step->subindex);
+    else {
+        const uint32_t code = wire_sdo_download(&r->wire, 0, step->index, step->subindex, false, bytes, step->size);
+        if (code != 0)
+            fail_msg("%s: step %zu, %04X:%u: abort code %08X", master, n, step->index, step->subindex,
+                     (unsigned int)code);
+    }
+}
+
+static void masters(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof sequences / sizeof sequences[0]; i++) {
+        const step_t *steps = sequences[i].steps;
+        rig_t r;
+        open_rig(&r, MANY_SLOTS, PREOP);
+        assert_true(plug(&r, 2, OUT) && plug(&r, 3, 0));
+        for (size_t n = 0; steps[n].index != 0 || steps[n].value != 0; n++)
+            play_step(&r, sequences[i].master, n, &steps[n]);
+        expect_pdos(&r, sequences[i].master, (const uint16_t[4]){0x1601}, (const uint16_t[4]){0x1A00, 0x1A03});
+        assert_int_equal(wire_read8(&r.wire, 0, 0x0130), OP);
+        close_rig(&r);
+    }
+}
+
+/* More sets of modules than a device has: the last one stays, and the device does not leave PREOP with it. */
+static void too_many(void **state)
+{
+    static const uint32_t kinds[] = {0, IN, OUT};
+    rig_t r;
+    uint16_t code;
+    (void)state;
+    open_rig(&r, MANY_SLOTS, PREOP);
+    for (unsigned int i = 0; i < 81; i++) {
+        unsigned int rest = i;
+        for (unsigned int slot = 1; slot <= 4; slot++, rest /= 3)
+            assert_true(plug(&r, slot, kinds[rest % 3]));
+    }
+    configure(&r);
+    assert_int_equal(wire_al(&r.wire, 0, SAFEOP, &code), PREOP | 0x10);
+    assert_int_equal(code, 0x0070);
+    assert_int_equal(wire_al(&r.wire, 0, PREOP | 0x10, &code), PREOP);
+    for (unsigned int slot = 1; slot <= 4; slot++)
+        assert_true(plug(&r, slot, IN)); /* the first set */
+    configure(&r);
+    wire_go(&r.wire, 0, OP);
+    close_rig(&r);
+}
+
+static void addresses(void **state)
+{
+    static const struct {
+        uint16_t index;
+        uint8_t subindex;
+        uint32_t value;
+    } rows[] = {{0xF020, 0, 3}, {0xF020, 1, 0},          {0xF040, 1, 1}, {0xF040, 2, 0},
+                {0xF010, 0, 3}, {0xF010, 1, 0x00050191}, {0xF010, 2, 0}};
+    rig_t r;
+    uint16_t code;
+    uint8_t address[2] = {2, 0};
+    (void)state;
+    open_rig(&r, RACK("DownloadModuleAddressList='1'", ""), PREOP);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        assert_int_equal(read_number(&r, rows[i].index, rows[i].subindex), rows[i].value);
+    assert_int_equal(abort_of(&r, 0xF030, 0), NO_OBJECT);
+    configure(&r);
+    assert_int_equal(wire_sdo_download(&r.wire, 0, 0xF020, 1, false, address, 2), 0);
+    assert_int_equal(wire_al(&r.wire, 0, SAFEOP, &code), PREOP | 0x10);
+    assert_int_equal(code, 0x0070);
+    assert_int_equal(wire_al(&r.wire, 0, PREOP | 0x10, &code), PREOP);
+    address[0] = 1;
+    assert_int_equal(wire_sdo_download(&r.wire, 0, 0xF020, 1, false, address, 2), 0);
+    wire_go(&r.wire, 0, SAFEOP);
+    close_rig(&r);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"MDP-009 MDP-011: a module inserted in PREOP brings its objects and PDOs, one removed takes them away",
+         inserted, NULL, NULL, NULL},
+        {"MDP-015: a slot refuses a module that it does not take", refused, NULL, NULL, NULL},
+        {"MDP-009 MDP-016: F030h changes objects, PDOs and assignments at once; F050h has the modules in the slots",
+         by_the_master, NULL, NULL, NULL},
+        {"MDP-009 MDP-010: SAFEOP requested right after F030h is checked with the new mapping", without_another_request,
+         NULL, NULL, NULL},
+        {"MDP-020: a module pulled in OP ends it as the user chooses; the dictionary follows below SAFEOP",
+         pulled_in_op, NULL, NULL, NULL},
+        {"MDP-020: a module replaced by one of the same ident changes nothing", same_module, NULL, NULL, NULL},
+        {"MDP-009: values of other modules stay, a new module has its defaults", values, NULL, NULL, NULL},
+        {"a reference to a signal does not reach the values of another module", references, NULL, NULL, NULL},
+        {"MDP-003: a power cycle empties F030h, the modules stay in their slots", power_cycle, NULL, NULL, NULL},
+        {"MDP-005 MDP-006: a strict device refuses idents unlike F050h with 06090033h", strict, NULL, NULL, NULL},
+        {"MDP-004 MDP-009 MDP-010: the sequences of masters for modular devices lead to OP", masters, NULL, NULL, NULL},
+        {"MDP-007: a set of modules that cannot be built is refused at SAFEOP", too_many, NULL, NULL, NULL},
+        {"MDP-016: F020h and F040h of a file whose addresses are downloaded; F010h", addresses, NULL, NULL, NULL},
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("ESI: modules that change", tests, NULL, NULL);
+}
