@@ -7,6 +7,7 @@
 #include "eni/internal.h"
 #include "esc/route.h"
 #include "esi/single.h"
+#include "od/pdo.h"
 #include "wire/bytes.h"
 #include "wire/registers.h"
 
@@ -23,6 +24,7 @@ enum {
     PDO_ASSIGNMENT = 0x1C10,
     PDO_ASSIGNMENT_END = 0x1C30,
     RXPDO = 0x1600,
+    TXPDO = 0x1A00,
     TXPDO_END = 0x1C00,
 };
 
@@ -98,6 +100,45 @@ static bool sm_of_mailbox(const maker_t *m, unsigned int n, ect_esi_sm_t *sm)
     return true;
 }
 
+/* @return PDO `n`, from 0, that a start-up command assigns; 0: none */
+static uint16_t assigned(const ect_eni_coe_t *command, size_t n)
+{
+    const bool to_assignment =
+        command->download && command->index >= PDO_ASSIGNMENT && command->index < PDO_ASSIGNMENT_END;
+    const size_t at = command->complete ? (command->subindex == 0 ? 2u : 0u) + 2 * n : 2 * n;
+    if (!to_assignment || (!command->complete && (command->subindex == 0 || n > 0)) || at + 2 > command->data.length)
+        return 0;
+    return ect_load_le16(command->data.bytes + at);
+}
+
+static bool is_output(uint16_t pdo)
+{
+    return pdo < TXPDO;
+}
+
+/* A SyncManager that the file only assigns PDOs to, behind the mailboxes. @return false: none */
+static bool sm_of_assignment(const maker_t *m, unsigned int n, ect_esi_sm_t *sm)
+{
+    enum { ALIGNMENT = 0x100, ROOM = 0x400, OUTPUTS = 0x64, INPUTS = 0x20 };
+    const ect_eni_mailbox_t *mailbox = &m->slave->mailbox;
+    const unsigned int send_end = (unsigned int)mailbox->send.start + mailbox->send.length;
+    const unsigned int receive_end = (unsigned int)mailbox->receive.start + mailbox->receive.length;
+    const unsigned int end = send_end > receive_end ? send_end : receive_end;
+    for (size_t i = 0; n >= 2 && i < mailbox->command_count; i++) {
+        const ect_eni_coe_t *command = &mailbox->commands[i];
+        const uint16_t pdo = assigned(command, 0);
+        if (pdo == 0 || command->index != PDO_ASSIGNMENT + n)
+            continue;
+        sm->start = (uint16_t)((end + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT + (n - 2) * ROOM);
+        sm->size = (ect_esi_number_t){.given = true};
+        sm->type = is_output(pdo) ? "Outputs" : "Inputs";
+        sm->control = is_output(pdo) ? OUTPUTS : INPUTS;
+        sm->line = command->line;
+        return true;
+    }
+    return false;
+}
+
 static void make_sms(const maker_t *m)
 {
     ect_esi_sm_t *sms = ect_arena_alloc(m->arena, SMS * sizeof *sms);
@@ -107,7 +148,7 @@ static void make_sms(const maker_t *m)
         if (known)
             sm_of_file(m, n, &sms[n]);
         else
-            known = sm_of_command(m, n, &sms[n]) || sm_of_mailbox(m, n, &sms[n]);
+            known = sm_of_command(m, n, &sms[n]) || sm_of_mailbox(m, n, &sms[n]) || sm_of_assignment(m, n, &sms[n]);
         m->device->sm_count = known ? n + 1 : m->device->sm_count;
     }
     m->device->sms = sms;
@@ -153,6 +194,35 @@ static void copy_pdo(const maker_t *m, const ect_esi_pdo_t *from)
         pdo->sm = -1;
 }
 
+static bool has_pdo(const maker_t *m, uint16_t index)
+{
+    for (size_t i = 0; i < m->device->pdo_count; i++) {
+        if (m->device->pdos[i].index == index)
+            return true;
+    }
+    return false;
+}
+
+/* PDOs that start-up commands assign and the file does not describe: without entries. */
+static void add_assigned(const maker_t *m)
+{
+    for (size_t i = 0; i < m->slave->mailbox.command_count; i++) {
+        const ect_eni_coe_t *command = &m->slave->mailbox.commands[i];
+        uint16_t index;
+        for (size_t n = 0; (index = assigned(command, n)) != 0; n++) {
+            if ((!ect_od_is_rxpdo(index) && !ect_od_is_txpdo(index)) || has_pdo(m, index))
+                continue;
+            *ect_esi_append_pdo(m->arena, m->device) =
+                (ect_esi_pdo_t){.index = index,
+                                .name = ect_arena_print(m->arena, "PDO %04X", (unsigned int)index),
+                                .tx = !is_output(index),
+                                .sm = -1,
+                                .samples = 1,
+                                .line = command->line};
+        }
+    }
+}
+
 static void make_fmmus(const maker_t *m)
 {
     const char **fmmus = ect_arena_alloc(m->arena, 3 * sizeof *fmmus);
@@ -167,9 +237,20 @@ static void make_fmmus(const maker_t *m)
 
 /* --- mailbox ------------------------------------------------------------------------------------------------------ */
 
-static const char *transitions_of(unsigned int bits)
+/* ESI files have no PP and SS. */
+static const char *transitions_of(const maker_t *m, unsigned int bits)
 {
-    return (bits & ECT_ENI_IP) != 0 ? "IP PS SO" : (bits & ECT_ENI_PS) != 0 ? "PS SO" : "SO";
+    static const struct {
+        unsigned int bit;
+        const char *name;
+    } known[] = {{ECT_ENI_IP, "IP"}, {ECT_ENI_PS, "PS"}, {ECT_ENI_SO, "SO"},
+                 {ECT_ENI_SP, "SP"}, {ECT_ENI_OP, "OP"}, {ECT_ENI_OS, "OS"}};
+    const char *text = "";
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
+        if ((bits & known[i].bit) != 0)
+            text = ect_arena_print(m->arena, "%s%s%s", text, *text != '\0' ? " " : "", known[i].name);
+    }
+    return text;
 }
 
 static void copy_inits(const maker_t *m)
@@ -183,16 +264,16 @@ static void copy_inits(const maker_t *m)
         mailbox->pdo_assign |= command->download && index >= PDO_ASSIGNMENT && index < PDO_ASSIGNMENT_END;
         mailbox->pdo_config |= command->download && index >= RXPDO && index < TXPDO_END;
         mailbox->complete_access |= command->complete;
-        if (!command->download)
-            continue;
         uint8_t *bytes = ect_arena_alloc(m->arena, command->data.length);
-        memcpy(bytes, command->data.bytes, command->data.length);
-        inits[mailbox->init_count] = (ect_esi_init_t){.transitions = transitions_of(command->transitions),
+        if (command->data.length > 0)
+            memcpy(bytes, command->data.bytes, command->data.length);
+        inits[mailbox->init_count] = (ect_esi_init_t){.transitions = transitions_of(m, command->transitions),
                                                       .index = index,
                                                       .subindex = command->subindex,
                                                       .complete = command->complete,
                                                       .comment = command->comment,
                                                       .disabled = command->disabled,
+                                                      .upload = !command->download,
                                                       .data = {.bytes = bytes, .length = command->data.length},
                                                       .line = command->line};
         copy_text(m, &inits[mailbox->init_count++].comment);
@@ -279,6 +360,7 @@ ect_esi_t *ect_eni_device(const ect_eni_t *eni, size_t i, char *text, size_t roo
     make_sms(&m);
     for (size_t k = 0; k < m.slave->pdo_count; k++)
         copy_pdo(&m, &m.slave->pdos[k]);
+    add_assigned(&m);
     make_fmmus(&m);
     make_mailbox(&m);
     make_clock(&m);

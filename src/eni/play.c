@@ -133,6 +133,83 @@ static void play_mails(ect_eni_player_t *p, size_t slave, unsigned int transitio
     }
 }
 
+/* --- slaves without register commands ------------------------------------------------------------------------------
+ */
+
+static bool write_registers(ect_eni_player_t *p, uint8_t command, uint16_t address, uint16_t at, const uint8_t *bytes,
+                            uint16_t length)
+{
+    const uint8_t *reply;
+    const eni_datagram_t write = {
+        .command = command, .address = address | (uint32_t)at << 16, .length = length, .data = bytes};
+    return eni_exchange(p, &write, &reply) == 1;
+}
+
+/* @return AL status, and its code in the upper half; 0: no reply */
+static uint32_t al_status(ect_eni_player_t *p, uint16_t address)
+{
+    enum { STATUS_AND_CODE = 6 };
+    static const uint8_t zeros[STATUS_AND_CODE];
+    const eni_datagram_t read = {.command = ECT_FPRD,
+                                 .address = address | (uint32_t)ECT_REG_AL_STATUS << 16,
+                                 .length = STATUS_AND_CODE,
+                                 .data = zeros};
+    const uint8_t *reply;
+    return eni_exchange(p, &read, &reply) == 1 ? ect_load_le16(reply) | (uint32_t)ect_load_le16(reply + 4) << 16 : 0;
+}
+
+static void put_mailbox(uint8_t sm[8], const ect_eni_box_t *box, uint8_t control)
+{
+    memset(sm, 0, 8);
+    ect_store_le16(sm, box->start);
+    ect_store_le16(sm + 2, box->length);
+    sm[4] = control;
+    sm[6] = 1;
+}
+
+/* A file may have CoE commands and no others: its master itself brings the slave to PREOP, with the mailbox of the
+ * file.
+ */
+static void start_slave(ect_eni_player_t *p, size_t i)
+{
+    enum { MAILBOX_OUT = 0x26, MAILBOX_IN = 0x22, PREOP = 2, STATE = 0x1F, WAITS = 1000 };
+    const ect_eni_slave_t *slave = &ect_eni_network(p->eni)->slaves[i];
+    const uint16_t station = eni_station(slave, i);
+    uint8_t address[2], sms[16], request[2] = {PREOP, 0};
+    uint32_t status = 0;
+    ect_store_le16(address, station);
+    put_mailbox(sms, &slave->mailbox.send, MAILBOX_OUT);
+    put_mailbox(sms + 8, &slave->mailbox.receive, MAILBOX_IN);
+    if (!write_registers(p, ECT_APWR, (uint16_t)(0u - i), ECT_REG_STATION_ADDRESS, address, sizeof address) ||
+        !write_registers(p, ECT_FPWR, station, ECT_REG_SM, sms, sizeof sms) ||
+        !write_registers(p, ECT_FPWR, station, ECT_REG_AL_CONTROL, request, sizeof request)) {
+        eni_report(p, slave->line, "slave %zu does not reply", i + 1);
+        return;
+    }
+    for (unsigned int n = 0; n < WAITS && (status & STATE) != PREOP; n++) {
+        eni_wait(p);
+        status = al_status(p, station);
+        if ((status & STATE) > PREOP)
+            break;
+    }
+    if ((status & STATE) != PREOP)
+        eni_report(p, slave->line,
+                   "slave %zu does not enter PREOP with the mailbox of the file: AL status 0x%04X, code "
+                   "0x%04X",
+                   i + 1, (unsigned int)(status & UINT16_MAX), (unsigned int)(status >> 16));
+}
+
+static void start_slaves(ect_eni_player_t *p)
+{
+    const ect_eni_network_t *network = ect_eni_network(p->eni);
+    for (size_t i = 0; i < network->slave_count; i++) {
+        const ect_eni_slave_t *slave = &network->slaves[i];
+        if (slave->command_count == 0 && slave->mailbox.command_count > 0 && slave->mailbox.send.length > 0 &&
+            slave->mailbox.receive.length > 0)
+            start_slave(p, i);
+    }
+}
+
 static void play_transition(ect_eni_player_t *p, unsigned int transition)
 {
     const ect_eni_network_t *network = ect_eni_network(p->eni);
@@ -143,6 +220,8 @@ static void play_transition(ect_eni_player_t *p, unsigned int transition)
         play_commands(p, network->slaves[i].commands, network->slaves[i].command_count, transition);
     }
     play_master(p, transition, false);
+    if (transition == ECT_ENI_IP)
+        start_slaves(p);
     for (size_t i = 0; transition == ECT_ENI_IP && i < network->slave_count; i++)
         play_mails(p, i, transition);
 }

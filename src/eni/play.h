@@ -11,7 +11,8 @@
  * Each transition sends the commands of the master with `BeforeSlave`, the commands of the slaves in the order of the
  * file, and the other commands of the master. CoE commands of a slave precede its other commands, except at the
  * transition to PREOP, which has no mailbox yet: there they follow the commands of all slaves. Commands of other
- * mailbox protocols are not sent. Output data are those of the file, zeros.
+ * mailbox protocols are not sent. A slave with CoE commands and no others is brought to PREOP by the player, with the
+ * mailbox of the file, and stays there. Output data are those of the file, zeros.
  * The start time of SYNC signals (0990h) is that of the file plus the slave's system time.
  *
  * Host only. Context: mainline. Clauses: ETG.2100.

@@ -44,7 +44,7 @@ static void send_mail(transfer_t *t, size_t length)
     ect_eni_player_t *p = t->p;
     const ect_eni_box_t *box = &t->slave->mailbox.send;
     const eni_datagram_t write = {.command = ECT_FPWR,
-                                  .address = t->slave->address | (uint32_t)box->start << 16,
+                                  .address = eni_station(t->slave, t->number - 1) | (uint32_t)box->start << 16,
                                   .length = box->length,
                                   .data = p->mail};
     const uint8_t *reply;
@@ -68,7 +68,7 @@ static const uint8_t *receive_mail(transfer_t *t)
     static const uint8_t zeros[ECT_ENI_DATA];
     const ect_eni_box_t *box = &t->slave->mailbox.receive;
     const eni_datagram_t read = {.command = ECT_FPRD,
-                                 .address = t->slave->address | (uint32_t)box->start << 16,
+                                 .address = eni_station(t->slave, t->number - 1) | (uint32_t)box->start << 16,
                                  .length = box->length,
                                  .data = zeros};
     const uint32_t most = t->command->timeout_ms > 0 ? eni_bounded_timeout(t->command->timeout_ms) : TIMEOUT_MS;

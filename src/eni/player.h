@@ -36,6 +36,13 @@ static inline eni_datagram_t eni_datagram_of(const ect_eni_command_t *command)
                             .data = command->data.bytes};
 }
 
+/** Station address of slave `i`, from 0: that of the file, else one by its position. */
+static inline uint16_t eni_station(const ect_eni_slave_t *slave, size_t i)
+{
+    enum { FIRST = 0x1001 };
+    return slave->address != 0 ? slave->address : (uint16_t)(FIRST + i);
+}
+
 static inline uint32_t eni_bounded_timeout(uint32_t timeout_ms)
 {
     return timeout_ms < ECT_ENI_MAX_TIMEOUT ? timeout_ms : ECT_ENI_MAX_TIMEOUT;

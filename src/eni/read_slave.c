@@ -5,6 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "esc/route.h"
+#include "wire/registers.h"
+
 enum { PORT_A = 'A', PORT_D = 'D' };
 
 /* An identity: xs:int in the schema, so a large one may be negative. */
@@ -170,6 +173,25 @@ static void read_previous(ect_esi_xml_t *xml, const xmlNode *parent, ect_eni_pre
         previous->port = (uint8_t)(port[0] - PORT_A);
 }
 
+/* A slave without Identification may have the commands by which the master finds it: the value that one of them expects
+ * in the alias (0012h) or in AL status code (0134h). */
+static void read_identify(ect_esi_xml_t *xml, const xmlNode *hot, ect_eni_slave_t *slave)
+{
+    ECT_ESI_EACH(node, hot, "IdentifyCmd")
+    {
+        ect_eni_command_t command = {.counter = -1};
+        ect_eni_read_command(xml, node, &command);
+        const ect_esi_bytes_t *data = &command.validate.data;
+        const bool reads = command.command == ECT_APRD || command.command == ECT_FPRD || command.command == ECT_BRD;
+        const bool of_identity = command.ado == ECT_REG_STATION_ALIAS || command.ado == ECT_REG_AL_STATUS_CODE;
+        if (!reads || !of_identity || data->length == 0 || slave->identification.given)
+            continue;
+        slave->identification.given = true;
+        slave->identification.value = data->bytes[0] | (data->length > 1 ? data->bytes[1] << 8 : 0);
+        slave->identification_ado = command.ado;
+    }
+}
+
 void ect_eni_read_slave(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_slave_t *slave)
 {
     const xmlNode *info = ect_esi_child(node, "Info"), *clock = ect_esi_child(node, "DC");
@@ -187,6 +209,8 @@ void ect_eni_read_slave(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_slave_t
     read_previous(xml, node, &slave->previous);
     slave->group = hot != NULL ? ect_esi_name(xml, hot, "GroupName") : NULL;
     slave->members = (unsigned int)ect_esi_number(xml, hot, "GroupMemberCnt", 1, ECT_ENI_SLAVES, 1);
+    if (hot != NULL)
+        read_identify(xml, hot, slave);
     slave->clocked = clock != NULL;
     slave->cycle0_ns = ect_esi_number(xml, clock, "CycleTime0", INT32_MIN, UINT32_MAX, 0);
     slave->cycle1_ns = ect_esi_number(xml, clock, "CycleTime1", INT32_MIN, UINT32_MAX, 0);

@@ -22,6 +22,7 @@ enum {
     MAILBOX_TIMEOUT_MS = 2000,
     POLL_MS = 10,
     CCS_DOWNLOAD = 1,
+    CCS_UPLOAD = 2,
     NS_PER_US = 1000
 };
 
@@ -397,10 +398,11 @@ static void write_coe(const slave_t *s)
         if (command->comment != NULL)
             ect_xml_text(xml, "Comment", command->comment);
         ect_xml_number(xml, "Timeout", MAILBOX_TIMEOUT_MS);
-        ect_xml_number(xml, "Ccs", CCS_DOWNLOAD);
+        ect_xml_number(xml, "Ccs", command->upload ? CCS_UPLOAD : CCS_DOWNLOAD);
         ect_xml_number(xml, "Index", command->index);
         ect_xml_number(xml, "SubIndex", command->subindex);
-        ect_xml_bytes(xml, "Data", adapted(s, command, room), command->size);
+        if (!command->upload)
+            ect_xml_bytes(xml, "Data", adapted(s, command, room), command->size);
         if (command->disabled)
             ect_xml_number(xml, "Disabled", 1);
         ect_xml_close(xml);

@@ -271,6 +271,39 @@ static void ENI_019_a_write_of_the_activation_makes_the_clock(void **state)
     }
 }
 
+/* Commands by which a master finds a slave of a hot-connect group. */
+static void ENI_021_IdentifyCmd_is_the_alias_of_a_slave_without_Identification(void **state)
+{
+#define IDENTIFY(cmd, ado, data)                                                                                       \
+    "<IdentifyCmd><Cmd>" cmd "</Cmd><Adp>0</Adp><Ado>" ado "</Ado><DataLength>2</DataLength><Cnt>1</Cnt><Validate>"    \
+    "<Data>" data "</Data><Timeout>100</Timeout></Validate></IdentifyCmd>"
+#define HOT(commands) "<HotConnect><GroupName>G</GroupName><GroupMemberCnt>1</GroupMemberCnt>" commands "</HotConnect>"
+    static const struct {
+        const char *title, *text;
+        unsigned int alias, ado;
+    } rows[] = {
+        {"the alias", ENI_ONE("", HOT(IDENTIFY("1", "18", "1700"))), 23, 0x0012},
+        {"the identification in AL status code", ENI_ONE("", HOT(IDENTIFY("1", "308", "2a01"))), 298, 0x0134},
+        {"one byte", ENI_ONE("", HOT(IDENTIFY("4", "18", "17"))), 23, 0x0012},
+        {"the first of two", ENI_ONE("", HOT(IDENTIFY("1", "18", "0100") IDENTIFY("1", "308", "0200"))), 1, 0x0012},
+        {"Identification comes first",
+         ENI_ONE("<Identification Value='5'><Ado>18</Ado></Identification>", HOT(IDENTIFY("1", "18", "1700"))), 5,
+         0x0012},
+        {"a write is none", ENI_ONE("", HOT(IDENTIFY("2", "18", "1700"))), 0, 0},
+        {"another register is none", ENI_ONE("", HOT(IDENTIFY("1", "304", "0100"))), 0, 0},
+        {"no commands", ENI_ONE("", HOT("")), 0, 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_eni_t *eni = eni_of(rows[i].title, rows[i].text);
+        const ect_eni_slave_t *slave = slave_of(eni, 0);
+        if (ect_eni_alias(slave) != rows[i].alias || slave->identification_ado != rows[i].ado)
+            fail_msg("%s: expected %u at %04X, got %u at %04X", rows[i].title, rows[i].alias, rows[i].ado,
+                     ect_eni_alias(slave), slave->identification_ado);
+        ect_eni_close(eni);
+    }
+}
+
 static void ENI_021_the_identification_has_the_register_that_the_file_names(void **state)
 {
     static const struct {
@@ -310,6 +343,7 @@ int main(void)
         cmocka_unit_test(ENI_014_a_pdo_belongs_to_the_sync_manager_that_lists_it),
         cmocka_unit_test(a_boot_mailbox_and_an_explicit_device_id_are_taken_over),
         cmocka_unit_test(ENI_019_a_write_of_the_activation_makes_the_clock),
+        cmocka_unit_test(ENI_021_IdentifyCmd_is_the_alias_of_a_slave_without_Identification),
         cmocka_unit_test(ENI_021_the_identification_has_the_register_that_the_file_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

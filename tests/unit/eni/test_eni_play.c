@@ -9,12 +9,12 @@ enum { TEXT = 1 << 16 };
 
 static const char *const machine_words[] = {"--quiet", "eni:" ENI_FILES "/machine.xml"};
 
-/* The file of the machine, with one text replaced. NULL: as it is */
-static ect_eni_t *machine_with(const char *from, const char *to)
+/* A file, with one text replaced. NULL: as it is */
+static ect_eni_t *file_with(const char *path, const char *from, const char *to)
 {
     static char file[TEXT], changed[3 * TEXT];
     char why[400] = "";
-    FILE *in = fopen(ENI_FILES "/machine.xml", "re");
+    FILE *in = fopen(path, "re");
     assert_non_null(in);
     file[fread(file, 1, sizeof file - 1, in)] = '\0';
     (void)fclose(in);
@@ -27,6 +27,11 @@ static ect_eni_t *machine_with(const char *from, const char *to)
     if (eni == NULL)
         fail_msg("%s", why);
     return eni;
+}
+
+static ect_eni_t *machine_with(const char *from, const char *to)
+{
+    return file_with(ENI_FILES "/machine.xml", from, to);
 }
 
 static void CF_N02_the_commands_of_a_file_bring_its_bus_to_OP_with_every_counter_as_expected(void **state)
@@ -324,7 +329,11 @@ static void each_slave_gets_mails_with_counters_of_its_own(void **state)
 #define UPLOAD(transition) "<InitCmd><Transition>" transition "</Transition><Index>4096</Index></InitCmd>"
 #define BOXES(commands)                                                                                                \
     "<Mailbox><Send><Start>4096</Start><Length>64</Length></Send><Recv><Start>4160</Start><Length>64</Length></Recv>"  \
-    "<CoE>" commands "</CoE></Mailbox>"
+    "<CoE>" commands "</CoE></Mailbox>" NOTHING
+/* A register command: the file starts the slave. */
+#define NOTHING                                                                                                        \
+    "<InitCmds><InitCmd><Transition>IP</Transition><Cmd>4</Cmd><Adp>1001</Adp><Ado>0</Ado><DataLength>8</"             \
+    "DataLength></InitCmd></InitCmds>"
     static const char text[] = ENI_HEAD ENI_SLAVE("<PhysAddr>1001</PhysAddr>", BOXES(UPLOAD("IP") UPLOAD("PS")))
         ENI_SLAVE("<PhysAddr>1002</PhysAddr>",
                   BOXES(UPLOAD("IP") UPLOAD("IP") UPLOAD("IP") UPLOAD("IP") UPLOAD("IP") UPLOAD("IP"))) ENI_TAIL;
@@ -393,6 +402,50 @@ static void ENI_015_a_long_value_is_sent_in_mails_that_fit_the_mailbox(void **st
     }
 }
 
+static const struct {
+    const char *title, *from, *to;
+    const char *line; /* NULL: OP is reached without a line */
+} starts[] = {
+    {"as it is", NULL, NULL, NULL},
+    {"another mailbox than that of the slave", "<Start>0x1000</Start><Length>64<", "<Start>0x1000</Start><Length>62<",
+     "slave 1 does not enter PREOP with the mailbox of the file: AL status 0x0011, code 0x0016\n"},
+    {"a PDO that does not exist", "<Data>041a</Data>", "<Data>051a</Data>", "slave 1, 1C13:2: abort code 0x06020000\n"},
+    {"an upload of an object that does not exist", "<Index>0x1018</Index>", "<Index>0x1017</Index>",
+     "slave 2, 1017:1: abort code 0x06020000\n"},
+};
+
+static void ENI_024_a_slave_with_CoE_commands_alone_is_brought_to_PREOP_by_the_player(void **state)
+{
+    static const char *const words[] = {"--quiet", "eni:" ENI_FILES "/coe.xml"};
+    (void)state;
+    for (size_t i = 0; i < sizeof starts / sizeof starts[0]; i++) {
+        bus_of_twins_t b;
+        bus_open(&b, 2, words);
+        ect_eni_t *eni = file_with(ENI_FILES "/coe.xml", starts[i].from, starts[i].to);
+        ect_eni_player_t player = {.eni = eni, .wire = &b.wire};
+        const bool fine = ect_eni_play(&player, ECT_ENI_OPERATIONAL);
+        if (fine != (starts[i].line == NULL) || (starts[i].line != NULL && strstr(b.lines, starts[i].line) == NULL))
+            fail_msg("%s: expected \"%s\", got state %u and \"%s\"", starts[i].title,
+                     starts[i].line != NULL ? starts[i].line : "", player.state, b.lines);
+        ect_eni_close(eni);
+        ectwin_bus_close(b.bus);
+    }
+}
+
+static void ENI_024_a_slave_that_is_not_there_is_named(void **state)
+{
+    static const char *const words[] = {"--quiet", "fzm1"};
+    bus_of_twins_t b;
+    (void)state;
+    bus_open(&b, 2, words);
+    ect_eni_t *eni = file_with(ENI_FILES "/coe.xml", NULL, NULL);
+    ect_eni_player_t player = {.eni = eni, .wire = &b.wire};
+    assert_false(ect_eni_play(&player, ECT_ENI_PREOP));
+    assert_non_null(strstr(b.lines, "slave 2 does not reply\n"));
+    ect_eni_close(eni);
+    ectwin_bus_close(b.bus);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -402,6 +455,8 @@ int main(void)
         cmocka_unit_test(ENI_016_a_cyclic_command_with_another_counter_is_named),
         cmocka_unit_test(ENI_005_every_comparison_of_Validate_decides_with_mask_and_sign),
         cmocka_unit_test(ENI_022_a_command_is_repeated_until_its_Timeout_and_a_minute_at_most),
+        cmocka_unit_test(ENI_024_a_slave_with_CoE_commands_alone_is_brought_to_PREOP_by_the_player),
+        cmocka_unit_test(ENI_024_a_slave_that_is_not_there_is_named),
         cmocka_unit_test(each_slave_gets_mails_with_counters_of_its_own),
         cmocka_unit_test(emergencies_before_a_reply_are_skipped),
         cmocka_unit_test(ENI_015_a_long_value_is_sent_in_mails_that_fit_the_mailbox),

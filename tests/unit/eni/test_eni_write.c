@@ -485,6 +485,39 @@ static void ENI_007_a_disabled_command_stays_disabled(void **state)
     drop(&w);
 }
 
+static void ENI_006_uploads_and_transitions_come_back(void **state)
+{
+    char why[400] = "";
+    static const uint8_t value[2] = {1, 2};
+    static const ect_init_command_t commands[] = {
+        {.transitions = "IP PS OS", .index = 0x1018, .subindex = 1, .upload = true},
+        {.transitions = "PS", .index = 0x8000, .subindex = 1, .size = 2, .data = value}};
+    written_t w = {.count = 0};
+    (void)state;
+    add_part(&w, "pmctendo-dd5");
+    ect_device_t device = *w.parts[0].device;
+    device.init_commands = commands;
+    device.init_command_count = 2;
+    w.parts[0].device = &device;
+    write_parts("uploads", &w);
+    const ect_eni_mailbox_t *mailbox = &slave_of(w.eni, 0)->mailbox;
+    assert_int_equal(mailbox->command_count, 2);
+    assert_false(mailbox->commands[0].download);
+    assert_int_equal(mailbox->commands[0].transitions, ECT_ENI_IP | ECT_ENI_PS | ECT_ENI_OS);
+    assert_true(mailbox->commands[1].download);
+    ect_esi_t *esi = ect_eni_device(w.eni, 0, why, sizeof why);
+    ect_esi_twin_t *twin = ect_esi_twin_take(esi, "", NULL, 0, why, sizeof why);
+    assert_non_null(twin);
+    const ect_device_t *made = ect_esi_twin_product(twin)->device;
+    assert_int_equal(made->init_command_count, 2);
+    assert_true(made->init_commands[0].upload);
+    assert_string_equal(made->init_commands[0].transitions, "IP PS OS");
+    assert_false(made->init_commands[1].upload);
+    assert_string_equal(made->init_commands[1].transitions, "PS");
+    ect_esi_twin_free(twin);
+    drop(&w);
+}
+
 static void ENI_021_a_hot_connect_group_comes_back(void **state)
 {
     written_t w = {.count = 0};
@@ -569,6 +602,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(ENI_019_commands_that_a_tool_adapts_have_the_cycle_of_the_bus),
         cmocka_unit_test(ENI_019_cycle_times_of_synchronisation_have_the_cycle_of_the_clock),
         cmocka_unit_test(ENI_020_mailboxes_have_a_bit_each),
+        cmocka_unit_test(ENI_006_uploads_and_transitions_come_back),
         cmocka_unit_test(ENI_007_a_disabled_command_stays_disabled),
         cmocka_unit_test(ENI_021_a_hot_connect_group_comes_back),
         cmocka_unit_test(process_data_beyond_a_datagram_are_several_commands),
