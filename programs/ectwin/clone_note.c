@@ -130,6 +130,16 @@ static void print_lines(clone_note_t *note, const char *prefix, char *lines)
     }
 }
 
+static void print_found_mail(clone_note_t *note, const ect_reader_t *reader)
+{
+    if (reader->found_size == 0)
+        return;
+    fprintf(note->lines.file, "SyncManager 1 had a mail of another master:");
+    for (unsigned int i = 0; i < reader->found_size; i++)
+        fprintf(note->lines.file, " %02X", reader->found_mail[i]);
+    fprintf(note->lines.file, "\n");
+}
+
 void clone_note_compare(clone_note_t *note, const uint8_t *image, size_t size, const ect_reader_t *reader,
                         const char *prefix)
 {
@@ -138,6 +148,7 @@ void clone_note_compare(clone_note_t *note, const uint8_t *image, size_t size, c
     ect_facts_t sms = {.source = "SyncManagers"};
     if (!output_open(prefix, &found))
         return;
+    print_found_mail(note, reader);
     ect_facts_of_sii(&eeprom, image, size);
     ect_facts_take(&known, &eeprom, ECT_FACT_VENDOR, ECT_FACT_REVISION);
     ect_facts_take(&known, &eeprom, ECT_FACT_MAILBOX_OUT, ECT_FACT_MAILBOX_IN);

@@ -25,6 +25,16 @@ static ect_reader_result_t fetch(ect_reader_t *r, bool *came)
     return ECT_READER_OK;
 }
 
+/* A mail in a mailbox that another master has set up, before the first request: evidence. */
+static void keep_found(ect_reader_t *r)
+{
+    const size_t length = MAIL_HEADER + (size_t)ect_load_le16(r->mail);
+    if (!r->plain || r->found_size != 0)
+        return;
+    r->found_size = (uint16_t)(length < sizeof r->found_mail ? length : sizeof r->found_mail);
+    memcpy(r->found_mail, r->mail, r->found_size);
+}
+
 /* Replies to requests that were given up. */
 static ect_reader_result_t drain(ect_reader_t *r)
 {
@@ -33,6 +43,8 @@ static ect_reader_result_t drain(ect_reader_t *r)
         if (fetch(r, &came) != ECT_READER_OK)
             return r->result;
         r->skipped += came;
+        if (came)
+            keep_found(r);
     }
     return ECT_READER_OK;
 }
@@ -48,7 +60,10 @@ ect_reader_result_t reader_send_mail(ect_reader_t *r, uint8_t type, const uint8_
                              length + MAIL_HEADER);
     if (drain(r) != ECT_READER_OK)
         return r->result;
-    r->counter = (uint8_t)(r->counter % COUNTERS + 1);
+    if (!r->plain)
+        r->counter = (uint8_t)(r->counter % COUNTERS + 1);
+    r->plain = false;
+    r->sent = true;
     ect_store_le16(mail, length);
     mail[5] = (uint8_t)(type | r->counter << 4);
     memcpy(mail + MAIL_HEADER, data, length);

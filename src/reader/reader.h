@@ -96,7 +96,10 @@ typedef struct ect_reader_config {
     bool (*progress)(void *progress_ctx, const char *what, unsigned int done, unsigned int all);
 } ect_reader_config_t;
 
-/** A reader, initialised by ::ect_reader_open. The members are read-only for callers. */
+/** Most bytes of a mail of another master that a reader keeps. */
+enum { ECT_READER_FOUND = 64 };
+
+/** A reader. Set up by ::ect_reader_open; members are read only for others. */
 typedef struct ect_reader {
     const ect_reader_link_t *link;
     ect_reader_config_t config;         /**< with defaults instead of zeros */
@@ -113,16 +116,20 @@ typedef struct ect_reader {
     uint8_t found_sms[16];              /**< registers of SyncManagers 0 and 1 before ::ect_reader_preop */
     uint8_t index;                      /**< of the last datagram */
     uint8_t counter;                    /**< of the last mail sent, 1 to 7 */
-    uint32_t last_sum;                  /**< check sum of the last mail received, counter included */
-    unsigned int failures;              /**< consecutive requests without a usable reply */
-    unsigned int skipped;               /**< mails without a request: emergencies, late and repeated replies */
-    ect_reader_result_t result;         /**< of the last call */
-    uint32_t code;                      /**< of ECT_READER_ABORTED and ECT_READER_REFUSED */
-    char text[ECT_READER_TEXT];         /**< one line without a line end */
-    uint8_t frame[ECT_READER_FRAME];    /**< being sent */
-    uint8_t reply[ECT_READER_FRAME];    /**< being received */
-    uint8_t mail[ECT_READER_MAIL];      /**< last one received */
-    uint8_t data[ECT_READER_VALUE];     /**< of the dictionary's descriptions and values */
+    bool sent;                          /**< a mail was sent */
+    bool plain; /**< the next mail has counter 0: the counter of another master's last mail is unknown (CLN-008) */
+    uint16_t found_size;                  /**< bytes of `found_mail`; 0: none */
+    uint8_t found_mail[ECT_READER_FOUND]; /**< the beginning of a mail that another master has left in SyncManager 1 */
+    uint32_t last_sum;                    /**< check sum of the last mail received, counter included */
+    unsigned int failures;                /**< requests without a usable reply, in a row */
+    unsigned int skipped;            /**< mails that belonged to no request: emergencies, late and repeated replies */
+    ect_reader_result_t result;      /**< of the last call */
+    uint32_t code;                   /**< of ECT_READER_ABORTED and ECT_READER_REFUSED */
+    char text[ECT_READER_TEXT];      /**< one line without a line end */
+    uint8_t frame[ECT_READER_FRAME]; /**< being sent */
+    uint8_t reply[ECT_READER_FRAME]; /**< being received */
+    uint8_t mail[ECT_READER_MAIL];   /**< last one received */
+    uint8_t data[ECT_READER_VALUE];  /**< of the dictionary's descriptions and values */
     uint8_t value[ECT_READER_VALUE];
     uint8_t objects[0x10000 / 8]; /**< a bit for each index: all ends within 65 536 steps */
 } ect_reader_t;

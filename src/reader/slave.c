@@ -185,8 +185,10 @@ ect_reader_result_t ect_reader_preop(ect_reader_t *r)
         return reader_good(r);
     if (!r->brought_up && reader_get(r, ECT_REG_SM, r->found_sms, sizeof r->found_sms) != ECT_READER_OK)
         return r->result;
-    if (has_mailbox)
+    if (has_mailbox) {
+        r->plain |= !r->sent && r->counter == 0;
         return adopt_mailbox(r);
+    }
     return check_changes(r, state) == ECT_READER_OK ? bring_up(r) : r->result;
 }
 

@@ -100,6 +100,53 @@ static void the_reader_writes_eeprom_state_mailbox_and_no_object(void **state)
     }
 }
 
+/* --- another master's mailbox ------------------------------------------------------------------------------------- */
+
+static liar_mail_t record_counters(liar_t *l, const uint8_t *r)
+{
+    l->number = l->number << 4 | (r[5] >> 4 & 7u);
+    return LIAR_PASSES;
+}
+
+static void the_first_mail_has_no_counter_and_the_mail_of_the_master_before_is_kept(void **state)
+{
+    static const liar_kind_t kind = {.request = record_counters};
+    static const uint8_t upload[] = {0x00, 0x20, 0x40, 0x18, 0x10, 0x01, 0, 0, 0, 0};
+    static const struct {
+        const char *title;
+        uint8_t state;
+        bool mail;
+        unsigned int counters; /* of three requests, a digit each */
+    } cases[] = {
+        {"CLN-008: PREOP, the mailbox is empty", PREOP, false, 0x012},
+        {"CLN-008: OP, with the reply to another master", OP, true, 0x012},
+        {"a mailbox that the reader has started", INIT, false, 0x123},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const ect_reader_config_t config = {.changes = ECT_READER_CHANGES_INIT};
+        uint8_t value[4];
+        liar_t l;
+        liar_open(&l, &testdev, &kind);
+        if (cases[i].state != INIT)
+            wire_go(&l.w, 0, cases[i].state);
+        if (cases[i].mail)
+            assert_int_equal(wire_mail_request(&l.w, 0, 3, upload, sizeof upload), 1);
+        assert_int_equal(ect_reader_open(&reader, &l.link, &config), ECT_READER_OK);
+        l.number = 0;
+        for (unsigned int n = 0; n < 3; n++) {
+            size_t size = sizeof value;
+            assert_int_equal(ect_reader_upload(&reader, 0x1018, 1, false, value, &size), ECT_READER_OK);
+        }
+        if (l.number != cases[i].counters)
+            fail_msg("%s: counters %03X", cases[i].title, (unsigned int)l.number);
+        assert_int_equal(reader.found_size, cases[i].mail ? 16 : 0);
+        assert_true(!cases[i].mail || memcmp(reader.found_mail + 9, upload + 3, 3) == 0);
+        ect_reader_close(&reader);
+        liar_close(&l);
+    }
+}
+
 /* 0501h as the PDI has it while it reads or writes. */
 static bool keep_the_eeprom_in_use(liar_t *l, uint8_t *d, uint16_t ado, uint8_t *data, uint16_t length, uint8_t *wkc)
 {
@@ -343,6 +390,7 @@ static void a_refused_part_of_the_dictionary_is_reported_with_its_code(void **st
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_first_mail_has_no_counter_and_the_mail_of_the_master_before_is_kept),
         cmocka_unit_test(the_reader_writes_eeprom_state_mailbox_and_no_object),
         cmocka_unit_test(an_eeprom_that_the_pdi_is_using_stays_with_it),
         cmocka_unit_test(a_state_changes_only_from_init_and_with_consent),
