@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "heater.h"
 
+#include "seams/mailbox.h"
+#include "wire/bytes.h"
+
 enum { TICK_NS = 10000000, EMERGENCY_OVER = 0x0000, EMERGENCY_TEMPERATURE = 0x4000, ERROR_TEMPERATURE = 0x08 };
 
 /* --- the dictionary ----------------------------------------------------------------------------------------------- */
@@ -93,10 +96,52 @@ static uint64_t tick(void *instance, uint64_t now_ns)
     return now_ns + TICK_NS;
 }
 
+/* --- a mailbox protocol of the vendor's own ----------------------------------------------------------------------- */
+
+enum { VENDOR = 4, HEADER = VENDOR + 2, PEAK = 2 };
+
+/* @return bytes of the data after the header, -1: the service does not exist */
+static int serve(heater_t *h, uint16_t service, uint8_t *data)
+{
+    switch (service) {
+    case HEATER_READ_PEAK:
+        ect_store_le16(data, (uint16_t)h->peak);
+        return PEAK;
+    case HEATER_CLEAR_PEAK:
+        h->peak = h->sensed;
+        return 0;
+    default:
+        return -1;
+    }
+}
+
+/* Each request gets one mail: its reply, or the mailbox error that the result selects. */
+static uint16_t request(const ect_protocol_t *self, ect_slave_t *slave, const uint8_t *data, uint16_t length)
+{
+    uint8_t content[PEAK];
+    if (length < HEADER)
+        return ECT_MAILBOX_ERROR_TOO_SHORT;
+    if (ect_load_le32(data) != HEATER_VENDOR)
+        return ECT_MAILBOX_ERROR_SERVICE;
+    const uint16_t service = ect_load_le16(data + VENDOR);
+    const int size = serve(ect_mailbox_instance(slave), service, content);
+    if (size < 0)
+        return ECT_MAILBOX_ERROR_SERVICE;
+    uint8_t *reply = ect_mailbox_build(slave);
+    ect_store_le32(reply, HEATER_VENDOR);
+    ect_store_le16(reply + VENDOR, service);
+    for (int i = 0; i < size; i++)
+        reply[HEADER + i] = content[i];
+    ect_mailbox_send(slave, self->type, (uint16_t)(HEADER + size));
+    return ECT_MAILBOX_OK;
+}
+
+static const ect_protocol_t voe = {.type = ECT_MAILBOX_TYPE_VOE, .states = ECT_IN_PREOP_AND_ABOVE, .request = request};
+
 /* --- the description ---------------------------------------------------------------------------------------------- */
 
 static const ect_protocol_t *const protocols[] = {&ect_protocol_emergency, &ect_protocol_sdo, &ect_protocol_sdo_info,
-                                                  &heater_voe, NULL};
+                                                  &voe, NULL};
 
 const ect_device_t heater = {
     .name = "heater",
@@ -107,7 +152,7 @@ const ect_device_t heater = {
     .group_name = "Heaters",
     .hardware_version = "1",
     .software_version = "1.0.0",
-    .identity = {.vendor_id = 0x00000E57, .product_code = 0x4EA7, .revision = 0x00010000, .serial = 1},
+    .identity = {.vendor_id = HEATER_VENDOR, .product_code = 0x4EA7, .revision = 0x00010000, .serial = 1},
     .esc = "lan9252",
     .sii_size = 2048,
     .sm = {{.start = 0x1000, .length = 128, .control = 0x26, .type = ECT_SM_MAILBOX_OUT},

@@ -23,7 +23,7 @@ typedef struct heater {
     int16_t sensed;
     uint8_t broken; /* the wire of the sensor */
 
-    int16_t peak; /* highest temperature since the peak was cleared; by VoE (heater_voe.c) */
+    int16_t peak; /* highest temperature since the peak was cleared; by VoE */
 
     /* its own */
     const ect_host_t *host;
@@ -33,12 +33,13 @@ typedef struct heater {
 
 extern const ect_device_t heater;
 
+enum { HEATER_VENDOR = 0x00000E57 }; /* vendor ID, in the identity and in VoE mails */
+
 /**
  * A protocol of the vendor's own (VoE, ETG.1000.6): a mail has the vendor ID (4 bytes), a service (2 bytes), and its
- * data. The reply repeats the six bytes; that to HEATER_READ_PEAK has the peak behind them (2 bytes).
+ * data. The reply repeats the six bytes; that to HEATER_READ_PEAK has the peak after them (2 bytes).
  */
 enum { HEATER_READ_PEAK = 1, HEATER_CLEAR_PEAK = 2 };
-extern const ect_protocol_t heater_voe;
 
 /* For the PC only: signals that take the place of the surroundings. */
 extern const ect_plant_t heater_plant;

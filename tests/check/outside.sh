@@ -48,7 +48,7 @@ check "sii" 2048 "$("$heater" sii heater | wc -c)"
 # By pkg-config.
 export PKG_CONFIG_PATH=$work/prefix/lib/pkgconfig
 # shellcheck disable=SC2046,SC2086
-quietly ${CC:-cc} -std=c11 $flags "$work"/examples/device/{main,heater,heater_voe,heater_plant}.c $(pkg-config --cflags --libs ectwin-host) \
+quietly ${CC:-cc} -std=c11 $flags "$work"/examples/device/{main,heater,heater_plant}.c $(pkg-config --cflags --libs ectwin-host) \
   -o "$work/by-pkg-config"
 check "pkg-config: list" "3/2" "$("$work/by-pkg-config" list | awk '$1 == "heater" {print $2}')"
 
@@ -135,7 +135,7 @@ void board_alive(void) { }
 void board_reset(void) { }
 BOARD
 # shellcheck disable=SC2046,SC2086
-quietly ${CC:-cc} -std=c11 $flags -I"$work/examples/device" -I"$work/examples/board" "$work"/examples/{board/main,device/heater,device/heater_voe}.c \
+quietly ${CC:-cc} -std=c11 $flags -I"$work/examples/device" -I"$work/examples/board" "$work"/examples/{board/main,device/heater}.c \
   "$work/board.c" $(pkg-config --cflags --libs ectwin-core) -o "$work/firmware"
 check "the firmware reaches the ESC" 42 "$("$work/firmware"; echo $?)"
 
