@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* M. Modular devices (ETG.5001): the lists of module idents. */
+/* G. CoE: modular devices (ETG.5001), the lists of module idents. */
 #include "steps/case.h"
 
 enum { CONFIGURED = 0xF030, DETECTED = 0xF050, MOST = 254, IDENT_BYTES = 4, COUNT_BYTES = 2 };
@@ -192,4 +192,4 @@ static const cf_case_t cases[] = {
      CF_COE, 60000, unlike_are_refused},
 };
 
-CF_SECTION(cf_modules, 'M', "Modular devices", cases);
+CF_SECTION(cf_modules, 'G', "CoE: modular devices", cases);
