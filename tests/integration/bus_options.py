@@ -23,6 +23,7 @@ KEYS = [
     ("break", "CF-001", FZM1),
     ("busy-poll", "true", FZM1),
     ("in-kernel", "true", FZM1),
+    ("panel", "1", FZM1),
     ("cable", "20", FZM1),
     ("connect", "1.data1=2.data2", FZM1 + "\n  - device: " + FZM1),
     ("dc-jitter", "5", FZM1),

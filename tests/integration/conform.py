@@ -136,7 +136,7 @@ FOLLOW = {
     "CF-004": ["CF-096"], "CF-015": ["CF-013"], "CF-025": ["CF-016"], "CF-027": ["CF-060", "CF-095"], "CF-029": ["CF-031"],
     "CF-030": ["CF-020"], "CF-031": ["CF-005"], "CF-036": ["CF-022"], "CF-037": ["CF-022"], "CF-039": ["CF-022"],
     "CF-058": ["CF-026", "CF-086"], "CF-060": ["CF-027", "CF-095"], "CF-065": ["CF-004"], "CF-086": ["CF-058"],
-    "CF-E01": ["CF-E05"],
+    "CF-E01": ["CF-E05", "CF-E06"],
 }
 # Twins for defects that the usual twin, an FZM1, cannot have.
 GATEWAY = f"esi:{ROOT}/examples/eoe/gateway.xml"
