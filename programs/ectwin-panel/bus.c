@@ -161,6 +161,8 @@ static void take(void *ctx, const link_request_t *request, const char *text, con
         if (last)
             taking->buses->reply(taking->buses->ctx, bus, request, text);
         return;
+    case LINK_RELEASE:
+        return;
     }
 }
 

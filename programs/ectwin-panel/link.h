@@ -24,7 +24,8 @@ typedef enum link_kind {
     LINK_WATCH,
     LINK_STATS,
     LINK_FAULTS,
-    LINK_PAGE
+    LINK_PAGE,
+    LINK_RELEASE,
 } link_kind_t;
 
 /** The origin of a request; `page` and `id` are those of a page. */

@@ -55,10 +55,61 @@ static void refuse(page_t *page, double id, const char *reason)
     page_reply(page, id, text);
 }
 
+/* @return the position of a held signal; `holds`: the page does not hold it */
+static size_t find_held(const page_t *page, unsigned int bus, const char *line)
+{
+    size_t i = 0;
+    while (i < page->holds && (page->held[i].bus != bus || strcmp(page->held[i].line, line) != 0))
+        i++;
+    return i;
+}
+
+/* The request that releases a signal is the same for each value to which the page sets it. @return as write_release */
+static const char *note_held(page_t *page, unsigned int bus, const char *line, bool rests)
+{
+    size_t place = find_held(page, bus, line);
+    if (rests && place < page->holds) {
+        page->held[place] = page->held[--page->holds];
+    } else if (!rests && place == page->holds) {
+        if (page->holds == PAGE_HELD)
+            return "a page holds at most 16 signals: release one of them";
+        page->held[place].bus = bus;
+        snprintf(page->held[place].line, PAGE_HELD_LINE, "%s", line);
+        page->holds++;
+    }
+    return NULL;
+}
+
+/* @return the reason of a refusal; NULL: the signal of the request is held, or released */
+static const char *hold(page_t *page, unsigned int bus, const cJSON *request, const cJSON *rest)
+{
+    char line[PAGE_HELD_LINE];
+    const cJSON *value = cJSON_GetObjectItemCaseSensitive(request, "value");
+    if (!cJSON_HasObjectItem(request, "name") || !value || cJSON_HasObjectItem(request, "at"))
+        return "'rest' is for requests that set one signal at once";
+    cJSON *release = cJSON_Duplicate(request, true);
+    bool fits = release && cJSON_ReplaceItemInObjectCaseSensitive(release, "value", cJSON_Duplicate(rest, true)) &&
+                cJSON_PrintPreallocated(release, line, sizeof line, false);
+    cJSON_Delete(release);
+    return fits ? note_held(page, bus, line, cJSON_Compare(value, rest, true)) : "too much for one request";
+}
+
+bool page_release(page_t *page, page_passed_t *passed)
+{
+    if (page->holds == 0)
+        return false;
+    page->holds--;
+    passed->bus = page->held[page->holds].bus;
+    passed->id = 0;
+    snprintf(passed->line, sizeof passed->line, "%s", page->held[page->holds].line);
+    return true;
+}
+
 static page_action_t pass_on(page_t *page, const cJSON *message, page_passed_t *passed)
 {
     const cJSON *request = cJSON_GetObjectItemCaseSensitive(message, "request");
     const cJSON *id = cJSON_GetObjectItemCaseSensitive(message, "id");
+    const cJSON *rest = cJSON_GetObjectItemCaseSensitive(message, "rest");
     if (!cJSON_IsNumber(id) || !cJSON_IsObject(request) || page->waiting == PAGE_REPLIES)
         return PAGE_CLOSE;
     const char *reason = request_refused(request, page->view);
@@ -67,6 +118,8 @@ static page_action_t pass_on(page_t *page, const cJSON *message, page_passed_t *
     passed->id = id->valuedouble;
     if (!reason && !cJSON_PrintPreallocated((cJSON *)request, passed->line, sizeof passed->line, false))
         reason = "too much for one request";
+    if (!reason && rest)
+        reason = hold(page, passed->bus, request, rest);
     if (!reason)
         return PAGE_PASS_ON;
     refuse(page, passed->id, reason);
@@ -85,7 +138,7 @@ page_action_t page_take(page_t *page, const char *text, size_t length, const cha
         action = greet(page, message, token);
     } else if (cJSON_HasObjectItem(message, "open")) {
         open_bus(page, number_of(message, "open"));
-        action = PAGE_DONE;
+        action = PAGE_LEAVE;
     } else if (cJSON_HasObjectItem(message, "trace")) {
         action = take_trace(page, cJSON_GetObjectItemCaseSensitive(message, "trace")) ? PAGE_DONE : PAGE_CLOSE;
     } else {

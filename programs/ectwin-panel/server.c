@@ -22,6 +22,9 @@ enum {
     CONNECTIONS = 64,                 /* of browsers */
     DESCRIPTORS = CONNECTIONS + 2 * BUS_MOST + 16,
     PIECE = 4096, /* of a file, written at a time */
+    PING_TICKS = 25,
+    SILENT_TICKS = 75, /* a page that holds signals and does not reply to pings loses them */
+    RESERVE = 24,      /* requests without a reply that are left to the panel itself: it may have to release signals */
 };
 
 static const char security_policy[] =
@@ -46,6 +49,8 @@ typedef struct browser {
     size_t sent;
     lws_usec_t since; /* it has to send its token, or to read; 0: it has not */
     size_t received;
+    unsigned int silence; /* ticks without a sign of a page that holds signals */
+    bool ping;            /* a ping is to be sent */
     char text[REQUEST_TEXT];
     page_t page;
 } browser_t;
@@ -167,10 +172,23 @@ static void pass_on(server_t *server, browser_t *browser, const page_passed_t *p
     static const char gone[] = "{\"ok\":false,\"message\":\"the bus has ended, or does not reply\"}";
     const link_request_t request = {.kind = LINK_PAGE, .page = browser->page.number, .id = passed->id};
     bus_t *bus = bus_find(&server->buses, passed->bus);
-    if (bus && bus->socket && link_ask(&bus->link, passed->line, &request))
+    bool room = bus && bus->socket && bus->link.count < LINK_WAITING - RESERVE;
+    if (room && link_ask(&bus->link, passed->line, &request))
         lws_callback_on_writable(bus->socket);
     else
         page_reply(&browser->page, passed->id, gone);
+}
+
+/* Returns the signals that a page holds to their rest, a joystick to its centre. */
+static void release_held(server_t *server, browser_t *browser)
+{
+    static const link_request_t request = {.kind = LINK_RELEASE};
+    page_passed_t passed;
+    while (page_release(&browser->page, &passed)) {
+        bus_t *bus = bus_find(&server->buses, passed.bus);
+        if (bus && bus->socket && link_ask(&bus->link, passed.line, &request))
+            lws_callback_on_writable(bus->socket);
+    }
 }
 
 /* Takes what a page has sent so far. @return as a callback */
@@ -186,12 +204,16 @@ static int take_message(struct lws *wsi, browser_t *browser, const void *bytes, 
         return 0;
     length = browser->received;
     browser->received = 0;
+    browser->silence = 0;
     bool stranger = !browser->page.known;
     switch (page_take(&browser->page, browser->text, length, server->options->token, &passed)) {
     case PAGE_CLOSE:
         return -1;
     case PAGE_PASS_ON:
         pass_on(server, browser, &passed);
+        break;
+    case PAGE_LEAVE:
+        release_held(server, browser);
         break;
     case PAGE_DONE:
         break;
@@ -210,6 +232,12 @@ static int write_message(struct lws *wsi, browser_t *browser)
     const server_t *server = server_of(wsi);
     if (!browser->page.known)
         return 0;
+    if (browser->ping) {
+        browser->ping = false;
+        lws_callback_on_writable(wsi);
+        room[LWS_PRE] = 0; /* libwebsockets does not report a pong without content */
+        return lws_write(wsi, room + LWS_PRE, 1, LWS_WRITE_PING) < 1 ? -1 : 0;
+    }
     size_t length = page_next(&browser->page, &server->buses, (char *)room + LWS_PRE);
     browser->since = 0;
     if (length > 0 && lws_write(wsi, room + LWS_PRE, length, LWS_WRITE_TEXT) < (int)length)
@@ -244,6 +272,7 @@ static void begin_page(struct lws *wsi, browser_t *browser)
 static void end_page(struct lws *wsi, browser_t *browser)
 {
     browser_t **at = &server_of(wsi)->browsers;
+    release_held(server_of(wsi), browser);
     while (*at && *at != browser)
         at = &(*at)->next;
     if (*at)
@@ -275,6 +304,9 @@ static int on_page(struct lws *wsi, enum lws_callback_reasons reason, void *user
         return 0;
     case LWS_CALLBACK_RECEIVE:
         return take_message(wsi, user, bytes, length);
+    case LWS_CALLBACK_RECEIVE_PONG:
+        ((browser_t *)user)->silence = 0;
+        return 0;
     case LWS_CALLBACK_SERVER_WRITEABLE:
         return write_message(wsi, user);
     case LWS_CALLBACK_CLOSED:
@@ -443,7 +475,8 @@ static void poll_buses(server_t *server)
         bool open = is_open(server, bus);
         if (!bus->socket)
             continue;
-        if (!wanted || (bus->watched && !open)) {
+        bool needed = bus->link.unsent > 0 || (wanted && (open || !bus->watched));
+        if (!needed) {
             lws_set_timeout(bus->socket, PENDING_TIMEOUT_USER_OK, LWS_TO_KILL_ASYNC);
             continue;
         }
@@ -452,8 +485,24 @@ static void poll_buses(server_t *server)
     }
 }
 
+/* A page whose network is gone keeps its connection for minutes. Ticks are counted, no time: a machine that stands
+ * still is no silent page. */
+static void watch_holder(server_t *server, browser_t *browser)
+{
+    if (browser->page.holds == 0) {
+        browser->silence = 0;
+        return;
+    }
+    if (++browser->silence > SILENT_TICKS)
+        release_held(server, browser);
+    browser->ping = browser->ping || browser->silence % PING_TICKS == 0;
+    if (browser->ping)
+        lws_callback_on_writable(browser->wsi);
+}
+
 static void serve_page(server_t *server, browser_t *browser)
 {
+    watch_holder(server, browser);
     if (browser->since != 0 && lws_now_usecs() - browser->since > PATIENCE_US) {
         lws_set_timeout(browser->wsi, PENDING_TIMEOUT_USER_OK, LWS_TO_KILL_ASYNC);
         return;
@@ -529,6 +578,18 @@ static bool listen_at(server_t *server, const char *who)
     return false;
 }
 
+/* The last requests to the twins; the loop that sends them otherwise has ended. */
+static void release_all(server_t *server)
+{
+    for (browser_t *browser = server->browsers; browser; browser = browser->next)
+        release_held(server, browser);
+    for (size_t i = 0; i < server->buses.count; i++) {
+        bus_t *bus = server->buses.all[i];
+        if (bus->socket && bus->link.unsent > 0)
+            (void)send_requests(bus->socket, &bus->link);
+    }
+}
+
 bool server_run(const server_options_t *options, const char *who, void (*ready)(void *ctx, unsigned int port),
                 void *ctx)
 {
@@ -545,6 +606,7 @@ bool server_run(const server_options_t *options, const char *who, void (*ready)(
     ready(ctx, server.port);
     while (!stopped && lws_service(server.context, 0) >= 0) {
     }
+    release_all(&server);
     running = NULL;
     lws_context_destroy(server.context);
     for (size_t i = 0; i < server.buses.count; i++) {

@@ -67,6 +67,7 @@ class Page:
                  "Sec-WebSocket-Key": key, "Sec-WebSocket-Version": "13", "Sec-WebSocket-Protocol": "ectwin-panel", **headers}
         self.socket.sendall(("GET / HTTP/1.1\r\n" + "".join(f"{n}: {v}\r\n" for n, v in lines.items() if v) + "\r\n").encode())
         self.received = b""
+        self.replies, self.pings = True, 0
         self.kept = []
         self.status = self._head()
         if token is not None and self.status == 101:
@@ -111,6 +112,10 @@ class Page:
                         return json.loads(data[at:at + length])
                     if data[0] & 15 == 8:
                         return None
+                    if data[0] & 15 == 9:
+                        self.pings += 1
+                        if self.replies:
+                            self.frame(10, data[at:at + length])
                     continue
             if not self._more():
                 return None
@@ -134,8 +139,8 @@ class Page:
             if len(signals) == message["of"]:
                 return bus, {(s["slave"], s["name"]): i for i, s in enumerate(signals)}
 
-    def request(self, bus, request, number=1):
-        self.send({"id": number, "bus": bus, "request": request})
+    def request(self, bus, request, number=1, **more):
+        self.send({"id": number, "bus": bus, "request": request, **more})
         return self.wait("reply", lambda m: m["id"] == number)["reply"]
 
     def value(self, index, value):
@@ -356,7 +361,58 @@ def patience():
         check("the others stay", {"ok": True}, good.request(bus, {"op": "set", "name": "data1", "value": 4}, 6))
 
 
-CASES = (pages, browsers, tokens, confined, signals, buses, hostile, patience)
+def held():
+    """A signal that a page holds returns to its rest without the page."""
+    with running() as panel, twins("fzm1"):
+        watcher = Page(panel, panel.token)
+        bus, index = watcher.open("fzm1")
+        data = index[1, "data1"]
+        deflect = {"op": "set", "slave": 1, "name": "data1", "value": 7}
+
+        def holder(value=7):
+            page = Page(panel, panel.token)
+            page.open("fzm1")
+            check("SEC: a page holds a signal", {"ok": True}, page.request(bus, {**deflect, "value": value}, rest=0))
+            check("SEC: the held signal has its value", True, watcher.value(data, value))
+            return page
+
+        def reads(page, pings):
+            for _ in range(30):  # one of each a second
+                page.wait("stats")
+                if page.pings >= pings:
+                    break
+            return subprocess.run([ECTWIN, "get", "data1"], capture_output=True, text=True).stdout.strip()
+
+        def returns(title):
+            check(f"SEC: {title}: a held signal returns to its rest", True, watcher.value(data, 0))
+
+        page = holder()
+        page.socket.close()
+        returns("the connection breaks")
+        page = holder()
+        page.send({"open": 0})
+        returns("the page shows another bus")
+        mute = holder()
+        mute.replies = False
+        returns("the page does not reply to pings")
+        check("its connection remains", {"ok": True}, mute.request(bus, deflect, 2))
+        check("a signal without rest keeps its value", True, watcher.value(data, 7))
+        mute.socket.close()
+        for attempt in range(10):  # on a busy machine its reply may come too late
+            steady = holder(10 + attempt)
+            kept = reads(steady, 5) == f"data1={10 + attempt}"
+            if kept:
+                break
+            steady.socket.close()
+        check("a page that replies to pings holds its signal", True, kept)
+        check("before the panel ends", {"ok": True}, steady.request(bus, deflect, 3, rest=0))
+        panel.process.send_signal(signal.SIGTERM)
+        panel.process.wait(120)
+        value = subprocess.run([ECTWIN, "get", "data1"], capture_output=True, text=True).stdout.strip()
+        check("SEC: the panel ends: a held signal returns to its rest", "data1=0", value)
+
+
+CASES = (pages, browsers, tokens, confined, signals, buses, hostile, patience, held)
 
 
 def main():

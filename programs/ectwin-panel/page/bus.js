@@ -65,20 +65,24 @@ export class Connection {
     setTimeout(() => this.connect(), gone ? 5000 : 500);
   }
 
-  /** A request of the control protocol. @return a promise of the reply; eight are under way at a time */
-  request(bus, request) {
+  /**
+   * A request of the control protocol; eight are under way at a time.
+   * @param rest  the value to which the server sets the signal when the connection ends; undefined: none
+   * @return a promise of the reply
+   */
+  request(bus, request, rest) {
     return new Promise((resolve) => {
-      this.queue.push({ bus, request, resolve });
+      this.queue.push({ bus, request, rest, resolve });
       this.next();
     });
   }
 
   next() {
     while (this.queue.length > 0 && this.waiting.size < 8) {
-      const { bus, request, resolve } = this.queue.shift();
+      const { bus, request, rest, resolve } = this.queue.shift();
       const id = ++this.number;
       this.waiting.set(id, resolve);
-      this.send({ id, bus, request });
+      this.send({ id, bus, request, rest });
     }
   }
 }

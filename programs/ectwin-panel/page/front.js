@@ -43,7 +43,7 @@ export function makeToggle(context, signal, text, className) {
 
 /** A button that is on while it is held. */
 export function makeHeld(context, signal, text, on = 1) {
-  const send = sender(context, signal);
+  const send = sender(context, signal, 0);
   const button = make("button", { type: "button", class: "held", "data-held": signal.name, "aria-pressed": "false", disabled: context.view }, text);
   let held = false;
   const hold = (now) => {

@@ -26,8 +26,8 @@ const context = {
   get signals() { return view.signals; },
   get view() { return view.readOnly; },
   tracer: new Tracer((message) => connection.send(message)),
-  async set(signal, value) {
-    const reply = await connection.request(view.shown, { op: "set", slave: signal.slave, name: signal.name, value });
+  async set(signal, value, rest) {
+    const reply = await connection.request(view.shown, { op: "set", slave: signal.slave, name: signal.name, value }, rest);
     if (!reply.ok) report(`${signal.name}: ${reply.message}`);
     if (!reply.ok) for (const watcher of signal.watchers) watcher(signal, performance.now());
   },

@@ -9,8 +9,11 @@ export function isSwitch(signal) {
   return signal.range && signal.range.low === 0 && signal.range.high === 1 && !signal.range.unit;
 }
 
-/** @return a function that sends the newest value of a control, one request at a time */
-export function sender(context, signal) {
+/**
+ * @param rest  the value of the signal without this page, undefined: the last one
+ * @return a function that sends the newest value of a control, one request at a time
+ */
+export function sender(context, signal, rest) {
   let next = null;
   let busy = false;
   return async (value) => {
@@ -20,7 +23,7 @@ export function sender(context, signal) {
     while (next !== null) {
       const sent = next;
       next = null;
-      await context.set(signal, sent);
+      await context.set(signal, sent, rest);
     }
     busy = false;
   };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A joystick of two axes: by mouse or finger, by arrow keys, by a gamepad. It returns to its centre when it is released.
+// A joystick of two axes: by mouse or finger, by arrow keys, by a gamepad. It returns to its centre when it is released,
+// and when the connection to the page ends.
 import { make, setText } from "./dom.js";
 import { watchAll } from "./bus.js";
 import { sender } from "./signals.js";
@@ -18,7 +19,7 @@ function limited(value) {
  * @return the element; its `move(x, y)` deflects the stick
  */
 export function makeStick(context, axes, label) {
-  const senders = axes.map((axis) => sender(context, axis));
+  const senders = axes.map((axis) => sender(context, axis, 0));
   const thumb = make("span", { class: "thumb" });
   const pad = make("div", { class: "stick", role: "slider", tabindex: context.view ? null : "0", "aria-roledescription": "joystick", "aria-label": label,
     "aria-valuemin": -FULL, "aria-valuemax": FULL, "aria-readonly": String(context.view), "data-stick": axes[0].name }, make("span", { class: "cross" }), thumb);

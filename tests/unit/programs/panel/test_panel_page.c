@@ -103,7 +103,7 @@ static void open_bus(void)
     expect(
         "{\"event\":\"buses\",\"buses\":[{\"bus\":1,\"process\":77,\"about\":{\"devices\":\"fzm1\",\"slaves\":2}}]}");
     expect("");
-    assert_int_equal(from_page("{\"open\":1}"), PAGE_DONE);
+    assert_int_equal(from_page("{\"open\":1}"), PAGE_LEAVE);
     bus_poll(bus, true);
     expect_requests(POLLED);
     from_bus("{\"devices\":\"fzm1\",\"slaves\":2}\n" OK SIGNAL_A "\n" SIGNAL_B "\n" OK);
@@ -159,6 +159,98 @@ static void requests(void **state)
            "nothing\"}}");
 }
 
+#define HOLD(bus, name, value, rest)                                                                                   \
+    "{\"id\":1,\"bus\":" bus ",\"request\":{\"op\":\"set\",\"slave\":1,\"name\":\"" name "\",\"value\":" value         \
+    "},\"rest\":" rest "}"
+#define RELEASE(name, rest) "{\"op\":\"set\",\"slave\":1,\"name\":\"" name "\",\"value\":" rest "}"
+
+static void expect_released(unsigned int number, const char *line)
+{
+    static page_passed_t passed;
+    assert_true(page_release(page, &passed));
+    assert_int_equal(passed.bus, number);
+    assert_string_equal(passed.line, line);
+}
+
+static page_action_t take_hold(const char *text)
+{
+    static page_passed_t passed;
+    page->waiting = 0;
+    page->replies = 0;
+    return page_take(page, text, strlen(text), TOKEN, &passed);
+}
+
+static void held_signals(void **state)
+{
+    page_passed_t passed;
+    (void)state;
+    open_bus();
+    assert_false(page_release(page, &passed));
+    assert_int_equal(take_hold(HOLD("1", "x", "0", "0")), PAGE_PASS_ON);
+    assert_false(page_release(page, &passed));
+    assert_int_equal(take_hold(HOLD("1", "x", "500", "0")), PAGE_PASS_ON);
+    assert_int_equal(take_hold(HOLD("1", "x", "-700", "0")), PAGE_PASS_ON);
+    assert_int_equal(take_hold(HOLD("2", "x", "5", "0")), PAGE_PASS_ON);
+    assert_int_equal(take_hold(HOLD("1", "y", "1", "-1")), PAGE_PASS_ON);
+    assert_int_equal(take_hold(HOLD("1", "x", "0", "0")), PAGE_PASS_ON);
+    expect_released(2, RELEASE("x", "0"));
+    expect_released(1, RELEASE("y", "-1"));
+    assert_false(page_release(page, &passed));
+}
+
+static void refused_holds(void **state)
+{
+    static const struct {
+        const char *message, *reason;
+    } table[] = {
+        {"{\"id\":1,\"bus\":1,\"request\":{\"op\":\"set\",\"values\":{\"a\":1}},\"rest\":0}", "that set one signal"},
+        {"{\"id\":1,\"bus\":1,\"request\":{\"op\":\"fault\",\"fault\":\"off\"},\"rest\":0}", "that set one signal"},
+        {"{\"id\":1,\"bus\":1,\"request\":{\"op\":\"set\",\"name\":\"a\",\"value\":1,\"at\":9},\"rest\":0}", "at once"},
+        {HOLD("1", "a", "1",
+              "\"0123456789012345678901234567890123456789012345678901234567890123456789012345678901234567890"
+              "1234567890123456789012345678901234567890123456789012345678901234567890123456789012345678901"
+              "2345678901234567890123456789012345678901234567890123456789012345678901234567890\""),
+         "too much"},
+    };
+    page_passed_t passed;
+    (void)state;
+    open_bus();
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        assert_int_equal(take_hold(table[i].message), PAGE_DONE);
+        skip_message();
+        assert_non_null(strstr(message, table[i].reason));
+        assert_false(page_release(page, &passed));
+    }
+}
+
+static void a_page_that_holds_too_much(void **state)
+{
+    char text[256];
+    page_passed_t passed;
+    (void)state;
+    open_bus();
+    for (int i = 0; i <= PAGE_HELD; i++) {
+        snprintf(text, sizeof text,
+                 "{\"id\":1,\"bus\":1,\"request\":{\"op\":\"set\",\"name\":\"x%d\",\"value\":1},\"rest\":0}", i);
+        assert_int_equal(take_hold(text), i < PAGE_HELD ? PAGE_PASS_ON : PAGE_DONE);
+    }
+    skip_message();
+    assert_non_null(strstr(message, "at most 16 signals"));
+    for (int i = 0; i < PAGE_HELD; i++)
+        assert_true(page_release(page, &passed));
+    assert_false(page_release(page, &passed));
+}
+
+static void a_view_holds_nothing(void **state)
+{
+    page_passed_t passed;
+    (void)state;
+    open_bus();
+    page->view = true;
+    assert_int_equal(take_hold(HOLD("1", "x", "500", "0")), PAGE_DONE);
+    assert_false(page_release(page, &passed));
+}
+
 static void a_long_reply(void **state)
 {
     static char text[2 * PAGE_REPLY];
@@ -193,7 +285,7 @@ static void rules(void **state)
     assert_int_equal(from_page("{\"token\":\"" TOKEN "\"}"), PAGE_DONE);
     for (size_t i = 0; i < sizeof bad_later / sizeof *bad_later; i++)
         assert_int_equal(from_page(bad_later[i]), PAGE_CLOSE);
-    assert_int_equal(from_page("{\"open\":-1}"), PAGE_DONE);
+    assert_int_equal(from_page("{\"open\":-1}"), PAGE_LEAVE);
     assert_int_equal(page->bus, 0);
 }
 
@@ -225,7 +317,7 @@ static void many_signals(void **state)
     expect_requests(ABOUT);
     from_bus(OK);
     assert_int_equal(from_page("{\"token\":\"" TOKEN "\"}"), PAGE_DONE);
-    assert_int_equal(from_page("{\"open\":1}"), PAGE_DONE);
+    assert_int_equal(from_page("{\"open\":1}"), PAGE_LEAVE);
     bus_poll(bus, true);
     from_bus(OK);
     add_signals(COUNT);
@@ -255,7 +347,7 @@ static void too_many_signals(void **state)
     (void)state;
     from_bus(OK);
     assert_int_equal(from_page("{\"token\":\"" TOKEN "\"}"), PAGE_DONE);
-    assert_int_equal(from_page("{\"open\":1}"), PAGE_DONE);
+    assert_int_equal(from_page("{\"open\":1}"), PAGE_LEAVE);
     bus_poll(bus, true);
     from_bus(OK);
     for (int i = 0; i <= TABLE_SIGNALS; i++) {
@@ -460,6 +552,11 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"Values are sent when they are due, the newest of each signal alone", values, begin, finish, NULL},
         {"Replies come in the order of the requests, beside changes", requests, begin, finish, NULL},
+        {"SEC: a signal that a page holds is released, each once, unless the page has released it", held_signals, begin,
+         finish, NULL},
+        {"SEC: a hold that cannot be released is refused", refused_holds, begin, finish, NULL},
+        {"SEC: a page holds at most 16 signals", a_page_that_holds_too_much, begin, finish, NULL},
+        {"SEC: a page of --view holds no signal", a_view_holds_nothing, begin, finish, NULL},
         {"A reply that is too long becomes a short one", a_long_reply, begin, finish, NULL},
         {"SEC: a seventeenth request without a reply ends the connection", too_many_requests, begin, finish, NULL},
         {"SEC: a page that breaks the rules is closed", rules, begin, finish, NULL},
