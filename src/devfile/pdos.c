@@ -68,9 +68,9 @@ static void take_excluded(ect_draft_t *d, ect_esi_pdo_t *pdo, const yaml_node_t 
         ect_yaml_fail(&d->yaml, list, "'exclude' takes a list of at most %d PDOs, as [0x1A01]", (int)EXCLUDED_MOST);
         return;
     }
-    uint16_t *exclude = ect_arena_alloc(d->arena, (length_of(list) + 1) * sizeof *exclude);
+    ect_esi_exclude_t *exclude = ect_arena_alloc(d->arena, (length_of(list) + 1) * sizeof *exclude);
     for (size_t i = 0; i < length_of(list); i++)
-        exclude[pdo->exclude_count++] = number_of(d, "exclude", item(d, list, i), pdo->tx);
+        exclude[pdo->exclude_count++].index = number_of(d, "exclude", item(d, list, i), pdo->tx);
     pdo->exclude = exclude;
 }
 

@@ -9,6 +9,24 @@
 /* Counts of details and signals in a description have 16 bits. */
 enum { MOST_ENTRIES = UINT16_MAX };
 
+const ect_build_steps_t ect_build_device = {0};
+
+static uint16_t moved(uint16_t index, uint8_t moves, uint32_t with_slot, uint32_t with_group)
+{
+    return (uint16_t)(index + ((moves & ECT_ESI_BY_SLOT) != 0 ? with_slot : 0) +
+                      ((moves & ECT_ESI_BY_GROUP) != 0 ? with_group : 0));
+}
+
+uint16_t ect_build_index(uint16_t index, uint8_t moves, const ect_build_steps_t *steps)
+{
+    return moved(index, moves, steps->slot_index, steps->group_index);
+}
+
+uint16_t ect_build_pdo_index(uint16_t index, uint8_t moves, const ect_build_steps_t *steps)
+{
+    return moved(index, moves, steps->slot_pdo, steps->group_pdo);
+}
+
 static const char *print(ect_build_t *build, const char *format, va_list arguments)
 {
     char line[400];

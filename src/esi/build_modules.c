@@ -18,9 +18,9 @@ static bool is_taken(const ect_build_t *build, uint16_t index)
 
 /* Without CoE the index of a PDO means nothing to a master, and may be that of something else (SoE: S-0-0016). It gets
  * one that a mapping object can have. */
-static uint16_t index_of(ect_build_t *build, const ect_esi_pdo_t *model, uint32_t pdo_shift)
+static uint16_t index_of(ect_build_t *build, const ect_esi_pdo_t *model, const ect_build_steps_t *steps)
 {
-    uint16_t index = (uint16_t)(model->index + (model->depends_on_slot ? pdo_shift : 0));
+    uint16_t index = ect_build_pdo_index(model->index, model->moves, steps);
     uint16_t first = model->tx ? 0x1A00 : 0x1600;
     if (build->model->mailbox.coe || (index >= first && index < first + 0x200))
         return index;
@@ -32,9 +32,9 @@ static uint16_t index_of(ect_build_t *build, const ect_esi_pdo_t *model, uint32_
     return substitute;
 }
 
-static void add_pdo(ect_build_t *build, const ect_esi_pdo_t *model, uint32_t pdo_shift, uint32_t index_shift)
+static void add_pdo(ect_build_t *build, const ect_esi_pdo_t *model, const ect_build_steps_t *steps)
 {
-    uint16_t index = index_of(build, model, pdo_shift);
+    uint16_t index = index_of(build, model, steps);
     for (size_t i = 0; i < build->pdo_count; i++) {
         if (build->pdos[i].index == index && build->pdos[i].model->tx == model->tx) {
             ect_build_note(build, "line %d: PDO %04X occurs twice: the first one is used", model->line,
@@ -43,17 +43,17 @@ static void add_pdo(ect_build_t *build, const ect_esi_pdo_t *model, uint32_t pdo
         }
     }
     build->pdos = ect_arena_grow(build->arena, build->pdos, build->pdo_count, sizeof *build->pdos);
-    build->pdos[build->pdo_count++] = (ect_build_pdo_t){
-        .model = model, .index = index, .pdo_shift = pdo_shift, .index_shift = index_shift, .module = build->module};
+    build->pdos[build->pdo_count++] =
+        (ect_build_pdo_t){.model = model, .index = index, .steps = steps, .module = build->module};
 }
 
-void ect_build_module(ect_build_t *build, const ect_esi_module_t *module, uint32_t pdo_shift, uint32_t index_shift)
+void ect_build_module(ect_build_t *build, const ect_esi_module_t *module, const ect_build_steps_t *steps)
 {
     build->module = module->ident;
     for (size_t i = 0; i < module->pdo_count; i++)
-        add_pdo(build, &module->pdos[i], pdo_shift, index_shift);
-    ect_build_objects(build, &module->dictionary, index_shift);
-    ect_build_inits(build, module->inits, module->init_count, index_shift);
+        add_pdo(build, &module->pdos[i], steps);
+    ect_build_objects(build, &module->dictionary, steps);
+    ect_build_inits(build, module->inits, module->init_count, steps);
     build->module = 0;
 }
 
@@ -73,8 +73,14 @@ static void insert(ect_build_t *build, const place_t *place, uint32_t ident)
                        (unsigned int)ident);
         return;
     }
-    unsigned int steps = place->slot->own_increments ? place->instance : place->number;
-    ect_build_module(build, module, steps * place->slot->pdo_increment, steps * place->slot->index_increment);
+    const ect_esi_slot_t *slot = place->slot;
+    const unsigned int before = slot->own_increments ? place->instance : place->number;
+    ect_build_steps_t *steps = ect_arena_alloc(build->arena, sizeof *steps);
+    *steps = (ect_build_steps_t){.slot_index = before * slot->index_increment,
+                                 .slot_pdo = before * slot->pdo_increment,
+                                 .group_index = slot->group * slot->group_index_increment,
+                                 .group_pdo = slot->group * slot->group_pdo_increment};
+    ect_build_module(build, module, steps);
 }
 
 /* The module of a place: the choice of the user, else the preset of the file, in as many places as must have one. */
@@ -93,7 +99,7 @@ void ect_build_modules(ect_build_t *build, const ect_module_choice_t *choices, s
     const ect_esi_device_t *model = build->model;
     place_t place = {.number = 0};
     for (size_t i = 0; i < model->pdo_count; i++)
-        add_pdo(build, &model->pdos[i], 0, 0);
+        add_pdo(build, &model->pdos[i], &ect_build_device);
     for (size_t i = 0; i < model->slot_count; i++) {
         place.slot = &model->slots[i];
         for (place.instance = 0; place.instance < place.slot->instances_max; place.instance++, place.number++) {

@@ -200,9 +200,9 @@ static bool is_pdo_of(const ect_esi_device_t *model, uint16_t index)
 }
 
 static void add_object(ect_build_t *build, const ect_esi_dictionary_t *dictionary, const ect_esi_object_t *model,
-                       uint32_t shift)
+                       const ect_build_steps_t *steps)
 {
-    uint16_t index = (uint16_t)(model->index + (model->depends_on_slot ? shift : 0));
+    uint16_t index = ect_build_index(model->index, model->moves, steps);
     if ((ect_od_is_rxpdo(index) || ect_od_is_txpdo(index)) && !is_pdo_of(build->model, model->index)) {
         ect_build_note(build, "line %d: object %04X is not one of the file's PDOs: it is left out", model->line,
                        (unsigned int)index);
@@ -232,10 +232,10 @@ static void add_object(ect_build_t *build, const ect_esi_dictionary_t *dictionar
         ect_build_drop_last(build); /* no entry could be read; a note has the reason */
 }
 
-void ect_build_objects(ect_build_t *build, const ect_esi_dictionary_t *dictionary, uint32_t shift)
+void ect_build_objects(ect_build_t *build, const ect_esi_dictionary_t *dictionary, const ect_build_steps_t *steps)
 {
     for (size_t i = 0; i < dictionary->object_count; i++)
-        add_object(build, dictionary, &dictionary->objects[i], shift);
+        add_object(build, dictionary, &dictionary->objects[i], steps);
 }
 
 /* --- start-up commands ------------------------------------------------------------------------------------------- */
@@ -282,11 +282,11 @@ static bool is_left_alone(const ect_esi_init_t *init, uint16_t index)
            (index >= ECT_OD_ASSIGNMENT && index < ECT_OD_ASSIGNMENT + ASSIGNMENTS);
 }
 
-void ect_build_inits(ect_build_t *build, const ect_esi_init_t *inits, size_t count, uint32_t shift)
+void ect_build_inits(ect_build_t *build, const ect_esi_init_t *inits, size_t count, const ect_build_steps_t *steps)
 {
     for (size_t i = 0; i < count; i++) {
         const ect_esi_init_t *init = &inits[i];
-        uint16_t index = (uint16_t)(init->index + (init->depends_on_slot ? shift : 0));
+        uint16_t index = ect_build_index(init->index, init->moves, steps);
         ect_build_object_t *object = ect_build_find(build, index);
         ect_build_entry_t *entry = object != NULL ? ect_build_entry(object, init->subindex) : NULL;
         uint16_t wanted = written_in(init->transitions);

@@ -86,7 +86,7 @@ static size_t mapping_values(ect_build_t *build, const ect_build_pdo_t *pdo, uin
     size_t count = 0;
     for (size_t i = 0; i < pdo->model->entry_count; i++) {
         const ect_esi_entry_t *entry = &pdo->model->entries[i];
-        uint16_t index = (uint16_t)(entry->index + (entry->depends_on_slot ? pdo->index_shift : 0));
+        uint16_t index = ect_build_index(entry->index, entry->moves, pdo->steps);
         uint32_t bits = entry->bits;
         if (bits == 0) {
             ect_build_note(build, "line %d: PDO %04X has an entry of no bits: it is left out", entry->line,
@@ -168,7 +168,7 @@ static void add_mapping(ect_build_t *build, ect_build_pdo_t *pdo)
 static bool excludes(const ect_build_pdo_t *a, const ect_build_pdo_t *b)
 {
     for (size_t i = 0; i < a->model->exclude_count; i++) {
-        if (a->model->exclude[i] + (a->model->depends_on_slot ? a->pdo_shift : 0) == b->index)
+        if (ect_build_pdo_index(a->model->exclude[i].index, a->model->exclude[i].moves, a->steps) == b->index)
             return true;
     }
     return false;

@@ -155,7 +155,7 @@ static void add_pdo(ect_build_t *build, ect_plant_t *plant, const ect_build_pdo_
     list_t list = {.build = build};
     for (size_t i = 0; i < pdo->model->entry_count; i++) {
         const ect_esi_entry_t *model = &pdo->model->entries[i];
-        uint16_t index = (uint16_t)(model->index + (model->depends_on_slot ? pdo->index_shift : 0));
+        uint16_t index = ect_build_index(model->index, model->moves, pdo->steps);
         bool *flag = model->index != 0 ? seen_flag(build, seen, index, model->subindex) : NULL;
         if (flag == NULL || *flag)
             continue;
@@ -176,7 +176,7 @@ static void skip_pdo(const ect_build_t *build, const ect_build_pdo_t *pdo, bool 
 {
     for (size_t i = 0; i < pdo->model->entry_count; i++) {
         const ect_esi_entry_t *model = &pdo->model->entries[i];
-        uint16_t index = (uint16_t)(model->index + (model->depends_on_slot ? pdo->index_shift : 0));
+        uint16_t index = ect_build_index(model->index, model->moves, pdo->steps);
         bool *flag = model->index != 0 ? seen_flag(build, seen, index, model->subindex) : NULL;
         if (flag != NULL)
             *flag = true;

@@ -83,6 +83,9 @@ ect_esi_device_t *ect_esi_read_device(ect_esi_xml_t *xml, const xmlNode *root, c
 /** @param profile  `<Profile>`; NULL: an empty dictionary; @param[out] dictionary  gets types and objects appended */
 void ect_esi_read_dictionary(ect_esi_xml_t *xml, const xmlNode *profile, ect_esi_dictionary_t *dictionary);
 
+/** @param node  an index, may be NULL. @return ECT_ESI_BY_SLOT, ECT_ESI_BY_GROUP as its attributes say */
+uint8_t ect_esi_moves(ect_esi_xml_t *xml, const xmlNode *node);
+
 /* --- building ---------------------------------------------------------------------------------------------------- */
 
 /** An entry under construction. */
@@ -112,14 +115,22 @@ typedef struct ect_build_object {
     size_t first;    /**< entries of the objects before it, once they are sorted */
 } ect_build_object_t;
 
+/** Distances by which the indices of a module in its place move; all 0 for the device itself. */
+typedef struct ect_build_steps {
+    uint32_t slot_index, slot_pdo;   /**< with ECT_ESI_BY_SLOT: objects and entries; PDOs */
+    uint32_t group_index, group_pdo; /**< with ECT_ESI_BY_GROUP, likewise */
+} ect_build_steps_t;
+
+/** Steps of the device itself. */
+extern const ect_build_steps_t ect_build_device;
+
 /** A PDO of the device, or of a module in a slot. */
 typedef struct ect_build_pdo {
     const ect_esi_pdo_t *model;
-    uint16_t index; /**< shifted by the slot */
-    uint32_t pdo_shift;
-    uint32_t index_shift;
-    uint32_t module; /**< ident of the module that brings it, 0: the device */
-    bool assigned;   /**< to a SyncManager with process data, by default */
+    uint16_t index;                 /**< shifted by the slot */
+    const ect_build_steps_t *steps; /**< of the place */
+    uint32_t module;                /**< ident of the module that brings it, 0: the device */
+    bool assigned;                  /**< to a SyncManager with process data, by default */
     bool usable;
     bool on_virtual; /**< of a virtual SyncManager: the master accesses registers instead */
     size_t place; /**< place in the assignment; PDOs that exclude each other have the same place, that of the first */
@@ -213,11 +224,17 @@ ect_build_object_t *ect_build_numbers(ect_build_t *build, uint16_t index, const 
 /** Sorts objects and entries, and sets sub-index 0 of records. */
 void ect_build_sort(ect_build_t *build);
 
-/** build_objects.c: adds the objects of a dictionary; those that depend on the slot are shifted by `shift`. */
-void ect_build_objects(ect_build_t *build, const ect_esi_dictionary_t *dictionary, uint32_t shift);
+/** @return the index of an object or of a PDO's entry in its place; @param moves  ECT_ESI_BY_... */
+uint16_t ect_build_index(uint16_t index, uint8_t moves, const ect_build_steps_t *steps);
 
-/** build_objects.c: adds missing entries that start-up commands write, and makes them writable; `shift` as above. */
-void ect_build_inits(ect_build_t *build, const ect_esi_init_t *inits, size_t count, uint32_t shift);
+/** @return the index of a PDO in its place */
+uint16_t ect_build_pdo_index(uint16_t index, uint8_t moves, const ect_build_steps_t *steps);
+
+/** build_objects.c: adds the objects of a dictionary in its place. */
+void ect_build_objects(ect_build_t *build, const ect_esi_dictionary_t *dictionary, const ect_build_steps_t *steps);
+
+/** build_objects.c: adds missing entries that start-up commands write, and makes them writable. */
+void ect_build_inits(ect_build_t *build, const ect_esi_init_t *inits, size_t count, const ect_build_steps_t *steps);
 
 /** build_modules.c. Adds the PDOs of the device and of the modules in its slots, and the modules' objects. */
 void ect_build_modules(ect_build_t *build, const ect_module_choice_t *choices, size_t count);
@@ -225,8 +242,8 @@ void ect_build_modules(ect_build_t *build, const ect_module_choice_t *choices, s
 /** idents.c: adds F030h and F050h, after all other objects; F000h too if the file requires the download of idents. */
 void ect_build_idents(ect_build_t *build);
 
-/** build_modules.c: adds the PDOs, objects and start-up commands of one module, moved by its slot. */
-void ect_build_module(ect_build_t *build, const ect_esi_module_t *module, uint32_t pdo_shift, uint32_t index_shift);
+/** build_modules.c: adds the PDOs, objects and start-up commands of one module; `steps` outlive the build. */
+void ect_build_module(ect_build_t *build, const ect_esi_module_t *module, const ect_build_steps_t *steps);
 
 /** idents.c: makes a device with F030h check it. Before a behaviour that has functions of its own. */
 void ect_esi_idents_set(const ect_build_t *build, ect_device_t *device);

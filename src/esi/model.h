@@ -32,32 +32,44 @@ typedef struct ect_esi_bytes {
     size_t length;
 } ect_esi_bytes_t;
 
+/** Flags of an index in a module: it moves with the module's place. */
+enum {
+    ECT_ESI_BY_SLOT = 1,  /**< `DependOnSlot`: with the slot */
+    ECT_ESI_BY_GROUP = 2, /**< `DependOnSlotGroup`: with the group of the slot */
+};
+
 /** `<Entry>` of a PDO; index 0 is a gap. */
 typedef struct ect_esi_entry {
     uint16_t index;
     uint8_t subindex;
     uint16_t bits;
     const char *name;
-    const char *type;     /**< `<DataType>`, "" when absent */
-    bool depends_on_slot; /**< `DependOnSlot`: the index moves with the module's slot */
+    const char *type; /**< `<DataType>`, "" when absent */
+    uint8_t moves;    /**< ECT_ESI_BY_SLOT, ECT_ESI_BY_GROUP */
     int line;
 } ect_esi_entry_t;
+
+/** `<Exclude>` of a PDO: a PDO that cannot be assigned together with it. */
+typedef struct ect_esi_exclude {
+    uint16_t index;
+    uint8_t moves; /**< ECT_ESI_BY_SLOT, ECT_ESI_BY_GROUP */
+} ect_esi_exclude_t;
 
 /** `<RxPdo>` or `<TxPdo>`. */
 typedef struct ect_esi_pdo {
     uint16_t index;
     const char *name;
-    bool tx;                 /**< inputs: from the slave to the master */
-    bool fixed;              /**< content cannot be changed */
-    bool mandatory;          /**< always assigned */
-    bool virtual_pdo;        /**< maps registers, not a SyncManager */
-    int sm;                  /**< assigned by default to this SyncManager, -1 to none */
-    uint16_t samples;        /**< `OSFac`, 1 when absent */
-    const uint16_t *exclude; /**< PDOs that cannot be assigned together with this one */
+    bool tx;          /**< inputs: from the slave to the master */
+    bool fixed;       /**< content cannot be changed */
+    bool mandatory;   /**< always assigned */
+    bool virtual_pdo; /**< maps registers, not a SyncManager */
+    int sm;           /**< assigned by default to this SyncManager, -1 to none */
+    uint16_t samples; /**< `OSFac`, 1 when absent */
+    const ect_esi_exclude_t *exclude;
     size_t exclude_count;
     const ect_esi_entry_t *entries;
     size_t entry_count;
-    bool depends_on_slot;
+    uint8_t moves; /**< ECT_ESI_BY_SLOT, ECT_ESI_BY_GROUP */
     int line;
 } ect_esi_pdo_t;
 
@@ -81,10 +93,10 @@ typedef struct ect_esi_init {
     bool complete;
     bool adapts; /**< `AdaptAutomatically`: tools replace the data */
     ect_esi_bytes_t data;
-    const char *comment;  /**< "" when absent */
-    bool depends_on_slot; /**< `DependOnSlot`: the index moves with the module's slot */
-    bool disabled;        /**< `Disabled` of a network file */
-    bool upload;          /**< a network file's command without `Data`: the master reads */
+    const char *comment; /**< "" when absent */
+    uint8_t moves;       /**< ECT_ESI_BY_SLOT, ECT_ESI_BY_GROUP */
+    bool disabled;       /**< `Disabled` of a network file */
+    bool upload;         /**< a network file's command without `Data`: the master reads */
     int line;
 } ect_esi_init_t;
 
@@ -169,7 +181,7 @@ typedef struct ect_esi_object {
     ect_esi_info_t info;
     const ect_esi_info_t *items; /**< `<Info><SubItem>`: by name, or in order */
     size_t item_count;
-    bool depends_on_slot;
+    uint8_t moves; /**< ECT_ESI_BY_SLOT, ECT_ESI_BY_GROUP */
     int line;
 } ect_esi_object_t;
 
@@ -187,8 +199,10 @@ typedef struct ect_esi_slot {
     const char *name;
     unsigned int instances_min, instances_max;
     uint32_t pdo_increment, index_increment; /**< for each slot between the module and the first slot */
-    bool own_increments;    /**< counted from this slot's first instance; false: from the device's first slot */
-    const uint32_t *idents; /**< `<ModuleIdent>` */
+    bool own_increments; /**< counted from this slot's first instance; false: from the device's first slot */
+    uint32_t group;      /**< `SlotGroup`, 0 when absent */
+    uint32_t group_pdo_increment, group_index_increment; /**< times `group` */
+    const uint32_t *idents;                              /**< `<ModuleIdent>` */
     size_t ident_count;
     uint32_t preset;            /**< the ident with `Default`, 0 none */
     const char *const *classes; /**< `<ModuleClass>` */
@@ -269,9 +283,10 @@ typedef struct ect_esi_device {
     const ect_esi_slot_t *slots;
     size_t slot_count;
     uint32_t slot_pdo_increment, slot_index_increment, slots_max;
-    bool download_idents;            /**< `DownloadModuleIdentList`: a master writes F030h */
-    bool download_addresses;         /**< `DownloadModuleAddressList`: a master writes F020h */
-    const ect_esi_module_t *modules; /**< all of the file */
+    uint32_t group_pdo_increment, group_index_increment; /**< `SlotGroupPdoIncrement`, `SlotGroupIndexIncrement` */
+    bool download_idents;                                /**< `DownloadModuleIdentList`: a master writes F030h */
+    bool download_addresses;                             /**< `DownloadModuleAddressList`: a master writes F020h */
+    const ect_esi_module_t *modules;                     /**< all of the file */
     size_t module_count;
 
     const ect_field_t *fields; /**< named bits and values, as ect_plant_t::fields; NULL: none; no ESI file has them */

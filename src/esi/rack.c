@@ -58,7 +58,7 @@ static void measure(ect_esi_rack_t *rack, const ect_esi_module_t *module, size_t
     ect_arena_t arena = {0};
     ect_build_t build = {.arena = &arena, .model = rack->model};
     size_t bytes = 0, runs = 0;
-    ect_build_module(&build, module, 0, 0);
+    ect_build_module(&build, module, &ect_build_device);
     ect_build_pdos(&build);
     for (size_t i = 0; i < build.object_count; i++) {
         bytes += BESIDE + 1;

@@ -3,10 +3,10 @@
 
 #include <string.h>
 
-static uint16_t index_of(ect_esi_xml_t *xml, const xmlNode *parent, bool *depends_on_slot)
+static uint16_t index_of(ect_esi_xml_t *xml, const xmlNode *parent, uint8_t *moves)
 {
     const xmlNode *node = ect_esi_child(parent, "Index");
-    *depends_on_slot = node != NULL && ect_esi_flag(xml, node, "DependOnSlot");
+    *moves = ect_esi_moves(xml, node);
     if (node == NULL) {
         ect_esi_fail(xml, parent, "%s has no Index", (const char *)parent->name);
         return 0;
@@ -16,7 +16,7 @@ static uint16_t index_of(ect_esi_xml_t *xml, const xmlNode *parent, bool *depend
 
 static void read_entry(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_entry_t *entry)
 {
-    entry->index = index_of(xml, node, &entry->depends_on_slot);
+    entry->index = index_of(xml, node, &entry->moves);
     entry->subindex = (uint8_t)ect_esi_number(xml, node, "SubIndex", 0, UINT8_MAX, 0);
     entry->bits = (uint16_t)ect_esi_number(xml, node, "BitLen", 0, UINT16_MAX, 0);
     entry->name = ect_esi_name(xml, node, "Name");
@@ -30,10 +30,10 @@ static void read_pdo(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_pdo_t *pdo
 {
     ect_esi_entry_t *entries = NULL;
     ect_esi_entry_t *entry;
-    uint16_t *exclude = NULL;
-    uint16_t *excluded;
+    ect_esi_exclude_t *exclude = NULL;
+    ect_esi_exclude_t *excluded;
     pdo->tx = ect_esi_is(node, "TxPdo");
-    pdo->index = index_of(xml, node, &pdo->depends_on_slot);
+    pdo->index = index_of(xml, node, &pdo->moves);
     pdo->name = ect_esi_name(xml, node, "Name");
     pdo->fixed = ect_esi_flag(xml, node, "Fixed");
     pdo->mandatory = ect_esi_flag(xml, node, "Mandatory");
@@ -44,7 +44,8 @@ static void read_pdo(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_pdo_t *pdo
     ECT_ESI_EACH(child, node, "Exclude")
     {
         ECT_APPEND(xml, exclude, pdo->exclude_count, excluded);
-        *excluded = (uint16_t)ect_esi_value(xml, child, 0, UINT16_MAX);
+        excluded->index = (uint16_t)ect_esi_value(xml, child, 0, UINT16_MAX);
+        excluded->moves = ect_esi_moves(xml, child);
     }
     ECT_ESI_EACH(child, node, "Entry")
     {
@@ -127,8 +128,7 @@ static const ect_esi_init_t *read_inits(ect_esi_xml_t *xml, const xmlNode *coe, 
         const xmlNode *data = ect_esi_child(node, "Data");
         init->adapts = data != NULL && ect_esi_flag(xml, data, "AdaptAutomatically");
         init->comment = ect_esi_name(xml, node, "Comment");
-        init->depends_on_slot =
-            ect_esi_child(node, "Index") != NULL && ect_esi_flag(xml, ect_esi_child(node, "Index"), "DependOnSlot");
+        init->moves = ect_esi_moves(xml, ect_esi_child(node, "Index"));
         init->line = ect_esi_line(node);
     }
     return inits;
@@ -295,6 +295,11 @@ static void read_slot(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t 
         (uint32_t)ect_esi_attribute_number(xml, node, "SlotPdoIncrement", 0, UINT16_MAX, device->slot_pdo_increment);
     slot->index_increment = (uint32_t)ect_esi_attribute_number(xml, node, "SlotIndexIncrement", 0, UINT16_MAX,
                                                                device->slot_index_increment);
+    slot->group = (uint32_t)ect_esi_attribute_number(xml, node, "SlotGroup", 0, UINT16_MAX, 0);
+    slot->group_pdo_increment = (uint32_t)ect_esi_attribute_number(xml, node, "SlotGroupPdoIncrement", 0, UINT16_MAX,
+                                                                   device->group_pdo_increment);
+    slot->group_index_increment = (uint32_t)ect_esi_attribute_number(xml, node, "SlotGroupIndexIncrement", 0,
+                                                                     UINT16_MAX, device->group_index_increment);
     slot->own_increments = *ect_esi_attribute(xml, node, "SlotPdoIncrement") != '\0' ||
                            *ect_esi_attribute(xml, node, "SlotIndexIncrement") != '\0';
     ECT_ESI_EACH(child, node, "ModuleIdent")
@@ -324,6 +329,10 @@ static void read_slots(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t
     device->slot_pdo_increment = (uint32_t)ect_esi_attribute_number(xml, node, "SlotPdoIncrement", 0, UINT16_MAX, 0);
     device->slot_index_increment =
         (uint32_t)ect_esi_attribute_number(xml, node, "SlotIndexIncrement", 0, UINT16_MAX, 0);
+    device->group_pdo_increment =
+        (uint32_t)ect_esi_attribute_number(xml, node, "SlotGroupPdoIncrement", 0, UINT16_MAX, 0);
+    device->group_index_increment =
+        (uint32_t)ect_esi_attribute_number(xml, node, "SlotGroupIndexIncrement", 0, UINT16_MAX, 0);
     device->download_idents = ect_esi_flag(xml, node, "DownloadModuleIdentList");
     device->download_addresses = ect_esi_flag(xml, node, "DownloadModuleAddressList");
     ECT_ESI_EACH(child, node, "Slot")

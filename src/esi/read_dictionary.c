@@ -4,6 +4,14 @@
 
 #include "esi/internal.h"
 
+uint8_t ect_esi_moves(ect_esi_xml_t *xml, const xmlNode *node)
+{
+    if (node == NULL)
+        return 0;
+    return (uint8_t)((ect_esi_flag(xml, node, "DependOnSlot") ? ECT_ESI_BY_SLOT : 0) |
+                     (ect_esi_flag(xml, node, "DependOnSlotGroup") ? ECT_ESI_BY_GROUP : 0));
+}
+
 /* Backup and Setting are numbers; any number except 0 means true. */
 static bool is_set(ect_esi_xml_t *xml, const xmlNode *parent, const char *name)
 {
@@ -130,7 +138,7 @@ static void read_object(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_object_
     const xmlNode *index = ect_esi_child(node, "Index");
     const xmlNode *info = ect_esi_child(node, "Info");
     object->index = (uint16_t)ect_esi_number(xml, node, "Index", 0, UINT16_MAX, 0);
-    object->depends_on_slot = index != NULL && ect_esi_flag(xml, index, "DependOnSlot");
+    object->moves = ect_esi_moves(xml, index);
     object->name = ect_esi_name(xml, node, "Name");
     object->type = ect_esi_text(xml, ect_esi_child(node, "Type"));
     object->bits = (uint32_t)ect_esi_number(xml, node, "BitSize", 0, UINT32_MAX, 0);

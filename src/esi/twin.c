@@ -739,7 +739,7 @@ static const uint16_t *excludes_of(ect_build_t *build, const ect_build_pdo_t *pd
     uint16_t *excludes = ect_arena_alloc(build->arena, (model->exclude_count + 1) * sizeof *excludes);
     size_t count = 0;
     for (size_t i = 0; i < model->exclude_count; i++) {
-        uint16_t other = (uint16_t)(model->exclude[i] + (model->depends_on_slot ? pdo->pdo_shift : 0));
+        uint16_t other = ect_build_pdo_index(model->exclude[i].index, model->exclude[i].moves, pdo->steps);
         bool is_pdo = ect_od_is_rxpdo(other) || ect_od_is_txpdo(other);
         if (is_pdo && other != pdo->index && ect_build_find(build, other) != NULL)
             excludes[count++] = other;
@@ -823,10 +823,10 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     static const ect_service_t *const services[] = {&ect_service_pdo_config, NULL};
     ect_build_t *b = &twin->build;
     ect_device_t *device = &twin->device;
-    ect_build_objects(b, &b->model->dictionary, 0);
+    ect_build_objects(b, &b->model->dictionary, &ect_build_device);
     ect_build_modules(b, modules, module_count);
     ect_build_pdos(b);
-    ect_build_inits(b, b->model->mailbox.inits, b->model->mailbox.init_count, 0);
+    ect_build_inits(b, b->model->mailbox.inits, b->model->mailbox.init_count, &ect_build_device);
     ect_build_idents(b);
     if (b->model->mailbox.coe)
         add_mandatory(b);

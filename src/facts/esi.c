@@ -120,7 +120,8 @@ static void add_pdo(ect_facts_t *facts, const ect_esi_pdo_t *pdo)
     char excludes[300] = "none";
     size_t used = 0;
     for (size_t i = 0; i < pdo->exclude_count && used < sizeof excludes - 8; i++)
-        used += (size_t)snprintf(excludes + used, sizeof excludes - used, "%s%04X", i > 0 ? " " : "", pdo->exclude[i]);
+        used += (size_t)snprintf(excludes + used, sizeof excludes - used, "%s%04X", i > 0 ? " " : "",
+                                 pdo->exclude[i].index);
     (void)ect_facts_add(facts, ECT_FACT_PDO_FIXED, pdo->index, 0, "%s", pdo->fixed ? "yes" : "no");
     (void)ect_facts_add(facts, ECT_FACT_PDO_MANDATORY, pdo->index, 0, "%s", pdo->mandatory ? "yes" : "no");
     (void)ect_facts_add(facts, ECT_FACT_PDO_EXCLUDES, pdo->index, 0, "%s", excludes);

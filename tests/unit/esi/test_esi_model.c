@@ -55,13 +55,13 @@ NUMBER(pdo_virtual, m->pdos[0].virtual_pdo)
 NUMBER(pdo_sm, m->pdos[0].sm)
 NUMBER(pdo_samples, m->pdos[0].samples)
 NUMBER(pdo_excludes, m->pdos[0].exclude_count)
-NUMBER(pdo_exclude, m->pdos[0].exclude[1])
-NUMBER(pdo_slot, m->pdos[0].depends_on_slot)
+NUMBER(pdo_exclude, m->pdos[0].exclude[1].index)
+NUMBER(pdo_slot, m->pdos[0].moves)
 NUMBER(entries, m->pdos[0].entry_count)
 NUMBER(entry_index, m->pdos[0].entries[0].index)
 NUMBER(entry_subindex, m->pdos[0].entries[0].subindex)
 NUMBER(entry_bits, m->pdos[0].entries[0].bits)
-NUMBER(entry_slot, m->pdos[0].entries[0].depends_on_slot)
+NUMBER(entry_slot, m->pdos[0].entries[0].moves)
 NUMBER(coe, m->mailbox.coe)
 NUMBER(info, m->mailbox.sdo_info)
 NUMBER(assign, m->mailbox.pdo_assign)
@@ -76,7 +76,7 @@ NUMBER(init_index, m->mailbox.inits[0].index)
 NUMBER(init_subindex, m->mailbox.inits[0].subindex)
 NUMBER(init_complete, m->mailbox.inits[0].complete)
 NUMBER(init_length, m->mailbox.inits[0].data.length)
-NUMBER(init_slot, m->mailbox.inits[0].depends_on_slot)
+NUMBER(init_slot, m->mailbox.inits[0].moves)
 NUMBER(modes, m->dc_count)
 NUMBER(activate, m->dcs[0].assign_activate)
 NUMBER(cycle0, m->dcs[0].cycle_sync0_ns)
@@ -207,6 +207,7 @@ static void numbers(void **state)
         {"Entry/SubIndex", ENT("<Index>1</Index><SubIndex>#x11</SubIndex><BitLen>8</BitLen>"), entry_subindex, 0x11},
         {"Entry/SubIndex of none", ENT("<Index>1</Index><BitLen>8</BitLen>"), entry_subindex, 0},
         {"BitLen", ENT("<Index>1</Index><BitLen>1000</BitLen>"), entry_bits, 1000},
+        {"DependOnSlotGroup", D("<TxPdo><Index DependOnSlotGroup='1'>#x1A00</Index></TxPdo>"), pdo_slot, 2},
         {"Entry/DependOnSlot", ENT("<Index DependOnSlot='1'>1</Index><BitLen>8</BitLen>"), entry_slot, 1},
         {"Mailbox", D("<Mailbox/>"), given, 1},
         {"no Mailbox", D(""), given, 0},

@@ -197,7 +197,7 @@ static void model(void **state)
     assert_string_equal(d->fmmus[2], "MBoxState");
     assert_int_equal(d->pdo_count, 4);
     assert_false(d->pdos[0].tx);
-    assert_int_equal(d->pdos[1].exclude[0], 0x1A01);
+    assert_int_equal(d->pdos[1].exclude[0].index, 0x1A01);
     assert_int_equal(d->pdos[2].sm, -1);
     assert_true(d->mailbox.coe && d->mailbox.foe && !d->mailbox.eoe);
     assert_true(d->mailbox.pdo_assign && !d->mailbox.pdo_config && d->mailbox.complete_access);
