@@ -299,7 +299,7 @@ static void logical(defect_t *d, datagram_t *g)
 
 static void logical_bit(defect_t *d, datagram_t *g)
 {
-    if (g->command == ECT_LRD && g->length == d->row->length)
+    if (g->command == (d->row->command != 0 ? d->row->command : ECT_LRD) && g->length == d->row->length)
         apply(&d->row->change, data(g) + d->row->at);
 }
 
@@ -813,6 +813,8 @@ static const defect_row_t rows[] = {
     {"CF-M02", "unlike modules are refused with the code of a missing one (needs module idents)", AL_CODE(0x70, 0x71)},
     {"CF-M02b", "F030h in SAFEOP is a general error (needs module idents)", SDO(0xF030, 1, 12), .state = 4,
      .command = 0x80, .change = ANY(4, 0x08000000)},
+    {"CF-M03", "the TxPDO toggle stands still (needs one in the first bit of 3 bytes of inputs)", CUSTOM,
+     .command = ECT_LRW, .length = 3, .change = CLEARED(1), .after = logical_bit},
     {"DEAD-MAILBOX", "an unknown SDO command ends the mailbox until the twin restarts", CUSTOM, .before = mailbox_stops,
      .after = uncounted_hidden},
     {"END-OF-FRAME", "no defect: SyncManagers change their status at the end of the frame, as chips do", CUSTOM,

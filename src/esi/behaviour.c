@@ -22,6 +22,7 @@ struct ect_esi_drives {
     unsigned int count;
     size_t offset, outside; /* offsets of the drives and of their surroundings in the instance */
     void (*safe_outputs)(void *instance, uint64_t now_ns);
+    void (*inputs)(void *instance, uint64_t now_ns);
 };
 
 /* --- functions called by the stack -------------------------------------------------------------------------------- */
@@ -99,6 +100,8 @@ static void safe_outputs(void *instance, uint64_t now_ns)
 
 static void inputs(void *instance, uint64_t now_ns)
 {
+    if (drives_of(instance)->inputs != NULL)
+        drives_of(instance)->inputs(instance, now_ns);
     EACH_DRIVE(d, instance)
     {
         ect_402_drive_advance(d, now_ns);
@@ -270,6 +273,7 @@ static void set_functions(ect_esi_twin_t *twin, ect_esi_drives_t *drives)
     static const ect_service_t *const with_config[] = {&ect_service_pdo_config, &ect_service_rhythm, NULL};
     ect_device_t *device = &twin->device;
     drives->safe_outputs = device->safe_outputs;
+    drives->inputs = device->inputs;
     device->services = device->services != NULL ? with_config : services;
     device->init = init;
     device->state_change = state_change;

@@ -119,7 +119,8 @@ static void add_signal(list_t *list, const ect_build_entry_t *entry, const char 
     signal->name = name;
     signal->meaning = ect_build_text(build, meaning, ECT_BUILD_TEXT);
     signal->type = type_of(entry);
-    signal->access = (entry->access & ECT_ACCESS_RXPDO) != 0 ? ECT_SIGNAL_READ : ECT_SIGNAL_WRITE;
+    const bool own = (entry->access & ECT_ACCESS_RXPDO) != 0 || ect_build_is_toggle(build, entry);
+    signal->access = own ? ECT_SIGNAL_READ : ECT_SIGNAL_WRITE;
     signal->offset = (uint32_t)entry->offset;
     set_range(entry, signal);
 }
@@ -236,4 +237,7 @@ void ect_build_signals(ect_build_t *build, ect_plant_t *plant)
             skip_pdo(build, &build->pdos[i], seen);
     }
     add_objects(build, plant, seen);
+    const list_t toggle = {.signals = (ect_signal_t *)(uintptr_t)ect_build_toggle_signals, .count = 1};
+    if (build->toggle_count > 0)
+        add_group(build, plant, "toggle", &toggle);
 }

@@ -14,7 +14,8 @@
 /* Reaction to a change above PREOP, signal modules.on_change. */
 enum { FALL_TO_PREOP, FALL_TO_SAFEOP, STAY };
 
-/* Part of the instance behind ect_standard_t. From `known` on it outlasts a power cycle: modules stay in their slots.
+/* Part of the instance behind ect_esi_instance_t. From `known` on it outlasts a power cycle: modules stay in their
+ * slots.
  */
 typedef struct modules {
     const ect_host_t *host;
@@ -26,7 +27,7 @@ typedef struct modules {
     uint32_t inserted[UINT8_MAX]; /* as many as the device has slots */
 } modules_t;
 
-enum { AT = (sizeof(ect_standard_t) + sizeof(uint64_t) - 1) / sizeof(uint64_t) * sizeof(uint64_t) };
+enum { AT = (sizeof(ect_esi_instance_t) + sizeof(uint64_t) - 1) / sizeof(uint64_t) * sizeof(uint64_t) };
 
 static const ect_signal_t slot_signals[] = {
     {"module", "ident of the module in the slot, 0 none: 'ectwin list --modules' lists them", NULL, ECT_SIGNAL_U32,

@@ -8,7 +8,7 @@
 #include "seams/standard.h"
 #include "wire/bytes.h"
 
-enum { MODULES = 0xF000 };
+enum { MODULES = 0xF000, DOWNLOAD_REVISION = 0xF081 };
 
 static void make(ect_build_t *build, uint16_t index, const char *name, const char *element, uint16_t type,
                  uint16_t access, size_t count)
@@ -55,6 +55,14 @@ static void fill(ect_build_t *build, uint16_t index, const uint32_t *idents, siz
     }
     if (filled > 0 && ect_build_entry(object, 0) != NULL)
         ect_build_initial(build, ect_build_entry(object, 0), filled);
+}
+
+void ect_build_revision(ect_build_t *build)
+{
+    const ect_build_object_t *object = ect_build_find(build, DOWNLOAD_REVISION);
+    ect_build_entry_t *entry = object != NULL ? ect_build_entry(object, 1) : NULL;
+    if (entry != NULL && entry->bits == 32 && entry->initial.length == 0)
+        ect_build_initial(build, entry, build->model->revision);
 }
 
 void ect_build_idents(ect_build_t *build)

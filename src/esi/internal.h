@@ -21,6 +21,7 @@
  *   build_modules.c    modules in their slots
  *   idents.c           lists of the idents of modules
  *   build_pdos.c       PDOs, mappings and assignments
+ *   pdo_states.c       parameters of PDOs: exclusions, toggles
  *   build_signals.c    signals from PDO entries and objects
  *   change.c           modules that change while the twin runs
  *   twin.c             the description and its behaviour
@@ -83,7 +84,7 @@ ect_esi_device_t *ect_esi_read_device(ect_esi_xml_t *xml, const xmlNode *root, c
 /** @param profile  `<Profile>`; NULL: an empty dictionary; @param[out] dictionary  gets types and objects appended */
 void ect_esi_read_dictionary(ect_esi_xml_t *xml, const xmlNode *profile, ect_esi_dictionary_t *dictionary);
 
-/** @param node  an index, may be NULL. @return ECT_ESI_BY_SLOT, ECT_ESI_BY_GROUP as its attributes say */
+/** @param node  an index, may be NULL. @return ECT_ESI_BY_SLOT, ECT_ESI_BY_GROUP, from its attributes */
 uint8_t ect_esi_moves(ect_esi_xml_t *xml, const xmlNode *node);
 
 /* --- building ---------------------------------------------------------------------------------------------------- */
@@ -142,6 +143,13 @@ typedef struct ect_build_note_kind {
     size_t repeated; /**< number of further notes of this kind */
 } ect_build_note_kind_t;
 
+/** The first bytes of an instance. */
+typedef struct ect_esi_instance {
+    ect_standard_t standard;
+    uint8_t hold; /**< toggles keep their value */
+    uint8_t read; /**< the master has read the inputs since the last change of the toggles */
+} ect_esi_instance_t;
+
 /** A description under construction. */
 typedef struct ect_build {
     ect_arena_t *arena;
@@ -161,6 +169,8 @@ typedef struct ect_build {
     uint32_t *positions; /**< by index: position in `objects` + 1; 0: none; NULL before the first object */
     const char *failure; /**< reason of the first failure; NULL: none */
     ect_eoe_t *network;  /**< the twin's EoE, NULL: none */
+    size_t *toggles;     /**< TxPDO toggles: offsets in the instance */
+    size_t toggle_count;
 } ect_build_t;
 
 /**
@@ -241,6 +251,24 @@ void ect_build_modules(ect_build_t *build, const ect_module_choice_t *choices, s
 
 /** idents.c: adds F030h and F050h, after all other objects; F000h too if the file requires the download of idents. */
 void ect_build_idents(ect_build_t *build);
+
+/** pdo_states.c: sets the lists of excluded PDOs, 14xxh:06 and 18xxh:06, that have no values in the file. */
+void ect_build_pdo_states(ect_build_t *build);
+
+/** pdo_states.c. @return the existing PDOs that a PDO excludes, ended by 0; NULL: none */
+const uint16_t *ect_build_excludes(const ect_build_t *build, const ect_build_pdo_t *pdo);
+
+/** pdo_states.c: lets the mapped TxPDO toggles 18xxh:09 change with the inputs. Offsets must be set. */
+void ect_build_toggles(ect_build_t *build, ect_device_t *device);
+
+/** pdo_states.c. @return whether an entry is a toggle, after ::ect_build_toggles */
+bool ect_build_is_toggle(const ect_build_t *build, const ect_build_entry_t *entry);
+
+/** pdo_states.c: the signal of a device with toggles. */
+extern const ect_signal_t ect_build_toggle_signals[1];
+
+/** idents.c: the download revision F081h:1 is the revision number, unless the file has another default. */
+void ect_build_revision(ect_build_t *build);
 
 /** build_modules.c: adds the PDOs, objects and start-up commands of one module; `steps` outlive the build. */
 void ect_build_module(ect_build_t *build, const ect_esi_module_t *module, const ect_build_steps_t *steps);

@@ -596,7 +596,7 @@ static size_t place_of(ect_esi_rack_t *rack, const ect_build_object_t *object, c
 /* Room in the instance for each entry, aligned to its size, and a terminator behind texts. */
 static size_t lay_out(ect_build_t *build)
 {
-    size_t at = sizeof(ect_standard_t);
+    size_t at = sizeof(ect_esi_instance_t);
     for (size_t i = 0; i < build->object_count; i++) {
         for (size_t k = 0; k < build->objects[i].count; k++) {
             ect_build_entry_t *entry = &build->objects[i].entries[k];
@@ -732,21 +732,6 @@ static void set_objects(ect_build_t *build, ect_device_t *device)
 
 /* --- PDOs: properties beyond their objects ----------------------------------------------------------------------- */
 
-/* @return the excluded PDOs that exist */
-static const uint16_t *excludes_of(ect_build_t *build, const ect_build_pdo_t *pdo)
-{
-    const ect_esi_pdo_t *model = pdo->model;
-    uint16_t *excludes = ect_arena_alloc(build->arena, (model->exclude_count + 1) * sizeof *excludes);
-    size_t count = 0;
-    for (size_t i = 0; i < model->exclude_count; i++) {
-        uint16_t other = ect_build_pdo_index(model->exclude[i].index, model->exclude[i].moves, pdo->steps);
-        bool is_pdo = ect_od_is_rxpdo(other) || ect_od_is_txpdo(other);
-        if (is_pdo && other != pdo->index && ect_build_find(build, other) != NULL)
-            excludes[count++] = other;
-    }
-    return count > 0 ? excludes : NULL;
-}
-
 static void set_pdos(ect_build_t *build, ect_device_t *device)
 {
     ect_pdo_t *pdos = ect_arena_alloc(build->arena, (build->pdo_count + 1) * sizeof *pdos);
@@ -759,7 +744,7 @@ static void set_pdos(ect_build_t *build, ect_device_t *device)
                 .index = pdo->index,
                 .flags = (uint16_t)((model->mandatory ? ECT_PDO_MANDATORY : 0) | (model->fixed ? ECT_PDO_FIXED : 0) |
                                     (pdo->on_virtual ? ECT_PDO_VIRTUAL : 0)),
-                .excludes = excludes_of(build, pdo),
+                .excludes = ect_build_excludes(build, pdo),
             };
     }
     if (build->pdo_count > UINT8_MAX)
@@ -828,6 +813,8 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     ect_build_pdos(b);
     ect_build_inits(b, b->model->mailbox.inits, b->model->mailbox.init_count, &ect_build_device);
     ect_build_idents(b);
+    ect_build_pdo_states(b);
+    ect_build_revision(b);
     if (b->model->mailbox.coe)
         add_mandatory(b);
     add_identity(b);
@@ -847,6 +834,7 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     device->instance_size = ect_esi_network_place(b, lay_out(b));
     if (b->rack != NULL)
         device->instance_size = rack_size(b);
+    ect_build_toggles(b, device);
     set_objects(b, device);
     set_pdos(b, device);
     if (can_be_configured(b))

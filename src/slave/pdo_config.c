@@ -76,8 +76,10 @@ static ect_reason_t check_assignment(const ect_slave_t *s, uint16_t assignment, 
         uint16_t pdo = (uint16_t)number(s, assignment, (uint8_t)i);
         for (uint32_t k = 1; k < i; k++) {
             uint16_t other = (uint16_t)number(s, assignment, (uint8_t)k);
-            if (other == pdo || excluded(s, pdo, other) || excluded(s, other, pdo))
+            if (other == pdo)
                 return ECT_REASON_INCOMPATIBLE;
+            if (excluded(s, pdo, other) || excluded(s, other, pdo))
+                return ECT_REASON_INTERNAL;
         }
         bits += pdo_bits(s, pdo, number(s, pdo, 0));
     }

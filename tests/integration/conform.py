@@ -141,11 +141,12 @@ FOLLOW = {
 # Twins for defects that the usual twin, an FZM1, cannot have.
 GATEWAY = f"esi:{ROOT}/examples/eoe/gateway.xml"
 RACK = f"esi:{ROOT}/tests/esi/rack.xml" # modules whose idents a master writes
-DEFECT_TWINS = {**{id_: [RACK] for id_ in ("CF-M01", "CF-M02", "CF-M02b")},
+STATES = f"esi:{ROOT}/tests/esi/states.xml" # TxPDO toggle and state in the inputs
+DEFECT_TWINS = {**{id_: [RACK] for id_ in ("CF-M01", "CF-M02", "CF-M02b")}, "CF-M03": [STATES],
                 **{f"CF-E{number}": [GATEWAY] for number in ("01", "02", "03", "04", "05", "06", "07", "08", "09", "10", "12")},
                 "CF-032": ["fzm1,vr-bu-ect-map7"], "CF-046": ["--alias", "5", "fzm1"], "CF-073": ["vr-bu-ect-map7"]}
 IN_OTHERS = ["CF-072b"] # no product can have them; devices made for tests do
-DEFECTS_LEAST = 110
+DEFECTS_LEAST = 111
 
 
 def case_of(id_):
@@ -159,7 +160,7 @@ def defect(ectwin, conform, id_):
         with folder_with_a_file() as (twins, arguments):
             return find_defect(ectwin, conform, id_, ["--break", id_, *twins], arguments)
     devices_ = DEFECT_TWINS.get(id_, ["fzm1"])
-    arguments = [] if devices_ in ([GATEWAY], [RACK]) else esi_of(devices_[-1].split(",")[0])
+    arguments = [] if devices_ in ([GATEWAY], [RACK], [STATES]) else esi_of(devices_[-1].split(",")[0])
     if id_ == "CF-096b":
         arguments += ["--plug", f"{ectwin} unplug 1 >&2 && sleep 0.1 && {ectwin} plug 1 >&2"]
     return find_defect(ectwin, conform, id_, ["--break", id_, *devices_], arguments)
@@ -236,6 +237,7 @@ OTHERS = (
     (RACK, ["--only", "CF-M*,CF-07*"], "CF-M01", []),
     (f"--module 2=0x120 {RACK}", ["--only", "CF-M*"], "CF-M02", []),
     (f"--set modules.strict=1 {RACK}", ["--only", "CF-M*"], "CF-M02", []),
+    (STATES, ["--only", "CF-M*,CF-07*"], "CF-M03", []),
     ("hesitant", ["--only", "CF-084", "--file", "data", "--destructive"], "CF-084", []),
 )
 

@@ -84,7 +84,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"MDP-014: indices move by the slot's group times the increment of the slot, or else of all slots", with_groups,
          NULL, NULL, NULL},
-        {"MDP-011 MDP-014: each index moves as its own flags say, an Exclude too", each_flag, NULL, NULL, NULL},
+        {"MDP-011 MDP-014: each index, also of an Exclude, has its own flags", each_flag, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

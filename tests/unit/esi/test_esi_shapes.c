@@ -83,18 +83,19 @@ static void state_and_toggle(void **state)
 static void toggle_on_the_wire(void **state)
 {
     wire_t w;
-    uint8_t in[3] = {0};
+    uint8_t before[3] = {0}, in[3] = {0};
     (void)state;
     ect_esi_twin_t *twin = make("state.xml", "COUNTER");
     assert_string_equal(first_note(twin), "none");
     power_on(&w, twin);
     wire_go(&w, 0, SAFEOP);
-    set(&w, "cnt_inputs.txpdo_toggle", "1");
     set(&w, "cnt_inputs.value", "513");
     wire_poll(&w);
     (void)wire_read(&w, 0, 0x1180, in, sizeof in);
+    assert_int_equal(wire_read(&w, 0, 0x1180, before, sizeof before), 1);
+    wire_poll(&w);
     assert_int_equal(wire_read(&w, 0, 0x1180, in, sizeof in), 1);
-    static const uint8_t expected[3] = {0x80, 0x01, 0x02};
+    const uint8_t expected[3] = {(uint8_t)(before[0] ^ 0x80), 0x01, 0x02};
     assert_memory_equal(in, expected, sizeof in);
     wire_close(&w);
     ect_esi_twin_free(twin);
@@ -817,7 +818,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         {"a PDO maps 18xxh: an entry of a PDO parameter object is no mapping", state_and_toggle, NULL, NULL, NULL},
-        {"the toggle bit of 1800h:9 that a signal sets is in the process data", toggle_on_the_wire, NULL, NULL, NULL},
+        {"MDP-034: the toggle bit of 1800h:9 changes with the inputs that a signal sets", toggle_on_the_wire, NULL,
+         NULL, NULL},
         {"a PDO that maps a mapping object gets a gap, with a note", mapped_mapping, NULL, NULL, NULL},
         {"MinData and MaxData are read by the sign of the type", limits_by_sign, NULL, NULL, NULL},
         {"PDOs without entries, and entries without bits, are a note", empty_pdos, NULL, NULL, NULL},

@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: MIT */
+/* Parameters of PDOs, 1800h to 19FFh, in a running twin (src/esi/pdo_states.c): tests/esi/states.xml. */
+#include "rack.h"
+
+#include "bus/chain/settings.h"
+#include "esc/route.h"
+
+enum { OP = ECT_STATE_OP, INPUTS = 3, REVISION = 0x00030001, LOGICAL = 0x10000 };
+
+static void open_states(rig_t *r, uint8_t state)
+{
+    memset(r, 0, sizeof *r);
+    r->made.twin = ect_esi_twin_make(ESI_FILES "/states.xml", "STATES", NULL, 0, r->made.why, sizeof r->made.why);
+    if (r->made.twin == NULL)
+        fail_msg("%s", r->made.why);
+    const ect_product_t *product = ect_esi_twin_product(r->made.twin);
+    const ect_twin_config_t config = ect_twin_default(product->device, product->plant);
+    wire_open_twins(&r->wire, &config, 1);
+    wire_go(&r->wire, 0, state);
+    if (state >= SAFEOP)
+        wire_set_fmmu(&r->wire, 0, 0, LOGICAL, INPUTS, 0, 7, 0x1180, 0, 1);
+}
+
+static void set(rig_t *r, const char *name, const char *value)
+{
+    char message[ECT_SIGNAL_MESSAGE];
+    const ect_setting_t setting = {.name = name, .value = value};
+    if (!ect_settings_apply(r->wire.chain, 0, &setting, 1, r->wire.now_ns, message))
+        fail_msg("%s=%s: %s", name, value, message);
+    wire_poll(&r->wire);
+}
+
+/* The first byte of the inputs, as a master reads it in a cycle: bit 0 toggle, bit 1 state. */
+static uint8_t cycle(rig_t *r)
+{
+    uint8_t image[INPUTS] = {0};
+    assert_int_equal(wire_logical(&r->wire, ECT_LRD, LOGICAL, image, sizeof image), 1);
+    wire_poll(&r->wire);
+    return image[0];
+}
+
+static void toggles(void **state)
+{
+    static const uint8_t states[] = {SAFEOP, OP};
+    (void)state;
+    for (size_t i = 0; i < sizeof states; i++) {
+        rig_t r;
+        open_states(&r, states[i]);
+        uint8_t before = cycle(&r);
+        for (unsigned int n = 0; n < 6; n++) {
+            const uint8_t now = cycle(&r);
+            if (now != (before ^ 1))
+                fail_msg("AL state %u, cycle %u: expected %02X, got %02X", states[i], n, before ^ 1, now);
+            before = now;
+        }
+        close_rig(&r);
+    }
+}
+
+static void once_in_a_cycle(void **state)
+{
+    rig_t r;
+    (void)state;
+    open_states(&r, OP);
+    const uint8_t before = cycle(&r);
+    set(&r, "long.value", "1");
+    set(&r, "long.value", "2"); /* the device renews its inputs before the master reads them */
+    assert_int_equal(cycle(&r), before ^ 1);
+    close_rig(&r);
+}
+
+static void held(void **state)
+{
+    rig_t r;
+    (void)state;
+    open_states(&r, OP);
+    (void)cycle(&r);
+    set(&r, "toggle.hold", "1");
+    (void)cycle(&r);
+    const uint8_t before = cycle(&r);
+    for (unsigned int n = 0; n < 4; n++)
+        assert_int_equal(cycle(&r), before);
+    set(&r, "toggle.hold", "0");
+    (void)cycle(&r);
+    const uint8_t after = cycle(&r);
+    assert_int_equal(cycle(&r), after ^ 1);
+    close_rig(&r);
+}
+
+static void faulty(void **state)
+{
+    rig_t r;
+    (void)state;
+    open_states(&r, OP);
+    assert_int_equal(cycle(&r) & 2, 0);
+    set(&r, "long.state", "1");
+    (void)cycle(&r);
+    assert_int_equal(cycle(&r) & 2, 2);
+    assert_int_equal(read_number(&r, 0x1800, 7) & 0xFF, 1);
+    close_rig(&r);
+}
+
+static void mapped(void **state)
+{
+    rig_t r;
+    ect_signal_ref_t ref;
+    (void)state;
+    open_states(&r, PREOP);
+    assert_int_equal(read_number(&r, 0x1A00, 1), 0x18000901);
+    assert_int_equal(read_number(&r, 0x1A00, 2), 0x18000701);
+    assert_true(ect_chain_signal(r.wire.chain, 0, "long.toggle", &ref));
+    assert_int_equal(ref.signal->access, ECT_SIGNAL_READ); /* the device writes it */
+    assert_true(ect_chain_signal(r.wire.chain, 0, "long.state", &ref));
+    assert_int_equal(ref.signal->access, ECT_SIGNAL_WRITE);
+    close_rig(&r);
+}
+
+static uint32_t write16(rig_t *r, uint16_t index, uint8_t subindex, uint16_t value)
+{
+    uint8_t bytes[2];
+    ect_store_le16(bytes, value);
+    return wire_sdo_download(&r->wire, 0, index, subindex, false, bytes, subindex == 0 ? 1 : 2);
+}
+
+static void parameters(void **state)
+{
+    rig_t r;
+    uint8_t bytes[8] = {0};
+    size_t size = sizeof bytes;
+    (void)state;
+    open_states(&r, PREOP);
+    const uint8_t type = 1;
+    assert_int_equal(wire_sdo_download(&r.wire, 0, 0x1800, 2, false, &type, 1), 0);
+    assert_int_equal(read_number(&r, 0x1800, 2) & 0xFF, 1);
+    assert_int_equal(write16(&r, 0x1C13, 0, 0), 0);
+    assert_int_equal(write16(&r, 0x1C13, 1, 0x1800), 0x06040041);
+    assert_int_equal(wire_sdo_upload(&r.wire, 0, 0x1800, 6, false, bytes, &size), 0);
+    assert_int_equal(size, 4);
+    assert_memory_equal(bytes, ((const uint8_t[4]){0x01, 0x1A, 0, 0}), 4);
+    close_rig(&r);
+}
+
+static void excluded(void **state)
+{
+    static const struct {
+        const char *what;
+        uint16_t pdos[2];
+        uint32_t abort_code;
+    } rows[] = {
+        {"Exclude of the file", {0x1A00, 0x1A01}, 0x06040047},
+        {"Exclude of the file, in the other order", {0x1A01, 0x1A00}, 0x06040047},
+        {"sub-index 6 of the dictionary", {0x1A01, 0x1A02}, 0x06040047},
+        {"PDOs that exclude neither", {0x1A00, 0x1A02}, 0},
+    };
+    rig_t r;
+    (void)state;
+    open_states(&r, PREOP);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        assert_int_equal(write16(&r, 0x1C13, 0, 0), 0);
+        assert_int_equal(write16(&r, 0x1C13, 1, rows[i].pdos[0]), 0);
+        assert_int_equal(write16(&r, 0x1C13, 2, rows[i].pdos[1]), 0);
+        const uint32_t code = write16(&r, 0x1C13, 0, 2);
+        if (code != rows[i].abort_code || (read_number(&r, 0x1C13, 0) & 0xFF) != (code == 0 ? 2 : 0))
+            fail_msg("%s: abort code %08X, count %u", rows[i].what, (unsigned int)code,
+                     (unsigned int)read_number(&r, 0x1C13, 0));
+    }
+    close_rig(&r);
+}
+
+static void revision(void **state)
+{
+    rig_t r;
+    (void)state;
+    open_states(&r, PREOP);
+    assert_int_equal(read_number(&r, 0xF081, 1), REVISION);
+    close_rig(&r);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"MDP-032 MDP-034: the toggle changes in each cycle, in SAFEOP and OP", toggles, NULL, NULL, NULL},
+        {"MDP-034: inputs that no master has read do not change the toggle again", once_in_a_cycle, NULL, NULL, NULL},
+        {"MDP-034: a toggle that is held keeps its value", held, NULL, NULL, NULL},
+        {"MDP-032 MDP-034: the state is 1 in a simulated fault, in the inputs and by SDO", faulty, NULL, NULL, NULL},
+        {"MDP-033: toggle and state are entries of 1 bit, and signals", mapped, NULL, NULL, NULL},
+        {"MDP-030 MDP-031: 1800h is no mapping; its sub-index 6 has the excluded PDOs of the file", parameters, NULL,
+         NULL, NULL},
+        {"MDP-031 MDP-035: PDOs that exclude each other are refused with the count", excluded, NULL, NULL, NULL},
+        {"MDP-036: the download revision F081h:1 is the revision number", revision, NULL, NULL, NULL},
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("ESI: parameters of PDOs", tests, NULL, NULL);
+}
