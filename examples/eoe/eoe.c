@@ -25,7 +25,7 @@
 #include "master.h"
 
 enum { FRAME = 1518, HEADERS = 10, FRAGMENT_HEADER = 4, UNIT = 32, TRIES = 20 };
-enum { QUIET_US = 200, SDO_PAUSE_NS = 10000000 };
+enum { MAILBOX_FULL = 8, QUIET_US = 200, SDO_PAUSE_NS = 10000000 };
 enum { SDO_REQUEST = 2, UPLOAD = 0x40, SDO_BYTES = 10 };
 
 typedef struct settings {
@@ -58,6 +58,7 @@ typedef struct bridge {
     outgoing_t out;
     uint64_t to_slave, from_slave, broken, sdos; /* frames, SDO replies */
     uint64_t sdo_due_ns;
+    uint8 counter;                  /* of the slave's last mail; 0: it counts none */
     unsigned int mails, most_mails; /* of the slave since the SDO request; 0 to the longest wait */
     bool waits;                     /* for the reply of an SDO request */
     ec_mbxbuft mail;                /* to the slave */
@@ -80,12 +81,12 @@ static uint8 *prepare(bridge_t *b, uint8 type, int length)
  * counter: a slave that has it already ignores the repetition. @return whether it has arrived */
 static bool send_mail(bridge_t *b)
 {
-    if (!b->due || ec_mbxsend(b->slave, &b->mail, 0) <= 0)
+    if (!b->due)
         return false;
-    b->due = false;
     if ((((const ec_mbxheadert *)&b->mail)->mbxtype & 0x0F) == ECT_MBXT_COE)
-        b->mails = 0;
-    return true;
+        b->mails = 0; /* also where the frame seems lost: the slave may have the request */
+    b->due = ec_mbxsend(b->slave, &b->mail, 0) <= 0;
+    return !b->due;
 }
 
 /* --- to the slave ------------------------------------------------------------------------------------------------- */
@@ -160,13 +161,34 @@ static void take_fragment(bridge_t *b, ec_mbxbuft *mail)
         b->broken++;
 }
 
-/* @return whether a mail has come */
-static bool fetch(bridge_t *b, int timeout_us)
+/* @return whether the slave has a mail for the master */
+static bool mail_waits(const bridge_t *b)
+{
+    uint16 status = 0;
+    int wkc = ec_FPRD(ec_slave[b->slave].configadr, ECT_REG_SM1STAT, sizeof status, &status, EC_TIMEOUTRET);
+    return wkc > 0 && (etohs(status) & MAILBOX_FULL) != 0;
+}
+
+/* A slave whose next mail waits already cannot know which of the two the master has lost, and repeats the one before:
+ * the counter tells a repeated mail, and SOEM leaves it to its caller. */
+static bool is_repeated(bridge_t *b, const ec_mbxheadert *header)
+{
+    const uint8 before = b->counter;
+    b->counter = header->mbxtype >> 4 & 7;
+    return b->counter != 0 && b->counter == before;
+}
+
+/* The mailbox is looked at first, so that ec_mbxreceive may have the time that a lost frame takes: with a timeout of 0
+ * it requests the mail again, but does not wait until the slave has repeated it, and the next mail comes in its place.
+ * @return whether a mail has come */
+static bool fetch(bridge_t *b)
 {
     ec_mbxbuft mail;
     ec_clearmbx(&mail);
-    if (ec_mbxreceive(b->slave, &mail, timeout_us) <= 0)
+    if (!mail_waits(b) || ec_mbxreceive(b->slave, &mail, EC_TIMEOUTRXM) <= 0)
         return false;
+    if (is_repeated(b, (const ec_mbxheadert *)&mail))
+        return true;
     uint8 type = ((const ec_mbxheadert *)&mail)->mbxtype & 0x0F;
     b->mails++;
     if (type == ECT_MBXT_EOE)
@@ -187,7 +209,8 @@ static void run(bridge_t *b)
     while (!master_ended) {
         prepare_next(b);
         bool sent = send_mail(b);
-        (void)fetch(b, sent || b->due ? 0 : QUIET_US);
+        if (!fetch(b) && !sent && !b->due)
+            osal_usleep(QUIET_US);
     }
 }
 
