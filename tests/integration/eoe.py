@@ -197,6 +197,18 @@ def inside_tap(ectwin, program, size):
     inner.stop()
 
 
+def inside_lossy(ectwin, program, _):
+    """Half of the lost frames reach the twin: the master repeats a request that was executed, and has the reply repeated."""
+    inner, bridge = both(program, "--sdo")
+    lost = signals(ectwin)["dropped"]
+    check("EOE-015 a frame of fifty is lost: 300 datagrams there and back, each once, in their order", 300, datagrams(inner, 300, 1400))
+    check("EOE-015 no frame is lost in the twin", lost, signals(ectwin)["dropped"])
+    end = bridge.stop()
+    check("EOE-015 no frame is broken in the master", 0, end["broken"])
+    check("SDOs are answered", True, end["sdos"] > 0)
+    inner.stop()
+
+
 def iperf3_client(*options):
     """@return the report's end: sent and received bytes, retransmitted segments"""
     done = subprocess.run(["iperf3", "-J", "-c", ADDRESS, *options], stdout=subprocess.PIPE, check=True, text=True)
@@ -288,6 +300,10 @@ def tap():
     inside("tap", ["--eoe", "tap0"])
 
 
+def lossy():
+    inside("lossy", ["--drop", "2", "--eoe", "tap0"])
+
+
 def echo():
     inside("echo", ["--eoe", "1:echo"])
 
@@ -364,7 +380,7 @@ if only in ("iperf3", "tshark") and not shutil.which(only):
     print(f"skipped: there is no {only} here: apt install {only}")
     sys.exit(SKIPPED)
 with tempfile.TemporaryDirectory() as work:
-    for case in (refusals, tap, echo, unix, iperf3, tshark):
+    for case in (refusals, tap, lossy, echo, unix, iperf3, tshark):
         if only == case.__name__ or (not only and case not in (iperf3, tshark)):
             case()
 sys.exit(failed)
