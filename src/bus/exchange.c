@@ -207,12 +207,33 @@ bool ect_exchange_is_plain(const ect_exchange_t *x)
     return !x->trace && !x->filter && !faults_of(x) && late_due(x) == ECT_NEVER;
 }
 
+/* A late caller still runs the devices at the times that they asked for, so that clients see values which lasted only
+ * until the next of these times. */
+static void poll_devices(ect_exchange_t *x, uint64_t now_ns, uint64_t (*poll)(ect_chain_t *chain, uint64_t now_ns))
+{
+    uint64_t next_ns = ect_earlier(x->deadline_ns, x->touched_ns);
+    x->touched_ns = ECT_NEVER;
+    for (unsigned int i = 1; i <= CATCH_UP; i++) {
+        bool late = next_ns < now_ns && i < CATCH_UP;
+        x->polled_ns = late ? ect_later(next_ns, x->polled_ns) : now_ns;
+        next_ns = poll(x->chain, x->polled_ns);
+        if (x->control)
+            ect_control_record(x->control, x->chain, x->polled_ns);
+        if (x->trace)
+            ect_trace_states(x->trace, x->chain);
+        if (next_ns > now_ns)
+            break;
+    }
+    x->deadline_ns = next_ns;
+}
+
 void ect_exchange_replied(ect_exchange_t *x, uint8_t *frame, size_t length, uint64_t now_ns)
 {
-    touch(x, ect_later(now_ns, x->polled_ns));
-    ect_end_t out = ect_chain_pass(x->chain, ECT_END_IN, frame, length, x->polled_ns);
-    ECT_ASSERT(out == ECT_END_IN);
-    (void)out;
+    const uint64_t came_ns = ect_later(now_ns, x->polled_ns);
+    if (ect_earlier(x->deadline_ns, x->touched_ns) < came_ns)
+        poll_devices(x, came_ns, ect_chain_catch_up);
+    touch(x, came_ns);
+    (void)ect_chain_pass(x->chain, ECT_END_IN, frame, length, came_ns);
     x->stats.frames++;
     x->stats.answered++;
     x->stats.in_kernel++;
@@ -238,26 +259,6 @@ void ect_exchange_link(ect_exchange_t *x, ect_end_t end, bool link)
     ect_chain_set_link(x->chain, end, link);
 }
 
-/* A late caller still runs the devices at the times that they asked for, so that clients see values which lasted only
- * until the next of these times. */
-static void poll_devices(ect_exchange_t *x, uint64_t now_ns)
-{
-    uint64_t next_ns = ect_earlier(x->deadline_ns, x->touched_ns);
-    x->touched_ns = ECT_NEVER;
-    for (unsigned int i = 1; i <= CATCH_UP; i++) {
-        bool late = next_ns < now_ns && i < CATCH_UP;
-        x->polled_ns = late ? ect_later(next_ns, x->polled_ns) : now_ns;
-        next_ns = ect_chain_poll(x->chain, x->polled_ns);
-        if (x->control)
-            ect_control_record(x->control, x->chain, x->polled_ns);
-        if (x->trace)
-            ect_trace_states(x->trace, x->chain);
-        if (next_ns > now_ns)
-            break;
-    }
-    x->deadline_ns = next_ns;
-}
-
 /* Steps of the scenario that are due; the devices run after those that change the chain. @return when the next is due
  */
 static uint64_t take_steps(ect_exchange_t *x)
@@ -270,7 +271,7 @@ static uint64_t take_steps(ect_exchange_t *x)
         if (!scenario->acted)
             break;
         x->touched_ns = x->polled_ns;
-        poll_devices(x, x->polled_ns);
+        poll_devices(x, x->polled_ns, ect_chain_poll);
     }
     return next_ns;
 }
@@ -316,7 +317,7 @@ uint64_t ect_exchange_run(ect_exchange_t *x)
     x->run_ns = now_ns;
     send_late(x, now_ns);
     ect_stats_poll(&x->stats, now_ns > x->deadline_ns ? now_ns - x->deadline_ns : 0);
-    poll_devices(x, now_ns);
+    poll_devices(x, now_ns, ect_chain_poll);
     uint64_t step_ns = take_steps(x);
     if (x->trace)
         ect_trace_flush(x->trace);

@@ -91,8 +91,10 @@ void ect_exchange_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t 
 bool ect_exchange_is_plain(const ect_exchange_t *x);
 
 /**
- * Passes a frame through the chain whose reply has left already, in the kernel. Its time may lie before that of a frame
- * that came later, since then no call was made, but never before a call.
+ * Passes a frame through the chain whose reply has left already, in the kernel. The devices run before it at each time
+ * that they asked for, so they see the outputs of each frame; their inputs leave with the next ::ect_exchange_run
+ * (::ect_chain_catch_up). Its time may lie before that of a frame that came later, since then no call was made, but
+ * never before a call.
  */
 void ect_exchange_replied(ect_exchange_t *x, uint8_t *frame, size_t length, uint64_t now_ns);
 

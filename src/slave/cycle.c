@@ -24,7 +24,7 @@ void ect_cycle_outputs(ect_slave_t *s, uint32_t event)
 
 void ect_cycle_inputs(ect_slave_t *s)
 {
-    if (s->state >= ECT_STATE_SAFEOP && s->inputs_due && ect_pdo_inputs(s))
+    if (s->state >= ECT_STATE_SAFEOP && s->inputs_due && !s->inputs_held && ect_pdo_inputs(s))
         s->inputs_due = false;
 }
 

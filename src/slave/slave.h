@@ -115,6 +115,22 @@ static inline bool ect_slave_in_transfer(const ect_slave_t *slave)
 }
 
 /**
+ * While held, inputs that are due are not written: the master reads the former image. Held inputs are written by the
+ * first poll afterwards. For a caller that polls for frames of the past, whose replies have left (bus/kernel).
+ * Context: mainline. Cost: one byte.
+ */
+static inline void ect_slave_hold_inputs(ect_slave_t *slave, bool held)
+{
+    slave->inputs_held = held;
+}
+
+/** Whether inputs wait for the next poll. */
+static inline bool ect_slave_owes_inputs(const ect_slave_t *slave)
+{
+    return slave->inputs_due;
+}
+
+/**
  * Makes the device's own time due at the next poll, regardless of the time that it returned: its surroundings have
  * changed. Context: any. Cost: one byte.
  */

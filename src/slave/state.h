@@ -94,7 +94,8 @@ typedef struct ect_slave {
     uint8_t inputs;       /* SyncManagers with inputs */
     uint8_t outputs_seen; /* subset of `outputs` that the master has written since SAFEOP */
     bool inputs_due;
-    bool error; /**< public, read only: error flag of AL status */
+    bool inputs_held; /* ect_slave_hold_inputs() */
+    bool error;       /**< public, read only: error flag of AL status */
     bool pending_done;
     uint8_t sm_off;     /* SyncManagers that are to be off from the PDI side, one bit each */
     bool sm_repeat_ack; /* the repeat bit in SM1's PDI control */

@@ -29,6 +29,8 @@ struct ect_chain {
     ect_fast_t *fast;
     ect_deadlines_t *deadlines; /* of twins: no later than when the twin or its ESC wants to run */
     uint64_t *ready;            /* one bit for each twin: to be served by the next poll */
+    uint64_t *owing;            /* one bit for each twin: its inputs are held since ect_chain_catch_up() */
+    bool owes, catching_up;     /* there is such a bit; the present poll is that of ect_chain_catch_up() */
     uint64_t now_ns;            /* time of the last call that had one */
     uint64_t rests_ns;          /* no wake-up before */
     uint64_t frame_ns;          /* time of the last frame; 0: none yet */
@@ -92,9 +94,10 @@ static bool make_lists(ect_chain_t *chain, size_t count)
     chain->fast = ect_fast_new(count);
     chain->deadlines = ect_deadlines_new(count);
     chain->ready = calloc(ect_bits_words(count), sizeof *chain->ready);
+    chain->owing = calloc(ect_bits_words(count), sizeof *chain->owing);
     chain->twins = chain->cabling.twins = calloc(count, sizeof *chain->twins);
     chain->cabling.count = count;
-    return chain->fast && chain->deadlines && chain->ready && chain->twins;
+    return chain->fast && chain->deadlines && chain->ready && chain->owing && chain->twins;
 }
 
 static bool make_twins(ect_chain_t *chain, const ect_twin_config_t *twins, uint64_t now_ns)
@@ -161,6 +164,7 @@ void ect_chain_free(ect_chain_t *chain)
     ect_cabling_free(&chain->cabling);
     ect_connections_free(chain->connections);
     free(chain->ready);
+    free(chain->owing);
     free(chain->pool);
     free(chain->twins);
     free(chain);
@@ -363,6 +367,19 @@ static void tick_esc(ect_chain_t *chain, ect_twin_t *twin, uint64_t now_ns)
         chain->rests_ns = now_ns + REST_NS;
 }
 
+/* The slave stack, which holds its inputs while the chain catches up. @return whether the twin has restarted */
+static bool poll_slave(ect_chain_t *chain, size_t i, uint64_t now_ns)
+{
+    ect_twin_t *twin = &chain->twins[i];
+    ect_slave_hold_inputs(&twin->slave, chain->catching_up);
+    bool restarted = ect_twin_poll(twin, now_ns);
+    if (chain->catching_up && ect_slave_owes_inputs(&twin->slave)) {
+        ect_bits_add(chain->owing, i);
+        chain->owes = true;
+    }
+    return restarted;
+}
+
 /* Brings a twin up to date and sets its next deadline. */
 static void poll_twin(ect_chain_t *chain, size_t i, uint64_t now_ns)
 {
@@ -374,7 +391,7 @@ static void poll_twin(ect_chain_t *chain, size_t i, uint64_t now_ns)
     if (twin->slow)
         ect_slow_run(twin->slow, now_ns);
     polled |= twin->seen != ect_esc_activity(&twin->esc);
-    if (polled && ect_twin_begins(twin, now_ns) && ect_twin_poll(twin, now_ns))
+    if (polled && ect_twin_begins(twin, now_ns) && poll_slave(chain, i, now_ns))
         ect_fast_put(chain->fast, i, &twin->esc);
     ect_twin_report_sii(twin);
     ect_fast_refresh(chain->fast, i);
@@ -420,11 +437,36 @@ bool ect_chain_connect(ect_chain_t *chain, const ect_connection_t *list, size_t 
     return true;
 }
 
+/* The inputs that were held are due. */
+static void release_inputs(ect_chain_t *chain)
+{
+    chain->owes = false;
+    for (size_t word = 0; word < ect_bits_words(chain->cabling.count); word++) {
+        uint64_t left = chain->owing[word];
+        chain->owing[word] = 0;
+        while (left != 0) {
+            size_t i = ect_bits_take(word, &left);
+            chain->twins[i].slave_ns = 0;
+            make_ready(chain, i);
+        }
+    }
+}
+
+uint64_t ect_chain_catch_up(ect_chain_t *chain, uint64_t now_ns)
+{
+    chain->catching_up = true;
+    uint64_t next_ns = ect_chain_poll(chain, now_ns);
+    chain->catching_up = false;
+    return next_ns;
+}
+
 uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
 {
     size_t i;
     chain->now_ns = now_ns;
     settle(chain);
+    if (chain->owes && !chain->catching_up)
+        release_inputs(chain);
     while (ect_deadlines_first(chain->deadlines, &i) <= now_ns) {
         ect_deadlines_set(chain->deadlines, i, ECT_NEVER);
         make_ready(chain, i);

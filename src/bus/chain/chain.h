@@ -123,6 +123,12 @@ uint64_t ect_chain_fault_seen(const ect_chain_t *chain, uint32_t tag);
 uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns);
 
 /**
+ * As ::ect_chain_poll, before a frame of the past passes whose reply has left: slaves take outputs and the time passes,
+ * but input images stay as they are until the next ::ect_chain_poll, since the master has not read newer ones.
+ */
+uint64_t ect_chain_catch_up(ect_chain_t *chain, uint64_t now_ns);
+
+/**
  * Connects signals of the twins; the connections replace earlier ones. The next poll runs them first.
  * @param list  of signals of this chain, as for ::ect_connections_new
  * @return false: no memory; nothing has changed

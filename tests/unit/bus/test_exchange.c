@@ -642,6 +642,90 @@ static void replied_before(void **state)
     assert_int_equal(r->x.touched_ns, came_ns); /* time does not go back */
 }
 
+/* An LRW of the first twin's process data, 3 bytes out and 3 in. */
+static void build_cycle(rig_t *r, uint16_t outputs)
+{
+    uint8_t data[6] = {1};
+    ect_store_le16(data + 1, outputs);
+    wire_build(&r->w, LRW, 0x100, 0, data, sizeof data);
+}
+
+static void operate(rig_t *r)
+{
+    wire_go(&r->w, 0, 8);
+    wire_set_fmmu(&r->w, 0, 0, 0x100, 3, 0, 7, 0x1200, 0, 2);
+    wire_set_fmmu(&r->w, 0, 1, 0x103, 3, 0, 7, 0x1300, 0, 1);
+    (void)wire_outputs(&r->w, 0, 0);
+    wire_go(&r->w, 0, 8);
+    assert_int_equal(wire_al(&r->w, 0, 8, NULL), 8);
+    run_at(r, r->w.now_ns);
+}
+
+static void held_up(void **state)
+{
+    rig_t *r = *state;
+    uint8_t inputs[3];
+    operate(r);
+    testdev_t *d = testdev_of(&r->w, 0);
+    const unsigned int outputs = d->outputs_calls, shown = d->inputs_calls;
+    const uint64_t start_ns = r->clock_ns;
+    r->clock_ns += 300 * MS; /* the watchdog of the outputs is 100 ms */
+    for (unsigned int n = 1; n <= 299; n++) {
+        build_cycle(r, (uint16_t)n);
+        ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, start_ns + n * MS);
+        assert_int_equal(wire_wkc(&r->w, 0), 3);
+        assert_int_equal(d->out_u16, n - 1);
+        assert_int_equal(d->inputs_calls, shown); /* the master has read the former image */
+        d->in_u16 = (uint16_t)n;
+    }
+    (void)ect_exchange_run(&r->x);
+    assert_int_equal(d->out_u16, 299);
+    assert_int_equal(d->outputs_calls, outputs + 299);
+    assert_int_equal(d->inputs_calls, shown + 1);
+    r->w.now_ns = r->clock_ns;
+    assert_int_equal(wire_logical(&r->w, LRD, 0x103, inputs, 3), 1);
+    assert_int_equal(ect_load_le16(inputs), 299);
+    assert_int_equal(wire_al(&r->w, 0, 8, NULL), 8);
+}
+
+/* Inputs that were held leave although the last frame of the past was not for their twin. */
+static void held_inputs(void **state)
+{
+    rig_t *r = *state;
+    uint8_t inputs[3];
+    operate(r);
+    testdev_t *d = testdev_of(&r->w, 0);
+    const unsigned int shown = d->inputs_calls;
+    r->clock_ns += 3 * MS;
+    build_cycle(r, 1);
+    ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, r->clock_ns - 2 * MS);
+    d->in_u16 = 0xABCD;
+    wire_build(&r->w, NOP, 0, 0, "\0", 1);
+    ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, r->clock_ns - 1 * MS);
+    assert_int_equal(d->inputs_calls, shown);
+    (void)ect_exchange_run(&r->x);
+    assert_int_equal(d->inputs_calls, shown + 1);
+    r->w.now_ns = r->clock_ns;
+    assert_int_equal(wire_logical(&r->w, LRD, 0x103, inputs, 3), 1);
+    assert_int_equal(ect_load_le16(inputs), 0xABCD);
+}
+
+/* A device that has left the bus meanwhile: its frames of the past have no effect. */
+static void left_meanwhile(void **state)
+{
+    rig_t *r = *state;
+    operate(r);
+    testdev_t *d = testdev_of(&r->w, 0);
+    ect_chain_fault(r->w.chain, &(ect_fault_t){.kind = ECT_FAULT_HANG, .slave = 1}, r->clock_ns);
+    ect_exchange_link(&r->x, ECT_END_IN, false);
+    r->clock_ns += 3 * MS;
+    build_cycle(r, 1);
+    ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, r->clock_ns - 2 * MS);
+    (void)ect_exchange_run(&r->x);
+    assert_int_equal(d->out_u16, 0);
+    assert_int_equal(r->x.stats.in_kernel, 1);
+}
+
 static void plain(void **state)
 {
     rig_t *r = *state;
@@ -664,6 +748,10 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         TEST("a frame with a reply from the kernel passes the chain at its time, and nothing is sent", replied_before),
+        TEST("CF-042: a twin that was held up for 300 ms sees the outputs of each reply from the kernel, at its time",
+             held_up),
+        TEST("its inputs leave with the next run of the devices", held_inputs),
+        TEST("a reply from the kernel before the cable was pulled has no effect on the devices", left_meanwhile),
         TEST("with a filter, a fault or a late reply frames do not pass the chain alone", plain),
         TABLE("each fault of a frame: the frames sent at once, and the counter that counts it", fates),
         TEST("without a scenario a frame gets its reply, and its devices alone ask for a run", without_a_scenario),
