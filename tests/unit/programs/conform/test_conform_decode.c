@@ -282,16 +282,29 @@ static void damaged(void **state)
 /* Any room: the text ends with its zero, and nothing is written behind the room. */
 static void small_room(void **state)
 {
+    static const struct {
+        uint32_t folded;
+        const char *words;
+    } rows[] = {{0, "FPRD 1001:0130 AL status, 6 bytes"},
+                {1, "FPRD 1001:0130 AL status, 6 bytes (and once before)"},
+                {12, "FPRD 1001:0130 AL status, 6 bytes (and 12 times before)"}};
     (void)state;
     start();
     add(CF_FPRD, CF_AT(0x1001, 0x0130), "000000000000", 0, false);
-    for (size_t room = 1; room < 40; room++) {
-        const cf_item_t item = {.kind = CF_ITEM_SENT, .length = (uint32_t)length, .bytes = frame};
-        char place[42];
-        memset(place, 'x', sizeof place);
-        cf_decode(&slave, &item, place, room);
-        assert_ptr_equal(memchr(place, 0, sizeof place), place + (room - 1 < 33 ? room - 1 : 33));
-        assert_int_equal(place[room], 'x');
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const size_t whole = strlen(rows[i].words);
+        for (size_t room = 1; room < whole + 5; room++) {
+            const cf_item_t item = {
+                .kind = CF_ITEM_SENT, .folded = rows[i].folded, .length = (uint32_t)length, .bytes = frame};
+            char place[100];
+            memset(place, 'x', sizeof place);
+            cf_decode(&slave, &item, place, room);
+            const size_t shown = room - 1 < whole ? room - 1 : whole;
+            assert_int_equal(strlen(place), shown);
+            assert_memory_equal(place, rows[i].words, shown);
+            for (size_t at = room; at < sizeof place; at++)
+                assert_int_equal(place[at], 'x');
+        }
     }
 }
 

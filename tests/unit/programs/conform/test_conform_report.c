@@ -9,10 +9,12 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <cmocka.h>
 
+#include "bus/capture/pcapng.h"
 #include "conform_support.h"
 #include "sha256.h"
 
@@ -71,6 +73,32 @@ static void utf8_limits(void **state)
         assert_string_equal(escaped(good[i]), good[i]);
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         assert_int_equal(escaped(bad[i])[0], '?');
+}
+
+/* Names of slaves: a byte that is no text becomes '?', well-formed UTF-8 stays. */
+static void cleaning(void **state)
+{
+    static const struct {
+        const char *text, *clean;
+    } rows[] = {
+        {"", ""},
+        {"Drive 7", "Drive 7"},
+        {"two\nlines", "two\nlines"},
+        {"\x01tab\t\x1F end\x7F", "?tab?? end?"},
+        {"\x80", "?"}, /* the first byte of no sequence */
+        {"\xFF\xBFx", "??x"},
+        {"M\xC3\xBCller \xE2\x82\xAC \xF0\x9F\x99\x82", "M\xC3\xBCller \xE2\x82\xAC \xF0\x9F\x99\x82"},
+        {"\xC3", "?"}, /* cut off by the end */
+        {"\xE2\x82x", "??x"},
+        {"\xC2\x80\x7E", "\xC2\x80\x7E"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char text[40];
+        snprintf(text, sizeof text, "%s", rows[i].text);
+        cf_clean(text);
+        assert_string_equal(text, rows[i].clean);
+    }
 }
 
 /* --- a run of five cases in two sections -------------------------------------------------------------------------- */
@@ -418,6 +446,35 @@ static void unicast_source(void **state)
     close(wire[1]);
 }
 
+/* Without a record, and beyond the longest frame of a capture, nothing is recorded. */
+static void recorded_frames(void **state)
+{
+    static const uint8_t bytes[ECT_PCAPNG_FRAME_MOST + 1];
+    static const struct {
+        bool open;
+        size_t length;
+        uint32_t recorded;
+    } rows[] = {
+        {false, 60, 0}, {false, ECT_PCAPNG_FRAME_MOST + 1, 0}, {true, 1, 1},
+        {true, 60, 1},  {true, ECT_PCAPNG_FRAME_MOST, 1},      {true, ECT_PCAPNG_FRAME_MOST + 1, 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        if (rows[i].open)
+            cf_record_open(NULL);
+        (void)send(-1, bytes, rows[i].length, 0); /* recorded before the socket refuses it */
+        assert_int_equal(cf_record_frame(), rows[i].recorded);
+        if (rows[i].open) {
+            cf_evidence_t e = cf_record_end(10);
+            assert_int_equal(e.count, rows[i].recorded);
+            if (e.count > 0)
+                assert_int_equal(e.items[0].length, rows[i].length);
+            cf_evidence_free(&e);
+        }
+        cf_record_close();
+    }
+}
+
 static uint32_t number_at(const uint8_t *at)
 {
     uint32_t value;
@@ -471,6 +528,51 @@ static void capture(void **state)
     free(written);
 }
 
+/* The clocks of a test: both stand still, or are those of the machine. */
+static struct timespec wall, monotonic;
+static bool stopped;
+
+int __real_clock_gettime(clockid_t clock, struct timespec *now);
+int __wrap_clock_gettime(clockid_t clock, struct timespec *now);
+
+int __wrap_clock_gettime(clockid_t clock, struct timespec *now)
+{
+    if (!stopped)
+        return __real_clock_gettime(clock, now);
+    *now = clock == CLOCK_REALTIME ? wall : monotonic;
+    return 0;
+}
+
+/* A frame has the wall clock of the start plus the time since then, so that a step of that clock moves no frame. */
+static void times_of_frames(void **state)
+{
+    static const struct timespec wall_at_start = {1700000000, 999999999}, start = {50, 999999999}, later = {53, 4};
+    enum { HEADS = 60, TIME = 12 }; /* in front of the first packet, and in it */
+    const uint64_t passed_ns = 2000000005, wanted_ns = UINT64_C(1700000000999999999) + passed_ns;
+    uint8_t frame[60] = {0};
+    (void)state;
+    FILE *to = to_memory();
+    stopped = true;
+    wall = wall_at_start;
+    monotonic = start;
+    assert_int_equal(cf_now_ns(), UINT64_C(50999999999));
+    cf_record_open(to);
+    monotonic = later;
+    wall.tv_sec += 3600;
+    (void)send(-1, frame, sizeof frame, 0);
+    cf_evidence_t e = cf_record_end(10);
+    stopped = false;
+    assert_int_equal(e.count, 1);
+    assert_int_equal(e.items[0].time_ns, passed_ns);
+    cf_evidence_free(&e);
+    cf_record_close();
+    fclose(to);
+    const uint8_t *packet = (const uint8_t *)written + HEADS;
+    assert_int_equal(number_at(packet), 6);
+    assert_int_equal((uint64_t)number_at(packet + TIME) << 32 | number_at(packet + TIME + 4), wanted_ns);
+    free(written);
+}
+
 /* --- SHA-256 ------------------------------------------------------------------------------------------------------ */
 
 static void expect_hash(const char *text, size_t times, const char *hash)
@@ -502,6 +604,7 @@ static void hashes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(cleaning),   cmocka_unit_test(times_of_frames),     cmocka_unit_test(recorded_frames),
         cmocka_unit_test(escaping),   cmocka_unit_test(utf8_limits),         cmocka_unit_test(capture),
         cmocka_unit_test(counts),     cmocka_unit_test(frames_text),         cmocka_unit_test(html),
         cmocka_unit_test(plain),      cmocka_unit_test(machine_readable),    cmocka_unit_test(histograms),

@@ -97,6 +97,7 @@ static void undo_order(void **state)
 static uint16_t object;
 static uint32_t refusal; /* abort code of downloads; 0: none */
 static unsigned int downloads;
+static uint8_t states[8]; /* AL status at each download */
 
 static void reply_to(const uint8_t *mail)
 {
@@ -116,6 +117,7 @@ static void reply_to(const uint8_t *mail)
     } else {
         reply[8] = 0x60;
         object = ect_load_le16(mail + 12);
+        states[downloads % 8] = memory[ECT_REG_AL_STATUS];
         written[downloads++ % 8] = object;
     }
     memory[CF_SM(1) + ECT_SM_STATUS] = ECT_SM_STATUS_FULL;
@@ -169,6 +171,8 @@ static void undo_objects(void **state)
     assert_int_equal(written[4], 0x2222);
     assert_int_equal(written[5], 0x1111);
     assert_int_equal(object, 0x1111);
+    for (unsigned int i = 0; i < downloads; i++)
+        assert_int_equal(states[i], CF_PREOP); /* restored from INIT on, where a mailbox is off */
     end_run(&run);
 }
 
