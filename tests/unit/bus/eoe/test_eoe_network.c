@@ -4,10 +4,12 @@
 #include "bus/eoe/network.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/epoll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -25,12 +27,76 @@ typedef struct netdev {
     ect_eoe_state_t eoe;
     uint8_t frame[ECT_EOE_FRAME];
     uint16_t length;
+    unsigned int repeats; /* so often the frame is given once more */
     unsigned int sets, loads, resets;
 } netdev_t;
 
 static wire_t w;
 static ect_network_t *network;
 static char folder[64], path[100];
+
+/* The kernel's side of a TAP, a pair of sockets, and of the host's calls. */
+static struct {
+    int tap;         /* handed out as the TAP; -1: the place is refused */
+    int watch_error; /* of epoll_ctl; 0: it is done */
+    int read_error;  /* of the next read; 0: it is done */
+    unsigned int reads;
+    int epoll_error;             /* of epoll_create1; 0: it is done */
+    unsigned int memory_refused; /* the nth allocation from now; 0: none */
+    uint8_t *guard;              /* behind the last block that was allocated */
+} kernel = {.tap = -1};
+
+enum { GUARD = 64, GUARDED = 0xA5 };
+
+int __wrap_ect_place_tap(const char *text, char *name, char *message);
+int __real_epoll_create1(int flags);
+int __wrap_epoll_create1(int flags);
+void *__real_calloc(size_t count, size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+int __real_epoll_ctl(int epoll, int operation, int fd, struct epoll_event *event);
+int __wrap_epoll_ctl(int epoll, int operation, int fd, struct epoll_event *event);
+ssize_t __real_read(int fd, void *bytes, size_t room);
+ssize_t __wrap_read(int fd, void *bytes, size_t room);
+
+int __wrap_ect_place_tap(const char *text, char *name, char *message)
+{
+    (void)snprintf(name, ECT_PLACE_NAME, "%s", text);
+    if (kernel.tap < 0)
+        (void)snprintf(message, ECT_PLACE_MESSAGE, "no TAP for a test");
+    return kernel.tap;
+}
+
+int __wrap_epoll_create1(int flags)
+{
+    errno = kernel.epoll_error;
+    return kernel.epoll_error != 0 ? -1 : __real_epoll_create1(flags);
+}
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+    if (kernel.memory_refused > 0 && --kernel.memory_refused == 0)
+        return NULL;
+    uint8_t *block = __real_calloc(1, count * size + GUARD);
+    assert_non_null(block);
+    kernel.guard = memset(block + count * size, GUARDED, GUARD);
+    return block;
+}
+
+int __wrap_epoll_ctl(int epoll, int operation, int fd, struct epoll_event *event)
+{
+    errno = kernel.watch_error;
+    return kernel.watch_error != 0 ? -1 : __real_epoll_ctl(epoll, operation, fd, event);
+}
+
+ssize_t __wrap_read(int fd, void *bytes, size_t room)
+{
+    kernel.reads++;
+    if (kernel.read_error == 0)
+        return __real_read(fd, bytes, room);
+    errno = kernel.read_error;
+    kernel.read_error = 0;
+    return -1;
+}
 
 static bool received(const ect_eoe_t *eoe, void *instance, uint8_t port, const uint8_t *frame, uint16_t length)
 {
@@ -49,7 +115,10 @@ static uint16_t fetch(const ect_eoe_t *eoe, void *instance, uint8_t *frame, uint
     (void)port;
     uint16_t length = d->length;
     memcpy(frame, d->frame, length);
-    d->length = 0;
+    if (d->repeats > 0)
+        d->repeats--;
+    else
+        d->length = 0;
     return length;
 }
 
@@ -175,8 +244,10 @@ static int setup(void **state)
 static int teardown(void **state)
 {
     (void)state;
-    wire_close(&w);
+    if (w.chain)
+        wire_close(&w);
     ect_network_free(network);
+    network = NULL;
     return rmdir(folder); /* fails if a socket is left */
 }
 
@@ -249,6 +320,28 @@ static void pulled_cable(void **state)
     set_link("1");
     send_frame(frame, FRAME);
     assert_int_equal(receive_frame(back), FRAME);
+}
+
+/* A device with frames for ever takes no more of one call than a queue of them. */
+static void device_never_ends(void **state)
+{
+    uint8_t frame[SIZE], back[SIZE];
+    const ect_eoe_t *eoe;
+    uint8_t port = 0;
+    (void)state;
+    open_network(ECT_NETWORK_OWN);
+    set_link("0");
+    fill(frame, 7);
+    received(&entry, net(), 0, frame, FRAME);
+    net()->repeats = 1000;
+    eoe = (const ect_eoe_t *)(const void *)network; /* its first member is the entry of the device */
+    for (unsigned int call = 1; call <= 3; call++) {
+        assert_int_equal(eoe->fetch(eoe, net(), back, &port), 0);
+        assert_int_equal(net()->repeats, 1000 - call * (ECT_NETWORK_QUEUE + 1));
+    }
+    set_link("1");
+    assert_int_equal(eoe->fetch(eoe, net(), back, &port), FRAME);
+    assert_memory_equal(back, frame, FRAME);
 }
 
 static void refused_setting_changes_no_link(void **state)
@@ -434,6 +527,7 @@ static int fill_the_queue(ect_hosts_t *hosts, unsigned int more)
     }
     serve(hosts);
     assert_int_equal(value_of("eoe.dropped"), 0);
+    assert_int_equal(ect_network_room(network), 0);
     return host;
 }
 
@@ -566,6 +660,321 @@ static void host_of_a_twin_in_init(void **state)
     ect_hosts_close(hosts);
 }
 
+/* --- a host at a TAP ---------------------------------------------------------------------------------------------- */
+
+/* @return the kernel's end of a TAP whose other end is handed out next */
+static int make_tap(void)
+{
+    int ends[2];
+    assert_int_equal(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, ends), 0);
+    kernel.tap = ends[0];
+    return ends[1];
+}
+
+static ect_hosts_t *open_tap(const char *place)
+{
+    char message[ECT_PLACE_MESSAGE] = "";
+    ect_hosts_t *hosts = ect_hosts_new();
+    assert_non_null(hosts);
+    assert_string_equal(ect_hosts_open(hosts, place, network, 0, message), place);
+    return hosts;
+}
+
+static bool is_open(int fd)
+{
+    return fcntl(fd, F_GETFD) >= 0;
+}
+
+static void frames_of_a_tap(void **state)
+{
+    uint8_t frame[FRAME], back[SIZE];
+    (void)state;
+    open_network(ECT_NETWORK_HOST);
+    int host = make_tap();
+    ect_hosts_t *hosts = open_tap("tap7");
+    serve(hosts);
+    for (unsigned int n = 0; n < 6; n++) {
+        fill(frame, n);
+        send_frame(frame, FRAME);
+        assert_int_equal(send(host, frame, FRAME, 0), FRAME);
+    }
+    serve(hosts);
+    for (unsigned int n = 0; n < 6; n++) {
+        assert_int_equal(recv(host, back, sizeof back, 0), FRAME);
+        assert_int_equal(back[0], n);
+        assert_int_equal(receive_frame(back), FRAME);
+        assert_int_equal(back[0], n);
+    }
+    assert_int_equal(value_of("eoe.dropped"), 0);
+    ect_hosts_close(hosts);
+    assert_false(is_open(kernel.tap));
+    close(host);
+}
+
+/* One call moves four frames in each direction, so that no host delays process data. */
+static void frames_of_one_call(void **state)
+{
+    uint8_t frame[FRAME], back[SIZE];
+    unsigned int sent = 0;
+    (void)state;
+    open_network(ECT_NETWORK_HOST);
+    int host = make_tap();
+    ect_hosts_t *hosts = open_tap("tap");
+    for (unsigned int n = 0; n < 6; n++) {
+        fill(frame, n);
+        send_frame(frame, FRAME);
+        assert_int_equal(send(host, frame, FRAME, 0), FRAME);
+    }
+    for (unsigned int n = 4; n <= 6; n += 2) {
+        kernel.reads = 0;
+        ect_hosts_serve(hosts, w.chain, w.now_ns);
+        while (recv(host, back, sizeof back, 0) == FRAME)
+            sent++;
+        assert_int_equal(sent, n);
+        assert_int_equal(ECT_NETWORK_QUEUE - ect_network_room(network), n);
+    }
+    ect_hosts_close(hosts);
+    close(host);
+}
+
+/* Three twins, each with a host: one after the other is served, and an idle host costs the others no call. */
+static void hosts_take_turns(void **state)
+{
+    enum { TWINS = 3, MOST_CALLS = 8 };
+    static const struct {
+        unsigned int frames[TWINS];
+        char order[MOST_CALLS]; /* the host that each call serves; '-': none has a frame */
+    } rows[] = {
+        {{4, 4, 4}, "012-"}, {{12, 4, 8}, "012020-"}, {{8, 0, 8}, "0202-"}, {{0, 8, 0}, "11-"}, {{0, 0, 4}, "2-"}};
+    ect_network_t *networks[TWINS];
+    ect_twin_config_t twins[TWINS];
+    uint8_t frame[FRAME];
+    (void)state;
+    fill(frame, 1);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char message[ECT_PLACE_MESSAGE];
+        int host[TWINS];
+        ect_hosts_t *hosts = ect_hosts_new();
+        assert_non_null(hosts);
+        for (size_t n = 0; n < TWINS; n++) {
+            twins[n] = ect_twin_default(netdev(), NULL);
+            networks[n] = ect_network_new(netdev(), ECT_NETWORK_HOST);
+            assert_non_null(networks[n]);
+            ect_network_join(networks[n], &twins[n]);
+            host[n] = make_tap();
+            assert_non_null(ect_hosts_open(hosts, "tap", networks[n], n, message));
+            for (unsigned int k = 0; k < rows[i].frames[n]; k++)
+                assert_int_equal(send(host[n], frame, FRAME, 0), FRAME);
+        }
+        wire_open_twins(&w, twins, TWINS);
+        for (size_t n = 0; n < TWINS; n++)
+            wire_go(&w, n, ECT_STATE_PREOP);
+        for (const char *served = rows[i].order; *served; served++) {
+            size_t room[TWINS];
+            for (size_t n = 0; n < TWINS; n++)
+                room[n] = ect_network_room(networks[n]);
+            ect_hosts_serve(hosts, w.chain, w.now_ns);
+            for (size_t n = 0; n < TWINS; n++)
+                assert_int_equal(room[n] - ect_network_room(networks[n]), *served == (char)('0' + n) ? 4 : 0);
+        }
+        ect_hosts_close(hosts);
+        wire_close(&w);
+        w.chain = NULL;
+        for (size_t n = 0; n < TWINS; n++) {
+            ect_network_free(networks[n]);
+            close(host[n]);
+        }
+    }
+    network = NULL;
+}
+
+/* A frame of a host wakes its own twin: the mail is ready when the master reads it for the first time. */
+static void host_wakes_its_twin(void **state)
+{
+    enum { LAST_TWIN = 2 };
+    ect_twin_config_t twins[LAST_TWIN + 1];
+    char message[ECT_PLACE_MESSAGE];
+    uint8_t frame[FRAME], mail[SIZE];
+    (void)state;
+    network = ect_network_new(netdev(), ECT_NETWORK_HOST);
+    for (size_t n = 0; n <= LAST_TWIN; n++)
+        twins[n] = ect_twin_default(netdev(), NULL);
+    ect_network_join(network, &twins[LAST_TWIN]);
+    wire_open_twins(&w, twins, LAST_TWIN + 1);
+    wire_go(&w, LAST_TWIN, ECT_STATE_PREOP);
+    int host = make_tap();
+    ect_hosts_t *hosts = ect_hosts_new();
+    assert_non_null(hosts);
+    assert_non_null(ect_hosts_open(hosts, "tap", network, LAST_TWIN, message));
+    fill(frame, 1);
+    assert_int_equal(send(host, frame, FRAME, 0), FRAME);
+    ect_hosts_serve(hosts, w.chain, w.now_ns);
+    wire_poll(&w);
+    assert_int_equal(wire_read(&w, LAST_TWIN, SM1, mail, SIZE), 1);
+    assert_int_equal(ect_load_le16(mail), HEADER + FRAME);
+    ect_hosts_close(hosts);
+    close(host);
+}
+
+static void failed_reads_of_a_tap(void **state)
+{
+    static const struct {
+        int error;
+        bool ends;
+    } rows[] = {{EAGAIN, false}, {EINTR, false}, {EIO, false}, /* it is down */
+                {EBADFD, true},  {EFAULT, true}, {ENODEV, true}};
+    uint8_t frame[FRAME], back[SIZE];
+    (void)state;
+    open_network(ECT_NETWORK_HOST);
+    fill(frame, 3);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        int host = make_tap();
+        ect_hosts_t *hosts = open_tap("tap");
+        kernel.read_error = rows[i].error;
+        ect_hosts_serve(hosts, w.chain, w.now_ns);
+        assert_int_equal(kernel.read_error, 0);
+        assert_int_equal(is_open(kernel.tap), !rows[i].ends);
+        if (!rows[i].ends) {
+            assert_int_equal(send(host, frame, FRAME, 0), FRAME);
+            serve(hosts);
+            assert_int_equal(receive_frame(back), FRAME);
+        }
+        kernel.reads = 0;
+        ect_hosts_serve(hosts, w.chain, w.now_ns);
+        assert_int_equal(kernel.reads, rows[i].ends ? 0 : 1);
+        ect_hosts_close(hosts);
+        assert_false(is_open(kernel.tap));
+        close(host);
+    }
+}
+
+/* --- places ------------------------------------------------------------------------------------------------------- */
+
+/* A place that cannot be opened changes no other one; a set without hosts is served, too. */
+static void refused_places(void **state)
+{
+    static const struct {
+        const char *place;
+        int watch_error;
+        const char *message;
+    } rows[] = {{"unix:", 0, "unix:PATH has 1 to 107 characters behind the colon"},
+                {"tap", 0, "no TAP for a test"},
+                {NULL, ENOSPC, "waiting for '%s' failed: No space left on device"}};
+    char place[110], wanted[ECT_PLACE_MESSAGE];
+    uint8_t frame[FRAME], back[SIZE];
+    (void)state;
+    open_network(ECT_NETWORK_HOST);
+    (void)snprintf(place, sizeof place, "unix:%s", path);
+    fill(frame, 5);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char message[ECT_PLACE_MESSAGE] = "";
+        ect_hosts_t *hosts = ect_hosts_new();
+        assert_non_null(hosts);
+        ect_hosts_serve(hosts, w.chain, w.now_ns);
+        assert_int_equal(ect_hosts_due(hosts), ECT_NEVER);
+        int host = make_tap(), tap = kernel.tap;
+        assert_string_equal(ect_hosts_open(hosts, "tap7", network, 0, message), "tap7");
+        kernel.tap = -1;
+        kernel.watch_error = rows[i].watch_error;
+        assert_null(ect_hosts_open(hosts, rows[i].place ? rows[i].place : place, network, 0, message));
+        kernel.watch_error = 0;
+        const char *at = strstr(rows[i].message, "%s");
+        (void)snprintf(wanted, sizeof wanted, "%.*s%s%s", at ? (int)(at - rows[i].message) : 0, rows[i].message,
+                       at ? place : "", at ? at + 2 : rows[i].message);
+        assert_string_equal(message, wanted);
+        assert_int_equal(send(host, frame, FRAME, 0), FRAME);
+        serve(hosts);
+        assert_int_equal(receive_frame(back), FRAME);
+        ect_hosts_close(hosts);
+        assert_false(is_open(tap));
+        close(host);
+    }
+    ect_hosts_close(NULL);
+}
+
+/* The descriptor that is given next. */
+static int next_descriptor(void)
+{
+    const int fd = open("/dev/null", O_RDONLY);
+    (void)close(fd);
+    return fd;
+}
+
+static void refused_memory(void **state)
+{
+    char message[ECT_PLACE_MESSAGE] = "", place[110];
+    const int before = next_descriptor();
+    (void)state;
+    open_network(ECT_NETWORK_HOST);
+    kernel.memory_refused = 1;
+    assert_null(ect_hosts_new());
+    kernel.epoll_error = EMFILE;
+    assert_null(ect_hosts_new());
+    assert_int_equal(errno, EMFILE);
+    kernel.epoll_error = 0;
+    kernel.memory_refused = 1;
+    assert_null(ect_network_new(netdev(), ECT_NETWORK_OWN));
+    ect_hosts_t *hosts = open_hosts(place);
+    kernel.memory_refused = 1;
+    assert_null(ect_hosts_open(hosts, "tap", network, 0, message));
+    assert_string_equal(message, "not enough memory");
+    int host = connect_host();
+    serve(hosts);
+    ect_hosts_close(hosts);
+    close(host);
+    assert_int_equal(next_descriptor(), before);
+    assert_int_equal(access(path, F_OK), -1);
+}
+
+/* A daemon's standard input may be closed: the first descriptor is 0 then. */
+static void descriptor_0(void **state)
+{
+    (void)state;
+    const int input = dup(STDIN_FILENO);
+    (void)close(STDIN_FILENO);
+    ect_hosts_t *hosts = ect_hosts_new();
+    const int fd = hosts ? ect_hosts_fd(hosts) : -1;
+    ect_hosts_close(hosts);
+    const bool left = is_open(STDIN_FILENO);
+    if (input >= 0) {
+        (void)dup2(input, STDIN_FILENO);
+        close(input);
+    }
+    assert_int_equal(fd, STDIN_FILENO);
+    assert_false(left);
+}
+
+/* The device of a network has the protocols of its own device, EoE in the same place, and an end. */
+static void protocols_of_a_network(void **state)
+{
+    enum { MOST = 6 };
+    static const ect_protocol_t other = {.type = ECT_MAILBOX_TYPE_COE};
+    (void)state;
+    for (size_t count = 1; count <= MOST; count++) {
+        for (size_t place = 0; place < count; place++) {
+            const ect_protocol_t *protocols[MOST + 1] = {NULL};
+            ect_twin_config_t twin = {0};
+            ect_device_t device = *netdev();
+            for (size_t i = 0; i < count; i++)
+                protocols[i] = i == place ? &entry.protocol : &other;
+            device.protocols = protocols;
+            assert_ptr_equal(ect_network_entry(&device), &entry);
+            network = ect_network_new(&device, ECT_NETWORK_OWN);
+            assert_non_null(network);
+            ect_network_join(network, &twin);
+            for (size_t i = 0; i < count; i++) {
+                const ect_protocol_t *its = twin.device->protocols[i];
+                assert_true(i == place ? its != &entry.protocol && its->type == ECT_MAILBOX_TYPE_EOE : its == &other);
+            }
+            assert_null(twin.device->protocols[count]);
+            for (size_t i = 0; i < GUARD; i++)
+                assert_int_equal(kernel.guard[i], GUARDED); /* no protocol is behind the memory of the network */
+            ect_network_free(network);
+            network = NULL;
+        }
+    }
+}
+
 static void places(void **state)
 {
     static const struct {
@@ -611,6 +1020,8 @@ int main(void)
         {"the device takes and gives frames and address through the network", own_frames, setup, teardown, NULL},
         {"EOE-035: the responder answers ARP at the address that a master sets", answers_arp, setup, teardown, NULL},
         {"a pulled cable loses frames of both directions, over a power cycle too", pulled_cable, setup, teardown, NULL},
+        {"a pulled cable loses at most a queue of a device's frames in one call", device_never_ends, setup, teardown,
+         NULL},
         {"a refused setting leaves the cable as it is", refused_setting_changes_no_link, setup, teardown, NULL},
         {"EOE-016: frames for the host are queued up to a limit, then dropped", frames_for_the_host, setup, teardown,
          NULL},
@@ -627,6 +1038,17 @@ int main(void)
          teardown, NULL},
         {"EOE-016: one host at a time, and none", host_goes_and_another_comes, setup, teardown, NULL},
         {"EOE-050 EOE-051: frames of a host are lost in INIT", host_of_a_twin_in_init, setup, teardown, NULL},
+        {"frames pass between a TAP and a master, in their order", frames_of_a_tap, setup, teardown, NULL},
+        {"one call moves four frames of a host in each direction", frames_of_one_call, setup, teardown, NULL},
+        {"hosts are served in turn, four frames a call", hosts_take_turns, setup, teardown, NULL},
+        {"a frame of a host wakes its own twin", host_wakes_its_twin, setup, teardown, NULL},
+        {"a TAP that is down stays open, a TAP that is removed is closed", failed_reads_of_a_tap, setup, teardown,
+         NULL},
+        {"a place that cannot be opened is refused with a line, and the others work", refused_places, setup, teardown,
+         NULL},
+        {"without memory nothing is made, and nothing is left open", refused_memory, setup, teardown, NULL},
+        {"descriptor 0 is one as any other", descriptor_0, setup, teardown, NULL},
+        {"a network has the protocols of its device", protocols_of_a_network, setup, teardown, NULL},
         {"texts of places, and sockets that are in use", places, setup, teardown, NULL},
     };
     return cmocka_run_group_tests_name("networks behind EoE", tests, NULL, NULL);

@@ -209,7 +209,9 @@ static void a_path_has_1_to_107_characters(void **state)
     assert_string_equal(message, "unix:PATH has 1 to 107 characters behind the colon");
     (void)snprintf(path, sizeof path, "%s/%0*d", folder, (int)(MOST - sizeof folder), 0);
     assert_int_equal(strlen(path), MOST);
+    const mode_t mask = umask(0027);
     const int fd = ect_place_listen(path, message);
+    assert_int_equal(umask(mask), 0027);
     assert_true(fd >= 0);
     struct stat info;
     assert_int_equal(stat(path, &info), 0);
