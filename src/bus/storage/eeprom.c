@@ -76,9 +76,7 @@ static void merge(uint8_t *image, const uint8_t *before, const uint8_t *now, uin
 {
     bool good = checksum_good(image);
     for (uint32_t at = 0; at < size; at += 2) {
-        bool written = memcmp(image + at, before + at, 2) != 0;
-        bool newer = memcmp(before + at, now + at, 2) != 0;
-        if (newer || !written)
+        if (memcmp(before + at, now + at, 2) != 0)
             memcpy(image + at, now + at, 2);
     }
     if (good)

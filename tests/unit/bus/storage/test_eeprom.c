@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* The EEPROM of a twin in a file: what a master has written is there again (bus/storage/eeprom.h). */
 #define _GNU_SOURCE
+#include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -20,6 +22,22 @@ enum { SIZE = 64 };
 static char folder[] = "/tmp/ectwin-eeprom-XXXXXX";
 static char path[64];
 static char message[ECT_EEPROM_MESSAGE];
+
+/* Another process's step between the open of the file and its lock; NULL: none. */
+static void (*meanwhile)(void);
+
+int __real_flock(int fd, int operation);
+int __wrap_flock(int fd, int operation);
+
+int __wrap_flock(int fd, int operation)
+{
+    void (*step)(void) = meanwhile;
+    meanwhile = NULL;
+    if (step)
+        step();
+    errno = 0;
+    return __real_flock(fd, operation);
+}
 
 static int make_folder(void **state)
 {
@@ -137,6 +155,8 @@ static void newer_factory(void **state)
     made[2] = 0xA0;
     made[20] = 0xA1;
     made[30] = 0xA2;
+    made[33] = 0xA3; /* one byte of a word: the word is new */
+    made[SIZE - 1] = 0xA4;
     made[ECT_SII_CHECKED_BYTES] = ect_crc_sii(made);
     for (unsigned int time = 0; time < 2; time++) {
         eeprom = must_open(made);
@@ -145,6 +165,8 @@ static void newer_factory(void **state)
         assert_int_equal(now[2], 0xA0);
         assert_int_equal(now[20], 0xA1);
         assert_int_equal(now[30], 0xA2);
+        assert_int_equal(now[33], 0xA3);
+        assert_int_equal(now[SIZE - 1], 0xA4);
         assert_int_equal(now[ECT_SII_CHECKED_BYTES], ect_crc_sii(now));
         ect_eeprom_close(eeprom);
     }
@@ -250,6 +272,41 @@ static void refused(void **state)
     ect_eeprom_close(eeprom);
 }
 
+static void replace(void)
+{
+    char other[80];
+    snprintf(other, sizeof other, "%s.other", path);
+    int fd = open(other, O_CREAT | O_WRONLY, 0600);
+    close(fd);
+    assert_int_equal(rename(other, path), 0);
+}
+
+static void hide(void)
+{
+    assert_int_equal(unlink(path), 0);
+}
+
+/* A file that another twin replaces before it is locked is that twin's. */
+static void replaced_before_the_lock(void **state)
+{
+    static const struct {
+        const char *title, *message;
+        void (*step)(void);
+    } cases[] = {{"replaced", "another twin uses it", replace}, {"removed", "No such file or directory", hide}};
+    uint8_t made[SIZE];
+    struct stat info;
+    (void)state;
+    factory(made, 3);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        ect_eeprom_close(must_open(made));
+        meanwhile = cases[i].step;
+        assert_refused(cases[i].title, made, cases[i].message);
+        if (stat(path, &info) == 0)
+            assert_int_equal(info.st_size, 0); /* the other twin's file is as it was */
+        (void)unlink(path);
+    }
+}
+
 /* As a master does it: by the registers of the chip, over a power cycle of the chain and of the process. */
 static void written_by_a_master(void **state)
 {
@@ -331,6 +388,7 @@ int main(int argc, char **argv)
         EEPROM_TEST("EEPROM file: a start that was cut off, or met a full disk, is made good", cut_off_first_start),
         EEPROM_TEST("EEPROM file: closed with its descriptor, also where that is 0", descriptor_0),
         EEPROM_TEST("EEPROM file: a foreign file is refused and unchanged", refused),
+        EEPROM_TEST("EEPROM file: a file that is replaced before it is locked is refused", replaced_before_the_lock),
         EEPROM_TEST("EEPROM file: only its user reads or writes it", own_file),
         EEPROM_TEST("CF-065: words written by a master outlast power cycle and process", written_by_a_master),
     };

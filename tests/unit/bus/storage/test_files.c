@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* The files of a twin: what of a folder a master gets at, and what not. */
 #define _GNU_SOURCE
+#include <errno.h>
 #include <fcntl.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,6 +17,54 @@
 static char folder[64], outside[64];
 static ect_files_t *files;
 static const ect_foe_t *foe;
+
+/* The next call of this kind fails with an error of the disk; 0: none. */
+static struct {
+    int openat_error, pread_error, pwrite_error, renameat_error;
+} disk;
+
+int __real_openat(int folder_fd, const char *path, int flags, ...);
+int __wrap_openat(int folder_fd, const char *path, int flags, ...);
+ssize_t __real_pread(int fd, void *bytes, size_t length, off_t at);
+ssize_t __wrap_pread(int fd, void *bytes, size_t length, off_t at);
+ssize_t __real_pwrite(int fd, const void *bytes, size_t length, off_t at);
+ssize_t __wrap_pwrite(int fd, const void *bytes, size_t length, off_t at);
+int __real_renameat(int from_fd, const char *from, int to_fd, const char *to);
+int __wrap_renameat(int from_fd, const char *from, int to_fd, const char *to);
+
+/* @return whether the call fails */
+static bool fails(int *error)
+{
+    if (*error == 0)
+        return false;
+    errno = *error;
+    *error = 0;
+    return true;
+}
+
+int __wrap_openat(int folder_fd, const char *path, int flags, ...)
+{
+    va_list arguments;
+    va_start(arguments, flags);
+    const mode_t mode = (flags & O_CREAT) != 0 ? va_arg(arguments, mode_t) : 0;
+    va_end(arguments);
+    return fails(&disk.openat_error) ? -1 : __real_openat(folder_fd, path, flags, mode);
+}
+
+ssize_t __wrap_pread(int fd, void *bytes, size_t length, off_t at)
+{
+    return fails(&disk.pread_error) ? -1 : __real_pread(fd, bytes, length > 2 ? 2 : length, at); /* in pieces */
+}
+
+ssize_t __wrap_pwrite(int fd, const void *bytes, size_t length, off_t at)
+{
+    return fails(&disk.pwrite_error) ? -1 : __real_pwrite(fd, bytes, length, at);
+}
+
+int __wrap_renameat(int from_fd, const char *from, int to_fd, const char *to)
+{
+    return fails(&disk.renameat_error) ? -1 : __real_renameat(from_fd, from, to_fd, to);
+}
 
 static const char *in(const char *name)
 {
@@ -120,6 +170,8 @@ static void names(void **state)
         {"backslashes", "..\\data", 7, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
         {"a hidden file", ".hidden", 7, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
         {"a zero in it", "data\0../x", 9, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
+        {"a zero at its end", "data\0", 5, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
+        {"no character", "", 0, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
         {"a line's end", "data\n", 5, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
         {"a blank", "my data", 7, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
         {"beyond ASCII", "d\xC3\xA4ta", 5, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
@@ -214,6 +266,104 @@ static void meanwhile(void **state)
     expect_content(outside, "not yours");
 }
 
+/* A file that comes up under the name of the incomplete one stays when the complete one is closed. */
+static void complete_before_its_close(void **state)
+{
+    (void)state;
+    assert_int_equal(open_name("new", 3, true), ECT_FOE_OK);
+    assert_int_equal(write_piece(0, "all", true), ECT_FOE_OK);
+    put(in(".new.part"), "of a user");
+    foe->close(foe, NULL, true);
+    expect_content(in("new"), "all");
+    expect_content(in(".new.part"), "of a user");
+    assert_int_equal(unlink(in(".new.part")), 0);
+}
+
+/* The descriptor that is given next. */
+static int next_descriptor(void)
+{
+    const int fd = open("/dev/null", O_RDONLY);
+    (void)close(fd);
+    return fd;
+}
+
+/* Each error of the host has a code of FoE; after it nothing is open, and no file is incomplete. */
+static void errors_of_the_disk(void **state)
+{
+    static const struct {
+        int error;
+        uint32_t code;
+    } rows[] = {{ENOENT, ECT_FOE_NOT_FOUND}, {ENOSPC, ECT_FOE_DISK_FULL},  {EDQUOT, ECT_FOE_DISK_FULL},
+                {EFBIG, ECT_FOE_DISK_FULL},  {EIO, ECT_FOE_PROGRAM_ERROR}, {EACCES, ECT_FOE_ACCESS},
+                {EROFS, ECT_FOE_ACCESS},     {ELOOP, ECT_FOE_ACCESS}};
+    const int before = next_descriptor();
+    char data[8];
+    const char *text = NULL;
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        for (unsigned int write = 0; write < 2; write++) {
+            disk.openat_error = rows[i].error;
+            assert_int_equal(open_name("data", 4, write != 0), rows[i].code);
+            assert_int_equal(next_descriptor(), before);
+        }
+        uint16_t length = sizeof data;
+        assert_int_equal(open_name("data", 4, false), ECT_FOE_OK);
+        disk.pread_error = rows[i].error;
+        assert_int_equal(foe->read(foe, NULL, 0, data, &length, &text), ECT_FOE_PROGRAM_ERROR);
+        assert_int_equal(next_descriptor(), before);
+        foe->close(foe, NULL, false);
+        for (unsigned int rename = 0; rename < 2; rename++) {
+            assert_int_equal(open_name("data", 4, true), ECT_FOE_OK);
+            *(rename != 0 ? &disk.renameat_error : &disk.pwrite_error) = rows[i].error;
+            assert_int_equal(write_piece(0, "bad", true), rows[i].code);
+            assert_int_equal(next_descriptor(), before);
+            assert_int_equal(access(in(".data.part"), F_OK), -1);
+            foe->close(foe, NULL, false);
+        }
+        expect_content(in("data"), "hello");
+    }
+}
+
+/* No child of a program, and no pipe, gets at what a master has open. */
+static void descriptors_of_open_files(void **state)
+{
+    char message[ECT_FILES_MESSAGE];
+    (void)state;
+    const int folder_fd = next_descriptor();
+    ect_files_t *opened = ect_files_open(folder, &testdev, 0, message);
+    assert_non_null(opened);
+    assert_int_equal(fcntl(folder_fd, F_GETFD), FD_CLOEXEC);
+    ect_files_close(opened);
+    for (unsigned int write = 0; write < 2; write++) {
+        const int fd = next_descriptor();
+        assert_int_equal(open_name("data", 4, write != 0), ECT_FOE_OK);
+        assert_int_equal(fcntl(fd, F_GETFD), FD_CLOEXEC);
+        assert_int_equal(fcntl(fd, F_GETFL) & (O_ACCMODE | O_NONBLOCK), (write ? O_WRONLY : O_RDONLY) | O_NONBLOCK);
+        foe->close(foe, NULL, false);
+        assert_int_equal(next_descriptor(), fd);
+    }
+}
+
+/* The memory of a transfer is behind the instance, aligned for any type. */
+static void instance_with_a_transfer(void **state)
+{
+    enum { ALIGNED = sizeof(max_align_t) };
+    (void)state;
+    for (size_t size = 1; size <= 2 * ALIGNED + 1; size++) {
+        char message[ECT_FILES_MESSAGE];
+        ect_device_t device = testdev;
+        device.instance_size = size;
+        ect_files_t *opened = ect_files_open(folder, &device, 0, message);
+        assert_non_null(opened);
+        const ect_device_t *made = ect_files_device(opened);
+        const size_t offset = entry_of(made)->offset;
+        assert_in_range(offset, size, size + ALIGNED - 1);
+        assert_int_equal(offset % ALIGNED, 0);
+        assert_int_equal(made->instance_size, offset + sizeof(ect_foe_transfer_t));
+        ect_files_close(opened);
+    }
+}
+
 static void most_protocols_of_a_device(void **state)
 {
     enum { MOST = 16 };
@@ -252,7 +402,9 @@ static void refused_devices(void **state)
     assert_null(ect_files_open(folder, ect_files_device(files), 0, message));
     assert_non_null(strstr(message, "it has files of its own"));
     assert_null(ect_files_open("/no/such/folder", &testdev, 0, message));
-    assert_non_null(strstr(message, "cannot open the folder '/no/such/folder'"));
+    assert_string_equal(message, "cannot open the folder '/no/such/folder' for files: No such file or directory");
+    assert_null(ect_files_open(outside, &testdev, 0, message));
+    assert_non_null(strstr(message, "' for files: Not a directory"));
 }
 
 /* All descriptors of a folder, and of a file that is open in it, are closed with it. */
@@ -308,6 +460,10 @@ int main(void)
         TEST("Files: they are read piece by piece", read_pieces),
         TEST("Attack: an endless file fills no disk", too_large),
         TEST("Attack: links that come up meanwhile are not followed", meanwhile),
+        TEST("Files: a complete file has its name before it is closed", complete_before_its_close),
+        TEST("Files: errors of the disk have codes of FoE, and leave nothing open", errors_of_the_disk),
+        TEST("Files: no child process gets a descriptor of the folder or a file", descriptors_of_open_files),
+        TEST("Files: the memory of a transfer is aligned, behind the instance", instance_with_a_transfer),
         TEST("Files: a device has at most 16 protocols of its own beside FoE", most_protocols_of_a_device),
         TEST("Files: a device without a mailbox, or with files of its own, is refused with a line", refused_devices),
         TEST("Files: the descriptors of a folder are closed with it", closes_its_descriptors),

@@ -3,6 +3,8 @@
 #define _GNU_SOURCE
 #include "bus/storage/memory.h"
 
+#include <aio.h>
+#include <errno.h>
 #include <fcntl.h>
 #include <setjmp.h>
 #include <signal.h>
@@ -22,6 +24,61 @@
 #define MAGIC 0x54534554u
 
 static char work[64];
+
+/* A disk that reads in pieces, and synchronises at the time that the test sets. */
+static struct {
+    size_t piece; /* bytes of one read at most; 0: all */
+    bool slow;    /* the calls of aio are those of the test */
+    int state;    /* of the synchronisation: EINPROGRESS, 0, or the error of its end */
+    int end;      /* state after the first wait */
+    unsigned int begun, waits, ended;
+} disk;
+
+ssize_t __real_pread(int fd, void *bytes, size_t length, off_t at);
+ssize_t __wrap_pread(int fd, void *bytes, size_t length, off_t at);
+int __real_aio_fsync(int operation, struct aiocb *block);
+int __wrap_aio_fsync(int operation, struct aiocb *block);
+int __real_aio_error(const struct aiocb *block);
+int __wrap_aio_error(const struct aiocb *block);
+int __real_aio_suspend(const struct aiocb *const list[], int count, const struct timespec *timeout);
+int __wrap_aio_suspend(const struct aiocb *const list[], int count, const struct timespec *timeout);
+ssize_t __real_aio_return(struct aiocb *block);
+ssize_t __wrap_aio_return(struct aiocb *block);
+
+ssize_t __wrap_pread(int fd, void *bytes, size_t length, off_t at)
+{
+    return __real_pread(fd, bytes, disk.piece > 0 && disk.piece < length ? disk.piece : length, at);
+}
+
+int __wrap_aio_fsync(int operation, struct aiocb *block)
+{
+    disk.begun++;
+    return disk.slow ? 0 : __real_aio_fsync(operation, block);
+}
+
+int __wrap_aio_error(const struct aiocb *block)
+{
+    return disk.slow ? disk.state : __real_aio_error(block);
+}
+
+int __wrap_aio_suspend(const struct aiocb *const list[], int count, const struct timespec *timeout)
+{
+    if (!disk.slow)
+        return __real_aio_suspend(list, count, timeout);
+    assert_null(timeout);
+    disk.waits++;
+    disk.state = disk.end;
+    return 0;
+}
+
+ssize_t __wrap_aio_return(struct aiocb *block)
+{
+    if (!disk.slow)
+        return __real_aio_return(block);
+    disk.ended++;
+    errno = disk.state;
+    return disk.state == 0 ? 0 : -1;
+}
 
 static int make_work(void **state)
 {
@@ -73,6 +130,14 @@ static void expect_saved(const ect_memory_t *memory, const char *want)
     if (found > 0)
         assert_true(ect_record_get(&record, 0, got, record.length < sizeof got ? record.length : sizeof got));
     assert_string_equal(found > 0 ? got : "none", want);
+}
+
+static void overwrite(const char *name, off_t offset, const char *text)
+{
+    int fd = open(name, O_WRONLY);
+    assert_true(fd >= 0);
+    assert_int_equal(pwrite(fd, text, strlen(text), offset), (ssize_t)strlen(text));
+    close(fd);
 }
 
 static void keeps(void **state)
@@ -162,7 +227,11 @@ static void ends_of_a_bank(void **state)
 
 static void foreign_files(void **state)
 {
+    enum { FAR = 2 * ECT_MEMORY_BANK };
     (void)state;
+    static const struct {
+        off_t first, step; /* of the bytes that are not 0 */
+    } patterns[] = {{0, FAR}, {31, FAR}, {32, FAR}, {33, FAR}, {33, 2}, {ECT_MEMORY_BANK + 31, FAR}};
     static const size_t sizes[] = {1, 100, ECT_MEMORY_BANK, ECT_MEMORY_BANK + 32, ECT_MEMORY_BANK + 33};
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         write_file("foreign.0", "M", 1, sizes[i]);
@@ -170,6 +239,14 @@ static void foreign_files(void **state)
         assert_int_equal(size_of("foreign.0"), sizes[i]);
         assert_int_equal(size_of("foreign.1"), -1);
     }
+    for (size_t i = 0; i < sizeof patterns / sizeof patterns[0]; i++) { /* not what a start that was cut off leaves */
+        write_file("foreign.0", "", 0, ECT_MEMORY_BANK + 32);
+        for (off_t at = patterns[i].first; at < ECT_MEMORY_BANK + 32; at += patterns[i].step)
+            overwrite("foreign.0", at, "x");
+        expect_refused("foreign", "no record of a twin");
+        assert_int_equal(size_of("foreign.0"), ECT_MEMORY_BANK + 32);
+    }
+    assert_int_equal(unlink("foreign.0"), 0);
     ect_memory_close(must_open("second"));
     write_file("second.1", "M", 1, 100);
     expect_refused("second", "'second.1'");
@@ -234,14 +311,6 @@ static void deleted_while_it_runs(void **state)
     ect_memory_close(memory);
 }
 
-static void overwrite(const char *name, off_t offset, const char *text)
-{
-    int fd = open(name, O_WRONLY);
-    assert_true(fd >= 0);
-    assert_int_equal(pwrite(fd, text, strlen(text), offset), (ssize_t)strlen(text));
-    close(fd);
-}
-
 /* The newest record is in the bank that the second save went to. */
 static void damaged(void **state)
 {
@@ -277,6 +346,218 @@ static void damaged(void **state)
     const int after = open("/dev/null", O_RDONLY);
     (void)close(after);
     assert_int_equal(after, before); /* no descriptor is left open */
+}
+
+/* The descriptor that is given next. */
+static int next_descriptor(void)
+{
+    const int fd = open("/dev/null", O_RDONLY);
+    (void)close(fd);
+    return fd;
+}
+
+static void save_twice_and_damage(const char *path)
+{
+    char name[ECT_MEMORY_PATH + 4];
+    ect_record_t newest;
+    ect_memory_t *memory = must_open(path);
+    assert_true(save(memory, "one", 4));
+    assert_true(save(memory, "two", 4));
+    assert_int_equal(ect_record_find(ect_memory_storage(memory), MAGIC, &newest), 1);
+    ect_memory_close(memory);
+    (void)snprintf(name, sizeof name, "%s.%u", path, newest.bank);
+    overwrite(name, 32 + ECT_RECORD_HEADER, "XXX");
+}
+
+/* The report has the name of each file, and of the folder only where the file is. */
+static void reports_of_damage(void **state)
+{
+    static const struct {
+        bool damaged[2];
+        const char *message;
+    } rows[] = {
+        {{true, false}, "'aside/x.0' holds no whole record, it is kept as 'x.0.damaged1'"},
+        {{false, true}, "'aside/x.1' holds no whole record, it is kept as 'x.1.damaged1'"},
+        {{true, true},
+         "'aside/x.0' holds no whole record, it is kept as 'x.0.damaged2'; "
+         "'aside/x.1' holds no whole record, it is kept as 'x.1.damaged2'"},
+    };
+    (void)state;
+    assert_int_equal(mkdir("aside", 0700), 0);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char message[ECT_MEMORY_MESSAGE];
+        ect_memory_close(must_open("aside/x"));
+        if (rows[i].damaged[0])
+            overwrite("aside/x.0", 32, "a header?");
+        if (rows[i].damaged[1])
+            overwrite("aside/x.1", 32, "a header?");
+        ect_memory_t *memory = ect_memory_open("aside/x", message);
+        assert_non_null(memory);
+        assert_string_equal(message, rows[i].message);
+        ect_memory_close(memory);
+    }
+}
+
+/* A damaged file that cannot be renamed is left unchanged, and named. */
+static void damage_that_stays(void **state)
+{
+    enum { LONGEST = 255 - 2 }; /* of a file's name, without ".0" */
+    char path[LONGEST + 1], wanted[ECT_MEMORY_MESSAGE], name[LONGEST + 3];
+    (void)state;
+    memset(path, 'd', LONGEST);
+    path[LONGEST] = '\0';
+    for (unsigned int bank = 0; bank < 2; bank++) {
+        char message[ECT_MEMORY_MESSAGE];
+        ect_memory_close(must_open(path));
+        (void)snprintf(name, sizeof name, "%s.%u", path, bank);
+        overwrite(name, 32, "a header?");
+        (void)snprintf(wanted, sizeof wanted, "cannot keep what is saved in '%s': File name too long", name);
+        for (unsigned int time = 0; time < 2; time++) {
+            assert_null(ect_memory_open(path, message));
+            assert_string_equal(message, wanted);
+        }
+        assert_int_equal(unlink(name), 0);
+    }
+}
+
+static void longest_path_of_a_damaged_file(void **state)
+{
+    char path[ECT_MEMORY_PATH], message[ECT_MEMORY_MESSAGE];
+    (void)state;
+    memset(path, '/', sizeof path - 1);
+    path[0] = '.';
+    memcpy(path + sizeof path - 9, "far-away", 9);
+    save_twice_and_damage(path);
+    ect_memory_t *memory = ect_memory_open(path, message);
+    assert_non_null(memory);
+    assert_non_null(strstr(message, "it is kept as 'far-away."));
+    expect_saved(memory, "one");
+    ect_memory_close(memory);
+    assert_true(size_of("far-away.0.damaged1") > 0 || size_of("far-away.1.damaged1") > 0);
+}
+
+/* A power failure leaves a record with wrong data only if it is the older one. */
+static void age_of_a_record_without_data(void **state)
+{
+    static const struct {
+        uint32_t newer; /* than the record in the other bank */
+        bool damaged;
+    } rows[] = {{UINT32_MAX, false}, {0, true}, {1, true}, {INT32_MAX, true}, {0x80000000u, false}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char message[ECT_MEMORY_MESSAGE];
+        uint8_t header[ECT_RECORD_HEADER];
+        ect_record_t newest;
+        ect_memory_t *memory = must_open("age");
+        assert_true(save(memory, "one", 4));
+        assert_int_equal(ect_record_find(ect_memory_storage(memory), MAGIC, &newest), 1);
+        const ect_storage_t *s = ect_memory_storage(memory);
+        assert_int_equal(s->read(s->ctx, newest.bank, 0, header, sizeof header), 0);
+        ect_store_le32(header + 4, newest.sequence + rows[i].newer);
+        ect_store_le32(header + 12, ~newest.check);
+        assert_int_equal(s->write(s->ctx, newest.bank ^ 1u, 0, header, sizeof header), 0);
+        ect_memory_close(memory);
+        memory = ect_memory_open("age", message);
+        assert_non_null(memory);
+        assert_int_equal(*message != '\0', rows[i].damaged);
+        expect_saved(memory, "one");
+        ect_memory_close(memory);
+        assert_int_equal(unlink("age.0"), 0);
+        assert_int_equal(unlink("age.1"), 0);
+    }
+}
+
+/* A file is read whole, also from a disk that gives it in pieces. */
+static void read_in_pieces(void **state)
+{
+    static const size_t pieces[] = {4096, ECT_MEMORY_BANK - 1};
+    static uint8_t data[ECT_MEMORY_BANK - ECT_RECORD_HEADER];
+    (void)state;
+    for (size_t i = 0; i < sizeof pieces / sizeof pieces[0]; i++) {
+        const uint32_t size = sizeof data;
+        uint8_t last;
+        for (uint32_t at = 0; at < size; at++)
+            data[at] = (uint8_t)(at * 7 + 1);
+        ect_memory_t *memory = must_open("pieces");
+        assert_true(save(memory, data, size));
+        ect_memory_close(memory);
+        disk.piece = pieces[i];
+        memory = must_open("pieces");
+        disk.piece = 0;
+        ect_record_t record;
+        assert_int_equal(ect_record_find(ect_memory_storage(memory), MAGIC, &record), 1);
+        assert_int_equal(record.length, size);
+        assert_true(ect_record_get(&record, size - 1, &last, 1));
+        assert_int_equal(last, data[size - 1]);
+        ect_memory_close(memory);
+    }
+}
+
+/* A daemon's standard input may be closed: the first file gets descriptor 0 then. */
+static void descriptor_0(void **state)
+{
+    (void)state;
+    const int input = dup(STDIN_FILENO);
+    (void)close(STDIN_FILENO);
+    ect_memory_t *memory = must_open("zero");
+    const bool used = fcntl(STDIN_FILENO, F_GETFD) >= 0;
+    const bool saved = save(memory, "one", 4) && save(memory, "two", 4) && save(memory, "three", 6);
+    ect_memory_close(memory);
+    const bool left = fcntl(STDIN_FILENO, F_GETFD) >= 0;
+    memory = must_open("zero");
+    expect_saved(memory, "three"); /* each file has one of the last two */
+    ect_memory_close(memory);
+    if (input >= 0) {
+        (void)dup2(input, STDIN_FILENO);
+        close(input);
+    }
+    assert_true(used && saved);
+    assert_false(left);
+}
+
+static void closes_its_descriptors(void **state)
+{
+    static const char *const paths[] = {"shut", "./shut", "/tmp/../dev/null/no"}; /* made, found, refused */
+    (void)state;
+    for (size_t i = 0; i < sizeof paths / sizeof paths[0]; i++) {
+        char message[ECT_MEMORY_MESSAGE];
+        const int before = next_descriptor();
+        ect_memory_close(ect_memory_open(paths[i], message));
+        assert_int_equal(next_descriptor(), before);
+    }
+}
+
+/* A save asks for the end of a synchronisation and does not wait; the close of a memory does. */
+static void slow_disk(void **state)
+{
+    static const struct {
+        const char *title;
+        int end; /* 0, or the error of the disk */
+        bool wait;
+        int result;
+    } rows[] = {{"ends while it is waited for", 0, true, 0},
+                {"fails while it is waited for", EIO, true, -1},
+                {"is not waited for", 0, false, ECT_STORAGE_BUSY},
+                {"is not waited for and will fail", EIO, false, ECT_STORAGE_BUSY}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_memory_t *memory = must_open("slow");
+        const ect_storage_t *s = ect_memory_storage(memory);
+        memset(&disk, 0, sizeof disk);
+        disk.slow = true;
+        disk.state = EINPROGRESS;
+        disk.end = rows[i].end;
+        assert_int_equal(s->write(s->ctx, 1, 100, "abcd", 4), 0);
+        const int result = s->flush(s->ctx, 1, rows[i].wait);
+        if (rows[i].result < 0 ? result >= 0 : result != rows[i].result)
+            fail_msg("%s: %d", rows[i].title, result);
+        assert_int_equal(disk.begun, 1);
+        assert_int_equal(disk.waits, rows[i].wait ? 1 : 0);
+        ect_memory_close(memory);
+        assert_int_equal(disk.waits, 1);
+        assert_int_equal(disk.ended, 1);
+        memset(&disk, 0, sizeof disk);
+    }
 }
 
 /* A record that was begun and put, but not sealed: the process was killed. */
@@ -483,6 +764,15 @@ int main(int argc, char **argv)
         {"A save that a power failure cut off is ordinary too", cut_off_by_power, NULL, NULL, NULL},
         {"A first start that was cut off, or met a full disk, is made good", cut_off_first_start, NULL, NULL, NULL},
         {"Attack: headers that make no sense", damaged_headers, NULL, NULL, NULL},
+        {"A report of damage names each file, and where it is kept", reports_of_damage, NULL, NULL, NULL},
+        {"A damaged file that cannot be renamed is refused with its name", damage_that_stays, NULL, NULL, NULL},
+        {"A damaged file with the longest path is kept aside", longest_path_of_a_damaged_file, NULL, NULL, NULL},
+        {"A record without its data is ordinary if it is older than the other one", age_of_a_record_without_data, NULL,
+         NULL, NULL},
+        {"A file is read whole from a disk that gives it in pieces", read_in_pieces, NULL, NULL, NULL},
+        {"Descriptor 0 is one as any other", descriptor_0, NULL, NULL, NULL},
+        {"All descriptors are closed with the memory", closes_its_descriptors, NULL, NULL, NULL},
+        {"A flush waits for a slow disk if it shall, the close of a memory always", slow_disk, NULL, NULL, NULL},
         {"An observer gets its number once a save", observed, NULL, NULL, NULL},
         {"A replay gives each flush the result that it had in the run, with files and without", replaced_flushes, NULL,
          NULL, NULL},
