@@ -57,7 +57,7 @@ static void ask(bus_t *bus, link_kind_t kind, const char *text)
 
 void bus_poll(bus_t *bus, bool open)
 {
-    if (bus->link.count > 0) /* it is slow: nothing piles up */
+    if (bus->link.count > 0) /* a slow twin gets no further request */
         return;
     ask(bus, LINK_ABOUT, "{\"op\":\"about\"}");
     if (!open)

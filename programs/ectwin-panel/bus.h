@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A running bus as the panel knows it by its control socket. No socket, no clock: the caller moves the bytes of
- * `bus->link` and calls ::bus_poll.
+ * A running bus, as its control socket describes it. No socket, no clock: the caller moves the bytes of `bus->link` and
+ * calls ::bus_poll.
  */
 #ifndef ECTWIN_PANEL_BUS_H
 #define ECTWIN_PANEL_BUS_H

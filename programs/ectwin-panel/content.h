@@ -6,7 +6,7 @@
 #include <stddef.h>
 
 typedef struct content {
-    const char *path; /**< "/" is that of index.html; NULL: behind the last one */
+    const char *path; /**< "/" is the path of index.html; NULL: behind the last one */
     const char *type; /**< of the media */
     const unsigned char *bytes;
     size_t length;

@@ -35,7 +35,7 @@ typedef struct link_request {
     double id;
 } link_request_t;
 
-/** Zero is a new one. */
+/** A zeroed link is a new one. */
 typedef struct link {
     size_t received;
     char line[LINK_LINE];

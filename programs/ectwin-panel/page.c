@@ -30,7 +30,7 @@ static void open_bus(page_t *page, unsigned int bus)
     memset(&page->traced, 0, sizeof page->traced);
 }
 
-/* @return whether it is a list of positions of signals */
+/* @return whether a value is a list of positions of signals */
 static bool take_trace(page_t *page, const cJSON *list)
 {
     const cJSON *signal;
@@ -204,7 +204,7 @@ static size_t write_reply(page_t *page, out_t *out)
     return end(out, "}");
 }
 
-/* A bus has been seen when it has described itself. */
+/* A bus is listed when it has described itself. */
 static size_t write_buses(page_t *page, const buses_t *buses, out_t *out)
 {
     const char *comma = "";

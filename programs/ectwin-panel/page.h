@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * One open page: its messages, and the next message for it. A page has no queue of changes: it has marks of what it has
- * been sent, so a slow page gets the newest values, and its memory does not grow. No socket, no clock.
+ * One open page: its messages, and the next message for it. A page has no queue of changes but marks of the last change
+ * sent, so a slow page gets the newest values, and its memory does not grow. No socket, no clock.
  *
  * Messages are JSON. From the page: {"token":"…"} first; then {"open":BUS} and {"id":N,"bus":BUS,"request":{…}}, a
  * request of the control protocol; {"trace":[SIGNAL,…]}, all signals of which it wants every change. A request that

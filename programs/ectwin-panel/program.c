@@ -21,7 +21,7 @@ enum { KEY_BIND = 256, KEY_VIEW };
 typedef struct arguments {
     server_options_t server;
     bool open;
-    char file[ECT_ENDPOINT_PATH + 32]; /* that the browser opens; "": none */
+    char file[ECT_ENDPOINT_PATH + 32]; /* the file that the browser opens; "": none */
 } arguments_t;
 
 static const struct argp_option options[] = {
@@ -97,8 +97,8 @@ static void open_browser(arguments_t *args, const char *url)
     }
 }
 
-/* From here on the panel serves strangers: it opens no file for writing, starts no program, makes no other sockets than
- * local ones. */
+/* From here on the panel serves clients that it does not trust: it opens no file for writing, starts no program, and
+ * creates local sockets only. */
 static void drop_rights(void)
 {
     char message[ECT_RIGHTS_MESSAGE];

@@ -17,7 +17,7 @@
 
 enum {
     TICK_US = 40 * LWS_US_PER_MS,     /* pages get values at most this often */
-    POLL_TICKS = 25,                  /* buses are looked for, and asked, once a second */
+    POLL_TICKS = 25,                  /* buses are searched and queried once a second */
     PATIENCE_US = 5 * LWS_US_PER_SEC, /* time for the token, and for reading a message */
     CONNECTIONS = 64,                 /* of browsers */
     DESCRIPTORS = CONNECTIONS + 2 * BUS_MOST + 16,
@@ -47,7 +47,7 @@ typedef struct browser {
     struct lws *wsi;
     const content_t *content;
     size_t sent;
-    lws_usec_t since; /* it has to send its token, or to read; 0: it has not */
+    lws_usec_t since; /* its token, or its next read, has been due since; 0: none */
     size_t received;
     unsigned int silence; /* ticks without a sign of a page that holds signals */
     bool ping;            /* a ping is to be sent */
@@ -191,7 +191,7 @@ static void release_held(server_t *server, browser_t *browser)
     }
 }
 
-/* Takes what a page has sent so far. @return as a callback */
+/* Takes the bytes that a page has sent so far. @return as a callback */
 static int take_message(struct lws *wsi, browser_t *browser, const void *bytes, size_t length)
 {
     server_t *server = server_of(wsi);
@@ -424,7 +424,7 @@ static void take_trace_socket(void *ctx, bus_t *bus, int fd, long process)
     trace_restart(&bus->trace);
 }
 
-/* A twin reports every change while a page plots a signal. */
+/* A twin reports every change only while a page plots a signal. */
 static void poll_trace(server_t *server, bus_t *bus)
 {
     trace_set_t wanted = {0};

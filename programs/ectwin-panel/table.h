@@ -25,7 +25,7 @@ typedef struct table_signal {
     uint32_t changed; /**< number of its last change; 0: it has no value yet */
 } table_signal_t;
 
-/** Zero is an empty one. */
+/** A zeroed table is empty. */
 typedef struct table {
     size_t count;
     uint32_t changes;            /**< number of the last change */
@@ -33,8 +33,8 @@ typedef struct table {
     table_signal_t signals[TABLE_SIGNALS];
 } table_t;
 
-/** Adds the signal that a line of a reply to `list` describes. @return false: there is no room, or it is no such line
- */
+/** Adds the signal that a line of a reply to `list` describes. @return false: there is no room, or the line is not one
+ * of `list` */
 bool table_add(table_t *table, const char *text, const cJSON *line);
 
 /** Takes a line of `watch`. @return false: an unknown signal, or no such line */

@@ -31,7 +31,7 @@ typedef struct trace_change {
     double value;
 } trace_change_t;
 
-/** Zero has no signal. */
+/** A zeroed set has no signal. */
 typedef struct trace {
     void *socket; /**< of the caller; NULL: not connected */
     bool tried;   /**< of the caller: a connection has been tried in this second */

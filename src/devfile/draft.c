@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The objects of a file until their rights are known, and the model that is made of them. */
+/* Objects of a file, kept until their rights are known, and the model made of them. */
 #include "devfile/internal.h"
 
 #include <inttypes.h>
@@ -22,7 +22,7 @@ ect_word_t ect_draft_word(ect_draft_t *d, const yaml_node_t *node, const char *k
 
 /* --- objects ------------------------------------------------------------------------------------------------------ */
 
-/* Why no object of a file can have an index, NULL: one can. */
+/* @return the reason why no object of a file may have an index; NULL: it may */
 static const char *why_not(uint16_t index)
 {
     if (index == 0x1000)
@@ -120,7 +120,7 @@ ect_esi_pdo_t *ect_draft_add_pdo(ect_draft_t *d, uint16_t index, bool tx, size_t
 
 static ect_esi_entry_t *add_mapped(ect_draft_t *d, ect_esi_pdo_t *pdo, size_t line)
 {
-    ect_esi_entry_t *entries = (ect_esi_entry_t *)(uintptr_t)pdo->entries; /* ours, growing */
+    ect_esi_entry_t *entries = (ect_esi_entry_t *)(uintptr_t)pdo->entries; /* not constant yet */
     if (pdo->entry_count == ECT_DEVFILE_PDO_ENTRIES) {
         ect_mistake(&d->mistake, line, "PDO %04X has more than %d entries: divide it into several PDOs",
                     (unsigned int)pdo->index, (int)ECT_DEVFILE_PDO_ENTRIES);
@@ -157,7 +157,7 @@ static void map_entry(ect_draft_t *d, ect_esi_pdo_t *pdo, const ect_draft_object
     entry->type = ect_arena_copy(d->arena, name, strlen(name));
 }
 
-/* The bits of "gap 4"; 0: another text. */
+/* @return the bits of a text such as "gap 4"; 0: another text */
 static uint16_t gap_of(const char *text)
 {
     int64_t bits;
@@ -165,7 +165,7 @@ static uint16_t gap_of(const char *text)
     return gap ? (uint16_t)bits : 0;
 }
 
-/* "0x6000:1": the sub-index, -1 for none; *index is -1 where the text is neither. */
+/* Reads "0x6000" or "0x6000:1". @return the sub-index, -1: none; *index is -1 for another text */
 static int subindex_of(const char *text, int64_t *index)
 {
     char number[24];
@@ -279,5 +279,5 @@ void ect_draft_end(ect_draft_t *d)
     if (d->field_count == 0)
         return;
     d->fields = ect_arena_grow(d->arena, d->fields, d->field_count, sizeof *d->fields);
-    d->device->fields = d->fields; /* ends with the zeroed one */
+    d->device->fields = d->fields; /* a zeroed element ends the list */
 }

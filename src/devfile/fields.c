@@ -8,7 +8,7 @@
 
 #include "esi/number.h"
 
-/* A list of names while it is read. */
+/* A list of names that is being read. */
 typedef struct list list_t;
 struct list {
     ect_draft_t *d;
@@ -92,7 +92,7 @@ static void take_value(list_t *list, const char *key, ect_word_t name)
     list->values[list->count++] = (ect_value_name_t){.value = number, .name = text};
 }
 
-/* Values that all have names limit the entry. */
+/* If all values have names, the lowest and the highest limit the entry. */
 static void limit(const list_t *list, size_t line, ect_draft_entry_t *entry)
 {
     const int64_t lowest = list->values[0].value, highest = list->values[list->count - 1].value;
@@ -115,7 +115,7 @@ static void end_values(list_t *list, size_t line, ect_draft_entry_t *entry)
     if (d->mistake.failed)
         return;
     list->values = ect_arena_grow(d->arena, list->values, list->count, sizeof *list->values);
-    add_field(list)->values = list->values; /* ends with the zeroed one */
+    add_field(list)->values = list->values; /* a zeroed element ends the list */
     limit(list, line, entry);
 }
 

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Projects of the public "EEPROM generator" for SOES, `esi.json`: a form with texts, objects in three sections, clock
+/* Projects of the public "EEPROM generator" for SOES, `esi.json`: a form with texts, objects in three sections, clock
  * modes. Each object of the sections txpdo and rxpdo is a PDO of its own. Keys without a meaning for a device (names of
- * variables in C) are ignored, as are objects whose index is not one: the generator ignores them too.
- */
+ * variables in C) are ignored, and so are objects whose key is no index; the generator ignores both. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -52,7 +50,7 @@ static const char *text_of(ect_draft_t *d, const yaml_node_t *map, const char *k
     return word.text != NULL ? ect_arena_copy(d->arena, word.text, strlen(word.text)) : "";
 }
 
-/* A box of the form that is checked. */
+/* @return whether a box of the form is checked */
 static bool is_checked(ect_draft_t *d, const yaml_node_t *form, const char *key)
 {
     const ect_word_t word = word_of(d, form, key);
@@ -117,7 +115,7 @@ static void take_syncmanagers(ect_draft_t *d, const yaml_node_t *form)
         ect_draft_assign(d);
 }
 
-/* The beginning of the EEPROM for the chip of the form, whose processor is connected by SPI. */
+/* Sets the first words of the EEPROM for the chip of the form, with a processor at its SPI. */
 static void take_eeprom(ect_draft_t *d, const yaml_node_t *form)
 {
     static const struct {
@@ -147,7 +145,7 @@ static void take_eeprom(ect_draft_t *d, const yaml_node_t *form)
 
 /* --- objects ------------------------------------------------------------------------------------------------------ */
 
-/* Sets the words of an object or of one of its items; `dtype` is the array's for its items. */
+/* Sets the words of an object or of one of its items. `dtype` is the type of the array that has the item. */
 static void take_words(ect_draft_t *d, const yaml_node_t *node, ect_word_t dtype, const ect_word_t *access,
                        ect_word_t words[ECT_WORDS])
 {
@@ -224,7 +222,7 @@ static bool add_object(ect_draft_t *d, const listed_t *one)
     return !d->mistake.failed;
 }
 
-/* A PDO of all entries of the object that was added last; a BOOLEAN fills a byte, but for those of an array. */
+/* Adds a PDO with all entries of the last object. A BOOLEAN fills a byte, except in an array. */
 static void map_object(ect_draft_t *d, uint16_t index, bool tx, size_t line)
 {
     const ect_draft_object_t *object = &d->objects[d->object_count - 1];
@@ -262,7 +260,7 @@ static int compare(const void *a, const void *b)
     return (int)((const listed_t *)a)->index - (int)((const listed_t *)b)->index;
 }
 
-/* `first`: of the PDOs; 0: none. */
+/* `first`: the index of the first PDO; 0: the direction has none. */
 static void take_section(ect_draft_t *d, const yaml_node_t *od, const char *key, uint16_t first)
 {
     section_t s = {.d = d};

@@ -10,7 +10,7 @@ enum {
     MAILBOX_MOST = 1486,
     RAM = 0x1000,
     RAM_END = 0x10000,
-    GRID = 0x80, /* areas of the standard begin at multiples of it */
+    GRID = 0x80, /* default areas start at multiples of it */
     SMS = 16,
     MODES = 16,
     CONFIG = 14, /* bytes */
@@ -98,7 +98,7 @@ void ect_draft_mailbox(ect_draft_t *d, const yaml_node_t *mailbox)
 
 ect_esi_sm_t *ect_draft_sm(ect_draft_t *d, const char *type, uint8_t control, uint16_t bytes)
 {
-    ect_esi_sm_t *sms = (ect_esi_sm_t *)(uintptr_t)d->device->sms; /* ours, growing */
+    ect_esi_sm_t *sms = (ect_esi_sm_t *)(uintptr_t)d->device->sms; /* not constant yet */
     sms = ect_arena_grow(d->arena, sms, d->device->sm_count, sizeof *sms);
     d->device->sms = sms;
     ect_esi_sm_t *sm = &sms[d->device->sm_count++];
@@ -110,7 +110,7 @@ ect_esi_sm_t *ect_draft_sm(ect_draft_t *d, const char *type, uint8_t control, ui
     return sm;
 }
 
-/* Bytes of all PDOs of a direction together. */
+/* @return the bytes of all PDOs of a direction */
 static uint32_t bytes_of(const ect_draft_t *d, bool tx)
 {
     uint32_t bits = 0;
@@ -131,7 +131,7 @@ static uint32_t place(ect_draft_t *d, ect_esi_sm_t *sm, uint32_t at, uint32_t by
     return end;
 }
 
-/* Two mailboxes, outputs, inputs, in succession; without a mailbox only the process data. */
+/* Places two mailboxes, outputs and inputs in succession; without a mailbox, the process data only. */
 static void make_standard(ect_draft_t *d)
 {
     uint32_t at = RAM;
@@ -148,7 +148,7 @@ static void make_standard(ect_draft_t *d)
     }
 }
 
-/* A SyncManager whose keys are read. */
+/* A SyncManager whose keys are being read. */
 typedef struct sm_keys {
     ect_draft_t *d;
     const yaml_node_t *type, *start, *size, *control;
@@ -272,7 +272,7 @@ void ect_draft_syncmanagers(ect_draft_t *d, const yaml_node_t *list)
 
 ect_esi_dc_t *ect_draft_mode(ect_draft_t *d)
 {
-    ect_esi_dc_t *modes = (ect_esi_dc_t *)(uintptr_t)d->device->dcs; /* ours, growing */
+    ect_esi_dc_t *modes = (ect_esi_dc_t *)(uintptr_t)d->device->dcs; /* not constant yet */
     modes = ect_arena_grow(d->arena, modes, d->device->dc_count, sizeof *modes);
     d->device->dcs = modes;
     ect_esi_dc_t *mode = &modes[d->device->dc_count++];

@@ -6,7 +6,7 @@
 
 enum { ELEMENTS_MOST = 254 };
 
-/* The keys of an object or of one of its entries, while they are read. */
+/* Keys of an object, or of one of its entries, that are being read. */
 typedef struct keys {
     ect_draft_t *d;
     bool inner; /* an entry of a record */

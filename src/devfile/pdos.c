@@ -8,7 +8,7 @@
 
 enum { FIRST_RXPDO = 0x1600, FIRST_TXPDO = 0x1A00, PDOS = 0x200, EXCLUDED_MOST = 64 };
 
-/* A PDO whose keys are read. */
+/* A PDO whose keys are being read. */
 typedef struct keys {
     ect_draft_t *d;
     const yaml_node_t *pdo, *name, *entries, *exclude, *mandatory, *assigned;

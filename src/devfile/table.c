@@ -12,7 +12,7 @@
 
 enum { FIRST_RXPDO = 0x1600, FIRST_TXPDO = 0x1A00, ELEMENTS_MOST = 254 };
 
-/* Columns beside those of the words. */
+/* Columns other than those of the words (value.c). */
 typedef enum extra { INDEX, SUBINDEX, OBJECT, PDO, BITS, VALUES, EXTRAS } extra_t;
 
 static const char *const extras[EXTRAS] = {"index", "subindex", "object", "pdo", "bits", "values"};
@@ -20,10 +20,10 @@ static const char *const extras[EXTRAS] = {"index", "subindex", "object", "pdo",
 typedef struct table {
     ect_draft_t *d;
     ect_csv_t csv;
-    int64_t index; /* of the record that grows; -1: none */
+    int64_t index; /* of the present record; -1: none */
 } table_t;
 
-/* The cell of a column in the line; "" where there is no such column. */
+/* @return the cell of a column in the present line; "": the table has no such column */
 static ect_word_t cell(const table_t *t, const char *name)
 {
     size_t column = ect_csv_column(&t->csv, name);
@@ -88,7 +88,7 @@ static void map(table_t *t, uint8_t subindex)
     ect_draft_map(d, found, (ect_word_t){.text = text, .line = pdo.line});
 }
 
-/* The object of the line, which begins with it or continues. @return false: a mistake */
+/* Starts the object of the present line, or continues it. @return false: a mistake */
 static bool take_object(table_t *t, int64_t subindex)
 {
     ect_draft_t *d = t->d;
@@ -147,7 +147,7 @@ static char *path_of(const ect_draft_t *d, const char *file)
     return ect_arena_print(d->arena, "%.*s/%s", (int)(slash - d->mistake.path), d->mistake.path, file);
 }
 
-/* A spelling that other readers of the model could stumble over. */
+/* Refuses characters that other readers of the model may not accept. */
 static void check_text(table_t *t)
 {
     for (size_t i = 0; i < t->csv.count; i++) {

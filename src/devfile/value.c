@@ -11,7 +11,7 @@
 #include "esi/types.h"
 #include "esi/units.h"
 
-enum { LONGEST = 8191 /* bytes of a text: an entry counts its bits in 16 */ };
+enum { LONGEST = 8191 /* bytes of a text: the length of an entry, in bits, is 16 bits wide */ };
 
 const char *const ect_word_names[ECT_WORDS] = {
     [ECT_WORD_NAME] = "name",       [ECT_WORD_TYPE] = "type",         [ECT_WORD_ACCESS] = "access",
@@ -59,7 +59,7 @@ ect_esi_bytes_t ect_draft_hex(ect_draft_t *d, const char *key, ect_word_t word, 
 
 /* --- types -------------------------------------------------------------------------------------------------------- */
 
-/* Names of ETG.1020 and others, and the name of IEC 61131-3 that ESI files have. */
+/* Names of ETG.1020 and others, each with the name of IEC 61131-3 that ESI files use. */
 static const struct {
     const char *name, *iec;
 } others[] = {
@@ -286,7 +286,7 @@ static void take_rights(ect_draft_t *d, ect_draft_entry_t *entry, const ect_word
     bool kept = backup.text != NULL && ect_draft_flag(d, "backup", backup);
     bool set = setting.text != NULL && ect_draft_flag(d, "setting", setting);
     if ((kept || set) && entry->access == 0)
-        entry->access = ECT_ACCESS_RW; /* what is stored can be written */
+        entry->access = ECT_ACCESS_RW; /* a stored entry is writable */
     entry->access = (uint16_t)(entry->access | (kept ? ECT_ACCESS_BACKUP : 0) | (set ? ECT_ACCESS_SETTING : 0));
 }
 

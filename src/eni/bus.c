@@ -5,7 +5,7 @@
 
 #include "eni/internal.h"
 
-/* The slave before `i` that has a station address; `i`: none has it. */
+/* @return the slave before `i` with a station address; `i`: there is none */
 static size_t slave_at(const ect_eni_network_t *network, size_t i, uint16_t address)
 {
     for (size_t k = i; k-- > 0;) {

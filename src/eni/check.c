@@ -114,7 +114,7 @@ static void check_mailbox(checker_t *c)
  */
 
 typedef struct bits {
-    uint64_t exact, rounded; /* rounded: each part to bytes */
+    uint64_t exact, rounded; /* rounded: each part fills whole bytes */
     bool given;
 } bits_t;
 
@@ -125,7 +125,7 @@ static void add_bits(bits_t *bits, uint64_t count)
     bits->rounded += (count + BYTE_BITS - 1) / BYTE_BITS * BYTE_BITS;
 }
 
-/* A SyncManager lists its PDOs, or the PDOs name it. */
+/* @return whether the SyncManager lists the PDO, or the PDO names the SyncManager */
 static bool is_assigned(const ect_eni_slave_t *slave, const ect_esi_pdo_t *pdo, int n)
 {
     const ect_eni_sm_t *sm = &slave->sms[n];
@@ -136,7 +136,7 @@ static bool is_assigned(const ect_eni_slave_t *slave, const ect_esi_pdo_t *pdo, 
     return sm->pdo_count == 0 && pdo->sm == n;
 }
 
-/* The PDOs that are assigned, by the SyncManager of each. */
+/* @return the bits of the assigned PDOs, rounded for each SyncManager */
 static bits_t bits_of_pdos(const ect_eni_slave_t *slave, bool inputs)
 {
     bits_t all = {0};

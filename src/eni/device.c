@@ -17,8 +17,8 @@ enum {
     FMMU_BYTES = 16,
     CONTROL_DIRECTION = 0x0C, /* bits of a SyncManager's control byte */
     CONTROL_WRITES = 0x04,    /* the master writes */
-    SDO_INFO_MAILBOX = 34,    /* the shortest with which a twin has SDO information */
-    MAILBOX_OUT = 0x26,       /* control bytes where the file has none */
+    SDO_INFO_MAILBOX = 34,    /* the shortest mailbox of a twin with SDO information */
+    MAILBOX_OUT = 0x26,       /* control bytes if the file has none */
     MAILBOX_IN = 0x22,
 
     PDO_ASSIGNMENT = 0x1C10,
@@ -70,7 +70,7 @@ static void sm_of_file(const maker_t *m, unsigned int n, ect_esi_sm_t *sm)
     sm->line = from->line;
 }
 
-/* A SyncManager that the file does not list, from the registers that the master writes. @return false: none */
+/* Derives a SyncManager that the file does not list from the registers that the master writes. @return false: none */
 static bool sm_of_command(const maker_t *m, unsigned int n, ect_esi_sm_t *sm)
 {
     const unsigned int at = ECT_REG_SM + SM_BYTES * n;
@@ -86,7 +86,7 @@ static bool sm_of_command(const maker_t *m, unsigned int n, ect_esi_sm_t *sm)
     return true;
 }
 
-/* A mailbox of which the file has start and length only. @return false: none */
+/* Completes a mailbox for which the file has only start and length. @return false: none */
 static bool sm_of_mailbox(const maker_t *m, unsigned int n, ect_esi_sm_t *sm)
 {
     const ect_eni_box_t *box = n == 0 ? &m->slave->mailbox.send : &m->slave->mailbox.receive;
@@ -116,7 +116,7 @@ static bool is_output(uint16_t pdo)
     return pdo < TXPDO;
 }
 
-/* A SyncManager that the file only assigns PDOs to, behind the mailboxes. @return false: none */
+/* Places a SyncManager for which the file has only assigned PDOs behind the mailboxes. @return false: none */
 static bool sm_of_assignment(const maker_t *m, unsigned int n, ect_esi_sm_t *sm)
 {
     enum { ALIGNMENT = 0x100, ROOM = 0x400, OUTPUTS = 0x64, INPUTS = 0x20 };
@@ -203,7 +203,7 @@ static bool has_pdo(const maker_t *m, uint16_t index)
     return false;
 }
 
-/* PDOs that start-up commands assign and the file does not describe: without entries. */
+/* Adds the PDOs that start-up commands assign and the file does not describe, without entries. */
 static void add_assigned(const maker_t *m)
 {
     for (size_t i = 0; i < m->slave->mailbox.command_count; i++) {

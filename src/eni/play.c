@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Transitions of a player: which commands, in which order, and what their replies must be. */
+/* Transitions of a player: the commands, their order, and the check of their replies. */
 #include "eni/play.h"
 
 #include <string.h>
@@ -28,7 +28,7 @@ static bool equal(const uint8_t *reply, const ect_eni_validate_t *v)
     return true;
 }
 
-/* With the sign where the file has one: of the last byte. */
+/* Compares with a sign, that of the last byte, if the file asks for it. */
 static bool greater(const uint8_t *reply, const ect_eni_validate_t *v)
 {
     const size_t length = v->data.length < NUMBER_BYTES ? v->data.length : NUMBER_BYTES;
@@ -63,7 +63,8 @@ static bool is_start_time(const ect_eni_command_t *command)
            command->data.length == TIME_BYTES;
 }
 
-/* A file has the shift of the first SYNC signal; the master adds the system time, for no signal starts in the past. */
+/* A file has only the shift of the first SYNC signal. The master adds the system time, because no signal starts in the
+ * past. */
 static void add_time(ect_eni_player_t *p, eni_datagram_t *datagram, uint8_t start[TIME_BYTES])
 {
     static const uint8_t zeros[TIME_BYTES];
@@ -78,7 +79,7 @@ static void add_time(ect_eni_player_t *p, eni_datagram_t *datagram, uint8_t star
     datagram->data = start;
 }
 
-/* Sends a command until its reply is as expected, as long as the file has it. */
+/* Sends a command until its reply is as expected, at most for the time in the file. */
 static void play_command(ect_eni_player_t *p, const ect_eni_command_t *command)
 {
     eni_datagram_t datagram = eni_datagram_of(command);
@@ -167,9 +168,8 @@ static void put_mailbox(uint8_t sm[8], const ect_eni_box_t *box, uint8_t control
     sm[6] = 1;
 }
 
-/* A file may have CoE commands and no others: its master itself brings the slave to PREOP, with the mailbox of the
- * file.
- */
+/* A file may have CoE commands only. Its master then brings the slave to PREOP without commands, with the mailbox of
+ * the file. */
 static void start_slave(ect_eni_player_t *p, size_t i)
 {
     enum { MAILBOX_OUT = 0x26, MAILBOX_IN = 0x22, PREOP = 2, STATE = 0x1F, WAITS = 1000 };

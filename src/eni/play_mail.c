@@ -48,7 +48,7 @@ static void send_mail(transfer_t *t, size_t length)
                                   .length = box->length,
                                   .data = p->mail};
     const uint8_t *reply;
-    uint8_t *counter = &p->mail_counters[t->number - 1]; /* a slave drops the mail with the counter of the one before */
+    uint8_t *counter = &p->mail_counters[t->number - 1]; /* a slave drops a mail with the counter of the previous one */
     *counter = (uint8_t)(*counter % COUNTERS + 1);
     ect_store_le16(p->mail, (uint16_t)length);
     ect_store_le32(p->mail + 2, 0);
@@ -104,7 +104,7 @@ static void expect(transfer_t *t)
     }
 }
 
-/* The request with command specifier, index and sub-index. @return where its data go */
+/* Starts a request: command specifier, index and sub-index. @return the place of its data */
 static uint8_t *begin(transfer_t *t, unsigned int specifier)
 {
     uint8_t *sdo = t->p->mail + SDO;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Datagrams of a player, there and back. */
+/* Datagrams of a player: frames sent and replies received. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -81,7 +81,7 @@ static void compare_cyclic(ect_eni_player_t *p, const ect_eni_command_t *command
         eni_report(p, command->line, "cyclic command: the working counter is %d, not %d", counter, command->counter);
 }
 
-/* The commands of one frame that the present state has; all are sent, then compared. */
+/* Sends the commands of one frame that apply in the present state, then checks all replies. */
 static void send_frame(ect_eni_player_t *p, const ect_eni_frame_t *frame, bool compare)
 {
     eni_frame_t f = {.bytes = p->frame};

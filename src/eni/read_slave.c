@@ -95,14 +95,14 @@ static ect_eni_box_t read_box(ect_esi_xml_t *xml, const xmlNode *node)
                            .length = (uint16_t)ect_esi_number(xml, node, "Length", 0, UINT16_MAX, 0)};
 }
 
-/* SOEM's sample has the element's whole name. */
+/* The sample of SOEM has `<Receive>`. */
 static const xmlNode *receive_of(const xmlNode *mailbox)
 {
     const xmlNode *node = ect_esi_child(mailbox, "Recv");
     return node != NULL ? node : ect_esi_child(mailbox, "Receive");
 }
 
-/* A protocol is named, or has an element of its own. */
+/* @return whether the file names the protocol, or has an element for it */
 static bool speaks(ect_esi_xml_t *xml, const xmlNode *mailbox, const char *protocol)
 {
     ECT_ESI_EACH(node, mailbox, "Protocol")
@@ -173,8 +173,8 @@ static void read_previous(ect_esi_xml_t *xml, const xmlNode *parent, ect_eni_pre
         previous->port = (uint8_t)(port[0] - PORT_A);
 }
 
-/* A slave without Identification may have the commands by which the master finds it: the value that one of them expects
- * in the alias (0012h) or in AL status code (0134h). */
+/* Without Identification, a command may identify the slave: by the value that it expects in the alias (0012h) or in the
+ * AL status code (0134h). */
 static void read_identify(ect_esi_xml_t *xml, const xmlNode *hot, ect_eni_slave_t *slave)
 {
     ECT_ESI_EACH(node, hot, "IdentifyCmd")

@@ -16,7 +16,7 @@ enum {
     SLAVES_MOST = UINT16_MAX - 1000,
     FMMU_AREA = 256,
     SM_AREA = 128,
-    TIMES_AREA = 32, /* from the system time on */
+    TIMES_AREA = 32, /* starts with the system time */
     SYSTEM_TIME_BYTES = 4,
     STATES_MOST = 8 * ECT_ENI_DATA
 };
@@ -37,7 +37,7 @@ typedef struct network {
     size_t chunk_count;
     uint32_t bytes[2]; /* outputs, inputs */
     size_t states;     /* mailboxes in the logical memory, a bit each */
-    size_t reference;  /* slave with the clock of the bus; `count`: none */
+    size_t reference;  /* slave with the reference clock; `count`: none */
 } network_t;
 
 static void add_chunk(ect_arena_t *arena, network_t *n, const chunk_t *chunk)
@@ -46,7 +46,7 @@ static void add_chunk(ect_arena_t *arena, network_t *n, const chunk_t *chunk)
     n->chunks[n->chunk_count++] = *chunk;
 }
 
-/* The process data of all slaves in one direction: commands that end with a slave. */
+/* Divides the process data of one direction into commands, between slaves only. */
 static void plan(ect_arena_t *arena, network_t *n, bool inputs)
 {
     const uint32_t base = inputs ? ENI_LOGICAL_INPUTS : ENI_LOGICAL_OUTPUTS;
@@ -65,7 +65,7 @@ static void plan(ect_arena_t *arena, network_t *n, bool inputs)
         add_chunk(arena, n, &chunk);
 }
 
-/* Mailboxes with a free FMMU have a bit each, unless they are more than a datagram holds. */
+/* Each mailbox with a free FMMU gets a bit, if one datagram holds all of them. */
 static void plan_states(network_t *n)
 {
     for (size_t i = 0; i < n->count; i++)
@@ -100,7 +100,7 @@ static void write_clear(ect_xml_writer_t *xml, const network_t *n, const char *c
     eni_write_init(xml, &init);
 }
 
-/* Only slaves with clocks take these. */
+/* Only slaves with a clock process these commands. */
 static void set_clocks(ect_xml_writer_t *xml, const char *comment, uint16_t ado, const uint8_t *data, size_t length)
 {
     const eni_init_t init = {.transition = "IP",
@@ -125,7 +125,7 @@ static void write_clocks(ect_xml_writer_t *xml, const network_t *n)
     set_clocks(xml, "set DC filter", ECT_REG_DC_FILTER, filter, sizeof filter);
 }
 
-/* FMMUs and SyncManagers are cleared as far as each chip has them, which the working counter does not depend on. */
+/* A chip clears as many FMMUs and SyncManagers as it has; its working counter does not depend on the number. */
 static void write_master(ect_xml_writer_t *xml, const network_t *n)
 {
     static const uint8_t broadcast[] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF}, own[] = {0x02, 0, 0, 0, 0, 0x01},
@@ -202,7 +202,7 @@ static void write_state_command(ect_xml_writer_t *xml, const network_t *n)
     ect_xml_close(xml);
 }
 
-/* The reference clock is written to all clocks. @return bytes in the frame */
+/* Writes the command that distributes the reference clock. @return bytes in the frame */
 static size_t write_clock_command(ect_xml_writer_t *xml, const network_t *n)
 {
     if (n->reference == n->count)

@@ -186,7 +186,7 @@ static bool has_mailbox(const ect_device_t *device)
     return device->mailbox_protocols != 0 && device->sm_count >= 2;
 }
 
-/* FMMUs of process data: one for each SyncManager with any. */
+/* @return the FMMUs of process data: one for each SyncManager that has any */
 static unsigned int count_fmmus(const ect_device_t *device)
 {
     unsigned int count = 0;
@@ -201,8 +201,8 @@ bool eni_has_state(const ect_device_t *device)
     return has_mailbox(device) && chip != NULL && count_fmmus(device) < chip->fmmu_count;
 }
 
-/* The first bit of SyncManager 1's status, set from the slave's mail until the master reads it, at a bit of the logical
- * memory. */
+/* Maps bit 0 of the status of SyncManager 1, which is set from a mail of the slave until the master reads it, to a bit
+ * of the logical memory. */
 static void map_state(const slave_t *s)
 {
     uint8_t bytes[FMMU_BYTES] = {0};
@@ -233,7 +233,7 @@ static uint32_t sync0_ns(const slave_t *s)
     return factor > 0 ? cycle_ns * (uint32_t)factor : cycle_ns;
 }
 
-/* SYNC1 follows every nth SYNC0, shifted: the register has the time between the two, less one SYNC0 cycle. */
+/* SYNC1 follows every nth SYNC0 after its shift. The register has the time between the two, less one SYNC0 cycle. */
 static uint32_t sync1_ns(const slave_t *s)
 {
     const ect_dc_mode_t *mode = s->part->clock;
@@ -241,8 +241,7 @@ static uint32_t sync1_ns(const slave_t *s)
     return behind + (uint32_t)mode->shift_sync1_ns;
 }
 
-/* Cycles, start, units: as configuration tools write them, each once the ones before are known. The master adds the
- * system time to the start. */
+/* Writes cycles, start and units in the order of configuration tools. The master adds the system time to the start. */
 static void start_clock(const slave_t *s)
 {
     uint8_t cycles[8], start[8], units[2], none[2] = {0};
@@ -348,7 +347,7 @@ static void write_receive(const slave_t *s)
     ect_xml_close(s->xml);
 }
 
-/* The cycle as CiA 402 has it in 60C2h, a mantissa of 8 bits and a power of ten of a second. */
+/* The cycle in the format of 60C2h (CiA 402): a mantissa of 8 bits and a power of ten, in seconds. */
 static bool split_cycle(uint32_t ns, uint8_t *mantissa, uint8_t *power)
 {
     int8_t exponent = -9;
@@ -361,8 +360,8 @@ static bool split_cycle(uint32_t ns, uint8_t *mantissa, uint8_t *power)
     return ns > 0 && ns <= UINT8_MAX;
 }
 
-/* Data of a command with `adapts`, as the configuration tool knows them: the interpolation time of each axis (60C2h and
- * 800h behind it), the cycle times 1C32h:2 and 1C33h:2. */
+/* Data of a command with `adapts`, which follow from the configured cycle: the interpolation time of each axis (60C2h
+ * and 800h behind it), the cycle times 1C32h:2 and 1C33h:2. */
 static const uint8_t *adapted(const slave_t *s, const ect_init_command_t *command, uint8_t room[4])
 {
     enum { INTERPOLATION = 0x60C2, AXES_END = 0xA000, AXIS = 0x800 };
@@ -443,7 +442,7 @@ static void write_mailbox(const slave_t *s)
 
 /* ------------------------------------------------------------------------------------------------------------------ */
 
-/* The schema has numbers of 32 bits with a sign here. */
+/* The schema has signed numbers of 32 bits here. */
 static void write_identity(ect_xml_writer_t *xml, const char *element, uint32_t value)
 {
     ect_xml_number(xml, element, (int32_t)value);
@@ -550,7 +549,7 @@ void eni_write_slave(ect_xml_writer_t *xml, const ect_eni_part_t *parts, size_t 
 
 /* --- variables ---------------------------------------------------------------------------------------------------- */
 
-/* @return the bit behind the PDO */
+/* @return the first bit behind the PDO */
 static uint32_t write_pdo_variables(ect_xml_writer_t *xml, const ect_device_t *device, size_t i, uint16_t index,
                                     uint32_t bit)
 {

@@ -2,7 +2,7 @@
 /* Modular devices: a module brings PDOs and objects, whose indices move with its slot. */
 #include "esi/internal.h"
 
-/* By a PDO that was added, or by one that the file has further on. */
+/* @return whether a PDO has the index: one that was added, or one of the file */
 static bool is_taken(const ect_build_t *build, uint16_t index)
 {
     for (size_t i = 0; i < build->pdo_count; i++) {
@@ -16,8 +16,8 @@ static bool is_taken(const ect_build_t *build, uint16_t index)
     return false;
 }
 
-/* Without CoE the index of a PDO means nothing to a master, and may be that of something else (SoE: S-0-0016). It gets
- * one that a mapping object can have. */
+/* Without CoE the index of a PDO has no meaning for a master, and may be another number (SoE: S-0-0016). The PDO gets
+ * an index that a mapping object may have. */
 static uint16_t index_of(ect_build_t *build, const ect_esi_pdo_t *model, const ect_build_steps_t *steps)
 {
     uint16_t index = ect_build_pdo_index(model->index, model->moves, steps);
@@ -83,7 +83,7 @@ static void insert(ect_build_t *build, const place_t *place, uint32_t ident)
     ect_build_module(build, module, steps);
 }
 
-/* The module of a place: the choice of the user, else the preset of the file, in as many places as must have one. */
+/* The module of a place: the choice of the user, else the preset of the file, in as many places as need a module. */
 static uint32_t ident_in(const ect_build_t *build, const place_t *place, const ect_module_choice_t *choices,
                          size_t count)
 {

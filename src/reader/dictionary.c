@@ -19,7 +19,7 @@ typedef struct walk {
     ect_reader_t *r;
     ect_reader_values_t values;
     const ect_reader_sink_t *sink;
-    ect_reader_result_t first; /* that was not expected */
+    ect_reader_result_t first; /* the first failure */
     uint32_t code;
     char text[ECT_READER_TEXT];
     unsigned int unanswered; /* uploads in a row */
@@ -32,7 +32,7 @@ static bool is_of_identity_or_pdos(unsigned int index)
            (index >= MAPPINGS && index < MAPPINGS_END) || (index >= ASSIGNMENTS && index < ASSIGNMENTS_END);
 }
 
-/* Keeps the first failure: those that follow are its consequences. @return whether the walk goes on */
+/* Keeps the first failure, because later ones are its consequences. @return whether the walk continues */
 static bool goes_on(walk_t *w, ect_reader_result_t result)
 {
     if (result == ECT_READER_OK || result == ECT_READER_ABORTED || result == ECT_READER_REFUSED)
@@ -51,7 +51,7 @@ static void report_gap(const walk_t *w, ect_reader_gap_t gap)
         w->sink->gap(w->sink->ctx, &gap);
 }
 
-/* An upload that stays unanswered costs seconds: after some in a row the walk continues without values. */
+/* An upload without a reply costs seconds. After several in a row the walk continues without values. */
 static bool upload(walk_t *w, unsigned int index, unsigned int subindex, ect_reader_bytes_t *value)
 {
     ect_reader_t *r = w->r;
@@ -141,7 +141,7 @@ static unsigned int number_of(ect_reader_bytes_t value)
     return ect_load_le32(bytes);
 }
 
-/* Each object once: several assignments may name the same mapping. */
+/* Reports each object once, because several assignments may name the same mapping. */
 static bool walk_values(walk_t *w, unsigned int index)
 {
     ect_reader_object_t object = {.index = (uint16_t)index};
@@ -167,7 +167,7 @@ static bool walk_values(walk_t *w, unsigned int index)
     return true;
 }
 
-/* An assignment, then the mappings that it names. */
+/* Reports an assignment, then the mappings that it names. */
 static bool walk_assignment(walk_t *w, unsigned int assignment)
 {
     ect_reader_bytes_t value;

@@ -20,7 +20,7 @@ enum {
 enum { CATEGORY_HEADER = 4, CATEGORIES_END = 0xFFFF };
 enum { BY_PDI = 0x01, TAKE_AWAY = 0x02, IN_USE = 0x01 };
 
-/* The PDI owns the interface, or has not finished with it: the master may take it away, by force in the latter case. */
+/* Takes the interface from the PDI: by force, if the PDI has not finished with it. */
 static ect_reader_result_t take(ect_reader_t *r)
 {
     static const uint8_t steps[2] = {TAKE_AWAY, 0};

@@ -4,7 +4,7 @@
 typedef struct json {
     FILE *file;
     unsigned int slave;
-    bool object, entry; /* one was written: a comma or a bracket is due */
+    bool object, entry; /* an element precedes: a comma or a bracket is due */
 } json_t;
 
 static void put_name(FILE *file, ect_reader_bytes_t name)

@@ -25,7 +25,8 @@ static ect_reader_result_t fetch(ect_reader_t *r, bool *came)
     return ECT_READER_OK;
 }
 
-/* A mail in a mailbox that another master has set up, before the first request: evidence. */
+/* Keeps a mail that was in the mailbox before the first request, as evidence: another master has configured the
+ * mailbox. */
 static void keep_found(ect_reader_t *r)
 {
     const size_t length = MAIL_HEADER + (size_t)ect_load_le16(r->mail);
@@ -35,7 +36,7 @@ static void keep_found(ect_reader_t *r)
     memcpy(r->found_mail, r->mail, r->found_size);
 }
 
-/* Replies to requests that were given up. */
+/* Removes replies to abandoned requests. */
 static ect_reader_result_t drain(ect_reader_t *r)
 {
     bool came = true;
@@ -86,8 +87,8 @@ static uint32_t sum_of_mail(const ect_reader_t *r)
     return sum;
 }
 
-/* A slave that did not see that its mail was read sends it again: the same bytes with the same counter. Bytes are
- * compared, too, for there are slaves that do not count. */
+/* A slave that has missed the read of its mail sends the mail again: the same bytes with the same counter. The bytes
+ * are compared as well, because some slaves do not count. */
 static bool is_repeated(ect_reader_t *r)
 {
     const uint8_t counter = r->mail[5] >> 4 & 7;
@@ -101,7 +102,7 @@ static bool is_repeated(ect_reader_t *r)
 ect_reader_result_t reader_receive_mail(ect_reader_t *r, uint64_t until_ns)
 {
     for (unsigned int polls = 0; polls < ATTEMPTS_MOST; polls++) {
-        const bool late = reader_now(r) >= until_ns; /* a process that was held up polls once more */
+        const bool late = reader_now(r) >= until_ns; /* a delayed process polls once more */
         bool came;
         if (reader_is_over(r) || fetch(r, &came) != ECT_READER_OK)
             return r->result;

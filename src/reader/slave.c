@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The slave found, brought to PREOP, and left as it was. */
+/* Finds the slave, brings it to PREOP, and restores its previous state. */
 #include <string.h>
 
 #include "reader/internal.h"
@@ -154,7 +154,7 @@ static ect_reader_result_t bring_up(ect_reader_t *r)
     return change_state(r, PREOP);
 }
 
-/* The state as far as it decides on the mailbox: the error flag does, where it may be acknowledged. */
+/* The part of AL status that decides on the mailbox: the state, and the error flag if it may be acknowledged. */
 static unsigned int state_of(const ect_reader_t *r, uint16_t status)
 {
     const bool acknowledges = r->config.changes == ECT_READER_CHANGES_ALL;

@@ -47,7 +47,7 @@ static ect_reader_result_t send(ect_reader_t *r, const transfer_t *t, uint8_t co
     return reader_send_coe(r, COE_REQUEST, request, sizeof request);
 }
 
-/* Ends the transfer at the slave, too: it would keep waiting for segment requests. */
+/* Ends the transfer at the slave too, which would otherwise wait for the next segment request. */
 static ect_reader_result_t give_up(ect_reader_t *r, const transfer_t *t, uint32_t code, ect_reader_result_t result,
                                    const char *why)
 {

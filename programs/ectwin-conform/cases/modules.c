@@ -66,7 +66,7 @@ static bool has_twice(cf_t *c, uint16_t assignment)
     return false;
 }
 
-/* A list in a way of the master's: each starts with the modules in the slots, and ends in SAFEOP. */
+/* A way in which a master writes the list. Each starts with the modules in the slots, and ends in SAFEOP. */
 static void expect_accepted(cf_t *c, const slots_t *slots)
 {
     uint32_t code;
@@ -112,7 +112,7 @@ static void detected_are_accepted(cf_t *c)
     complete(c, &slots);
 }
 
-/* Bytes that a SyncManager has with the present assignment. */
+/* @return the bytes of a SyncManager with the present assignment */
 static uint16_t mapped_bytes(cf_t *c, uint16_t assignment)
 {
     uint32_t bits = 0;
@@ -126,7 +126,7 @@ static uint16_t mapped_bytes(cf_t *c, uint16_t assignment)
     return (uint16_t)((bits + 7) / 8);
 }
 
-/* The SyncManagers of process data as the dictionary is now: idents may have changed the PDOs. */
+/* Configures the SyncManagers of process data from the dictionary, because idents may have changed the PDOs. */
 static void set_process_data(cf_t *c)
 {
     uint32_t code;
@@ -139,7 +139,7 @@ static void set_process_data(cf_t *c)
     }
 }
 
-/* Writes an ident unlike that in its slot. @return whether the slave takes it; if not, the old one must stay */
+/* Writes an ident other than that of the slot. @return whether the slave accepts it; if not, the old ident must stay */
 static bool takes(cf_t *c, uint8_t slot, uint32_t ident)
 {
     const uint64_t before = cf_upload_number(c, CONFIGURED, slot);

@@ -35,7 +35,7 @@ typedef struct thread {
     struct thread *next;
     bool used;
     state_t state;
-    uint64_t order; /* of becoming ready, or of beginning to wait */
+    uint64_t order; /* in which threads became ready, or started to wait */
     uint64_t until_ns;
     const void *key;
     bool (*condition)(void *arg);
@@ -54,13 +54,13 @@ typedef struct thread {
 
 const bool ect_time_is_virtual = true;
 
-/* Guarded by `mutex`, which is held for moments only; the bus is touched with it held. */
+/* Guarded by `mutex`, which is held briefly; the bus is used only with it held. */
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 static uint64_t now_ns = ECT_VIRTUAL_START_NS;
 static uint64_t bus_next_ns = NEVER;
 static uint64_t orders;
 static unsigned int calls; /* since serve_in_turn() served a client */
-static uint64_t turns;     /* counts calls and turns, so that a thread without any shows */
+static uint64_t turns;     /* counts calls and turns, to detect a thread that makes none */
 static bool reported;      /* that the run is not reproducible */
 static bool watched;       /* watch_turn() runs in this process */
 static bool watch_begins;  /* LeakSanitizer, with our lock, waits until the thread of watch_turn() has read the clock */
@@ -86,7 +86,7 @@ static void unlock(void)
 
 void ect_time_lock(void)
 {
-    (void)ect_virtual_now(); /* a thread that is new here gets its turn first */
+    (void)ect_virtual_now(); /* a new thread gets its turn first */
     lock();
 }
 
@@ -121,7 +121,7 @@ static void advance(uint64_t to_ns)
         uint64_t step_ns = bus_next_ns < to_ns ? bus_next_ns : to_ns;
         for (const ect_timer_t *timer = timers; timer; timer = timer->next)
             step_ns = timer->next_ns < step_ns ? timer->next_ns : step_ns;
-        bool again = step_ns <= now_ns; /* a bus that is due again at once gets a pause, so that time goes on */
+        bool again = step_ns <= now_ns; /* a bus that is due again at once gets a pause, so that time advances */
         now_ns = step_ns > now_ns ? step_ns : now_ns;
         if (bus_next_ns <= now_ns && ect_bus_running())
             bus_next_ns = ect_bus_run(now_ns);
@@ -194,7 +194,7 @@ static thread_t *first_ready(void)
     return first;
 }
 
-/* The time at which something happens although every thread waits. */
+/* The time of the next event while every thread waits. */
 static uint64_t next_event(void)
 {
     uint64_t next_ns = bus_next_ns;
@@ -231,7 +231,7 @@ static void report(const char *call)
     reported = true;
 }
 
-/* The call for which time is stopped; NULL: none, or the patience is used up. */
+/* The call for which time is stopped; NULL: none, or the longest stop is over. */
 static const char *stopped_for(void)
 {
     const char *call = NULL;
@@ -247,7 +247,7 @@ static uint64_t real_now(void)
     return (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
 }
 
-/* The length of a pause. The time in which the process or the machine stood still is none in which others could run. */
+/* The length of a pause, without the time in which the process or the machine was suspended and nothing else ran. */
 static uint64_t length_since(uint64_t since_ns)
 {
     enum { MOST_NS = 20000000 };
@@ -279,7 +279,8 @@ static void stop_time(const char *call)
         report(call);
 }
 
-/* Only the world outside can make a thread ready, or a child process is waited for. Time passes as it does there. */
+/* Waits for another process: only it can make a thread ready, or a thread waits for a child. Time passes as in the real
+ * world. */
 static void wait_for_the_world(uint64_t *waited_ns)
 {
     const char *call = NULL;
@@ -298,7 +299,7 @@ bool ect_virtual_has_child(void)
 }
 
 /* A process without a bus that has children, such as timeout(1) or a test runner, waits for these: its timers must not
- * expire before the children have had the time. */
+ * expire before the children have had as much time. */
 static bool waits_for_children(void)
 {
     return !ect_bus_running() && ect_virtual_has_child();
@@ -331,13 +332,13 @@ static bool any_external_wait(void)
     return false;
 }
 
-/* Chooses who runs next; with the lock. NULL: no thread is left that could. */
+/* Chooses the thread that runs next; with the lock. NULL: no thread can run. */
 static thread_t *choose(void)
 {
     uint64_t waited_ns = 0;
     for (;;) {
         thread_t *thread;
-        bool children = waits_for_children(); /* before: one that ends from here on has its time in the next round */
+        bool children = waits_for_children(); /* first, because a child that ends later belongs to the next round */
         make_due_ready();
         thread = first_ready();
         if (thread || !threads)
@@ -413,7 +414,7 @@ static void await_turn(void)
     }
 }
 
-/* Gives the turn away and waits for it. With the lock; returns without. */
+/* Passes the turn on and waits for the next one. With the lock; returns without. */
 static void release_turn(void)
 {
     thread_t *chosen = choose();
@@ -494,7 +495,7 @@ static void *watch_turn(void *unused)
     return NULL;
 }
 
-/* With the lock. A preloaded library that keeps a list of threads has not seen this one, so that it is created
+/* With the lock. A preloaded library with a list of threads does not have this one in it, so the thread is created
  * detached. */
 static void watch(void)
 {
@@ -518,7 +519,7 @@ static void watch(void)
 /* --- threads -------------------------------------------------------------------------------------------------------
  */
 
-/* No heap: an allocator may read the clock, and be the first of a thread to call this library. */
+/* No heap: an allocator may read the clock, as the first call of a thread into this library. */
 static thread_t *free_record(void)
 {
     static thread_t records[THREADS_MOST];
@@ -587,7 +588,7 @@ static void prepare(void)
     (void)pthread_atfork(NULL, NULL, in_child);
 }
 
-/* A thread that the library has not seen before: the main one, or one of a library's own making. */
+/* Adds a thread without a record: the main thread, or a thread that another library has created. */
 static void enter(void)
 {
     if (self)
@@ -599,7 +600,7 @@ static void enter(void)
     ect_virtual_thread_begin(thread, true);
 }
 
-/* Takes the turn up again if it was taken away. With the lock. */
+/* Takes the turn back if another thread has got it. With the lock. */
 static void resume_turn(void)
 {
     if (self->state == WAITING) /* in a handler of a signal, which has ended the wait */
@@ -626,7 +627,7 @@ static void begin_call(void)
     lock();
     resume_turn();
     turns++;
-    self->turn = 0; /* given before the thread's first call, if that is where the thread waits for it */
+    self->turn = 0; /* passed before the first call, if the thread waits for its turn there */
 }
 
 void *ect_virtual_thread_new(int *ended)
@@ -657,8 +658,8 @@ void ect_virtual_thread_begin(void *record, bool waits)
     await_turn();
 }
 
-/* A thread that did not wait for its turn at its beginning may end before its first call. It ends in its turn too, so
- * that pthread_join() finds `ended` set or is woken. */
+/* A thread that did not wait for its turn at its start may end before its first call. Such a thread ends in its turn
+ * too, so that pthread_join() finds `ended` set or is woken. */
 void ect_virtual_thread_end(void)
 {
     thread_t *mine = self;
@@ -710,8 +711,8 @@ static thread_t *thread_of(pid_t id)
     return thread;
 }
 
-/* The main thread, or else the first of the others, if it does not block the signal; NULL: every thread blocks it. The
- * mask of another thread is a file to read, so that of the most likely one comes first. */
+/* @return the main thread, or else the first of the others, that does not block the signal; NULL: every thread blocks
+ * it. The mask of another thread is read from a file, so the most likely thread is first. */
 static thread_t *taker_of(int number, pid_t to)
 {
     thread_t *first = thread_of(to != 0 ? to : getpid());

@@ -42,7 +42,7 @@ struct {
     __type(value, ect_held_t);
 } held SEC(".maps");
 
-/* Wakes the process: its content has no meaning. */
+/* Wakes the process. The content has no meaning. */
 struct {
     __uint(type, BPF_MAP_TYPE_RINGBUF);
     __uint(max_entries, BELL);
@@ -66,7 +66,7 @@ static __always_inline void ring(void)
     bpf_ringbuf_submit(one, BPF_RB_FORCE_WAKEUP);
 }
 
-/* With the turn. @return XDP_TX; XDP_PASS: there is no plan, or no room; XDP_DROP: the plan is out of bounds */
+/* Called with the turn. @return XDP_TX; XDP_PASS: there is no plan, or no room; XDP_DROP: the plan is out of bounds */
 static __always_inline int reply(struct xdp_md *ctx, ect_shared_t *s, const uint8_t *head)
 {
     uint32_t place = ect_plan_place(head);

@@ -28,7 +28,7 @@ struct ect_kernel {
     ect_planner_t planner;
     uint64_t next;     /* of the held frames */
     uint64_t got;      /* frames that the socket has returned */
-    uint64_t short_ns; /* frames are on their way since then; 0: none */
+    uint64_t short_ns; /* frames have been on their way since this time; 0: none */
     bool given;        /* the kernel has the turn */
 };
 
@@ -99,7 +99,8 @@ ect_kernel_t *ect_kernel_load(char *message)
     return NULL;
 }
 
-/* A link ends with the process. A process in a user namespace may not make one, but its interface ends with it. */
+/* A link ends with the process. A process in a user namespace may not create a link, but its interface ends with the
+ * namespace. */
 int ect_kernel_attach(ect_kernel_t *k, unsigned int index, char *message)
 {
     const int program = bpf_program__fd(k->program->progs.answer);

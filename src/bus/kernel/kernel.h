@@ -52,7 +52,7 @@ int ect_kernel_fd(const ect_kernel_t *kernel);
 /** Shows a frame of the socket that is about to pass the chain, for a plan (::ect_planner_see). */
 void ect_kernel_see(ect_kernel_t *kernel, const uint8_t *frame, size_t length);
 
-/** Counts a frame that the socket has returned, whatever becomes of it. */
+/** Counts a frame that the socket has returned, even if the chain does not get it. */
 void ect_kernel_got(ect_kernel_t *kernel);
 
 /**

@@ -42,7 +42,7 @@ typedef struct maker {
     ect_chain_steady_t steady;
     ect_plan_t *plan;
     const uint8_t *frame;   /* the sample */
-    const ect_esc_t *clock; /* the one that all plans read; NULL: none yet */
+    const ect_esc_t *clock; /* the clock that all plans read; NULL: none yet */
     uint8_t command;        /* of the present datagram, */
     uint32_t logical;       /* its address, */
     uint16_t length;        /* the length of its data, */
@@ -95,7 +95,7 @@ static bool plan_status(maker_t *m, uint16_t address)
                            .kind = ECT_PLAN_DO_OR, .at = m->at, .length = m->length, .value = m->steady.al_status});
 }
 
-/* Frames with another reference clock would change the rate of this one. */
+/* Frames with another reference clock would change the rate of the present one. */
 static bool plan_time(maker_t *m, const uint8_t *d, uint16_t address)
 {
     bool takes;
@@ -151,7 +151,7 @@ static bool plan_datagram(maker_t *m, uint8_t *d)
     return add_step(m, counter) && (!ect_command_counts(m->command) || add_step(m, address));
 }
 
-/* The first datagram of a frame of which plans may be made; NULL: it is none. */
+/* @return the first datagram of a frame that may have a plan; NULL: it may not */
 static uint8_t *first_datagram(uint8_t *frame, size_t length)
 {
     bool plain = length <= ECT_PLAN_FRAME && ect_frame_datagrams(frame, length) == ECT_PLAN_FIRST;

@@ -3,16 +3,16 @@
  * @file
  * Plans: replies to recurring frames, compiled from the chain, so that the kernel can give them (bus/kernel/kernel.h).
  *
- * The chain stays the only truth of what a frame means. A plan is a list of steps that turns a frame of one layout (the
- * same datagrams with the same addresses and lengths) into the reply that the chain would give: bits of ECAT events and
- * AL status, input images, the system time, working counters. A frame that a plan has replied to passes the chain
- * later, with the time of its arrival, and there all else happens: outputs, watchdogs, events, clocks.
+ * The chain remains the only definition of the effects of a frame. A plan is a list of steps that turns a frame of one
+ * layout (the same datagrams with the same addresses and lengths) into the reply that the chain would give: bits of
+ * ECAT events and AL status, input images, the system time, working counters. A frame that a plan has replied to passes
+ * the chain later, with the time of its arrival, and there all else happens: outputs, watchdogs, events, clocks.
  *
  * A plan rests on the chain as it is when the plan is made, so it holds only as long as nothing but frames with plans
- * happens to the chain. There is one rule of invalidation, with "no plan" as the default: whoever calls the chain in
- * any way voids all plans before that (::ect_planner_void), passes the frames that plans have replied to, and makes the
- * plans again when done (::ect_planner_make). FMMUs, SyncManagers, AL states, ports, faults, EEPROM and addresses need
- * no list of their own.
+ * happens to the chain. There is one rule of invalidation, with "no plan" as the default: each caller of the chain
+ * first voids all plans (::ect_planner_void), passes the frames that plans have replied to, and makes the plans again
+ * at the end (::ect_planner_make). FMMUs, SyncManagers, AL states, ports, faults, EEPROM and addresses need no list of
+ * their own.
  *
  * Plans are made for untagged EtherCAT frames of at most ECT_PLAN_FRAME bytes with the datagrams NOP, LRD, LWR, LRW
  * (esc/cyclic.h states which images), BRD of AL status, and ARMW and FRMW of the system time of one reference clock
@@ -29,7 +29,7 @@
 
 ECT_C_BEGIN
 
-/** A frame that has come, as an example of its layout. */
+/** A received frame, as an example of its layout. */
 typedef struct ect_plan_sample {
     uint16_t length; /**< 0: none */
     uint8_t frame[ECT_PLAN_FRAME];

@@ -10,11 +10,10 @@
 
 #include "bus/kernel/turn.h"
 
-/** Frames that the kernel holds at most for the program: 64 ms at 4 kHz. The ones behind wait for the program.
- */
+/** Frames that the kernel holds at most for the program: 64 ms at 4 kHz. Further frames wait for the program. */
 enum { ECT_HELD_FRAMES = 256, ECT_HELD_ROOM = 1520 };
 
-/** A frame that a plan has replied to, as it came. */
+/** A frame that a plan has replied to, as received. */
 typedef struct ect_held {
     uint64_t time_ns; /**< of arrival, CLOCK_MONOTONIC */
     uint32_t length;

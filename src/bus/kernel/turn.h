@@ -9,8 +9,8 @@
  * frames behind it, until the program has got each of them: frames never overtake. Neither side waits for the other,
  * except the program for the kernel's present frame (about a microsecond, in which the kernel is not preempted).
  *
- * Whichever side is stopped at whichever instruction: plans, images and held frames have one user at a time, so none is
- * torn or lost; frames that come meanwhile wait for the program.
+ * Either side may be stopped at any instruction: plans, images and held frames have one user at a time, so none is torn
+ * or lost; frames that arrive meanwhile wait for the program.
  *
  * Freestanding, for user space and BPF.
  */
