@@ -169,8 +169,8 @@ static bool mail_waits(const bridge_t *b)
     return wkc > 0 && (etohs(status) & MAILBOX_FULL) != 0;
 }
 
-/* A slave whose next mail waits already cannot know which of the two the master has lost, and repeats the one before:
- * the counter tells a repeated mail, and SOEM leaves it to its caller. */
+/* A slave whose next mail waits already cannot determine which of the two the master has lost, and repeats the previous
+ * one. A repeated mail has the same counter, which SOEM leaves to its caller. */
 static bool is_repeated(bridge_t *b, const ec_mbxheadert *header)
 {
     const uint8 before = b->counter;
@@ -178,8 +178,8 @@ static bool is_repeated(bridge_t *b, const ec_mbxheadert *header)
     return b->counter != 0 && b->counter == before;
 }
 
-/* The mailbox is looked at first, so that ec_mbxreceive may have the time that a lost frame takes: with a timeout of 0
- * it requests the mail again, but does not wait until the slave has repeated it, and the next mail comes in its place.
+/* Reads the state of the mailbox first, so that ec_mbxreceive may have the time that a lost frame takes: with a timeout
+ * of 0 it requests the mail again, but does not wait until the slave has repeated it, and gets the next mail instead.
  * @return whether a mail has come */
 static bool fetch(bridge_t *b)
 {
