@@ -293,12 +293,43 @@ static void take_signal(const cJSON *line)
     snprintf(one->value, sizeof one->value, "%s", value);
 }
 
-static int read_signals(save_t *s)
+static int list_signals(save_t *s)
 {
     cJSON *request = cJSON_CreateObject();
     cJSON_AddStringToObject(request, "op", "list");
     cJSON_AddNumberToObject(request, "slave", 0);
     return connection_request(s->connection, request, s->who, take_signal);
+}
+
+static bool is_module(const char *name)
+{
+    unsigned int slot;
+    int end = 0;
+    return sscanf(name, "slot%u.module%n", &slot, &end) == 1 && end > 0 && name[end] == 0;
+}
+
+/* Inserts the modules of the running bus into the fresh one. @return their number; if not 0, others are removed */
+static size_t insert_modules(save_t *s)
+{
+    char why[ECT_SIGNAL_MESSAGE];
+    size_t count = 0;
+    for (size_t i = 0; i < s->signal_count; i++) {
+        const ect_setting_t setting = {.name = s->signals[i].name, .value = s->signals[i].value};
+        if (is_module(setting.name) && ect_settings_apply(s->chain, s->signals[i].slave - 1, &setting, 1, 0, why))
+            s->signals[count++] = s->signals[i];
+    }
+    return count;
+}
+
+/* A module that was inserted since the start has signals which the fresh bus has with the module only. */
+static int read_signals(save_t *s)
+{
+    const int status = list_signals(s);
+    const size_t modules = status == EXIT_CLEAN ? insert_modules(s) : 0;
+    if (modules == 0)
+        return status;
+    s->signal_count = modules;
+    return list_signals(s);
 }
 
 /* Signals may depend on others, in any order; so refused values are tried again. */

@@ -89,6 +89,13 @@ again "a command line" "'$ectwin' set -n 2 ru1.on=1; '$ectwin' fault off" --alia
 check "the topology, the identity and a flag" "keep-source-mac: true|serial: 2:77|wire: 3:1.3" \
   "$(grep -E '^(wire|serial|keep)' "$work/machine/one.yaml" | sort | paste -sd'|')"
 check "a signal that was changed back is not there" "" "$(grep -E 'drop|ru1.ready' "$work/machine/one.yaml")"
+cp "$esi/rack.xml" "$work/machine"
+printf 'ectwin: 1\ntwins:\n  - device: esi:rack.xml\n    name: rack\n    count: 2\n  - device: esi:rack.xml\n    name: last\n' >"$work/machine/racks.yaml"
+again "modules inserted and removed since the start" "'$ectwin' set rack2.slot3.module=0x110 last.slot1.module=0 last.slot4.module=0x110 &&
+  '$ectwin' set rack2.in_2.b=7 last.in.a=-5" "$work/machine/racks.yaml"
+check "modules inserted and removed since the start, with their signals" \
+  "set:|  - 2:slot3.module=272|  - 2:in_2.b=7|      slot1.module: 0|      slot4.module: 272|      in.a: '-5'" \
+  "$(grep -E 'module|in.*[ab]|^set' "$work/machine/one.yaml" | paste -sd'|')"
 cp "$esi/../eni/machine.xml" "$work/machine"
 printf 'ectwin: 1\nesi-dir: .\ntwins:\n  - device: fzm1\n  - device: eni:machine.xml\n    name: line\n' >"$work/machine/network.yaml"
 again "a network file" "'$ectwin' set -n 1 data1=1.5; '$ectwin' unplug line; '$ectwin' unplug 4" --quiet "$work/machine/network.yaml"
