@@ -126,7 +126,9 @@ ect_reason_t ect_esi_idents_write(void *instance, uint16_t index, uint8_t subind
         return ECT_OK;
     memcpy(bytes, data, size);
     const uint32_t ident = ect_load_le32(bytes);
-    return ident == 0 || ect_esi_place_takes(build->model, subindex - 1u, ident) ? ECT_OK : ECT_REASON_RANGE;
+    return ident == 0 || build->ident_count == 0 || ect_esi_place_takes(build->model, subindex - 1u, ident)
+               ? ECT_OK
+               : ECT_REASON_RANGE;
 }
 
 static uint16_t state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns)
@@ -135,9 +137,20 @@ static uint16_t state_change(void *instance, uint8_t from, uint8_t to, uint64_t 
     return ect_esi_idents_state(instance, from, to);
 }
 
+/* @return whether the dictionary of a file without slots, such as a clone's, has modules in F050h */
+static bool has_modules(const ect_build_t *build)
+{
+    const ect_build_object_t *detected = ect_build_find(build, ECT_ESI_IDENTS_DETECTED);
+    for (size_t i = 0; detected != NULL && i < detected->count; i++) {
+        if (detected->entries[i].subindex != 0 && ect_build_number(&detected->entries[i]) != 0)
+            return true;
+    }
+    return false;
+}
+
 void ect_esi_idents_set(const ect_build_t *build, ect_device_t *device)
 {
-    if (build->ident_count == 0 || ect_build_find(build, ECT_ESI_IDENTS) == NULL)
+    if (ect_build_find(build, ECT_ESI_IDENTS) == NULL || (build->ident_count == 0 && !has_modules(build)))
         return;
     device->state_change = state_change;
     device->sdo_write = ect_esi_idents_write;

@@ -46,6 +46,11 @@ check "the tree of the bus (CLN-014)" "wire: ['2:1.3', '4:1.1']" "$(grep wire "$
 
 clone_of "esi:$esi/digital.xml#COUPLER,esi:$esi/digital.xml#DI4,esi:$esi/digital.xml#DO16,esi:$esi/analog.xml#AI2,esi:$esi/analog.xml#DRIVE,esi:$esi/modular.xml"
 
+# A modular device: a module of the start is in EEPROM and dictionary, one inserted later in the dictionary alone.
+clone_of --module 2=0x120 --set slot3.module=0x110 "esi:$esi/rack.xml"
+on_virtual_time "$work/one/bus.yaml" -- "$conform" -i {} --only 'CF-M0[12]' >"$work/out" 2>&1
+check "the clone of a modular device compares F030h with F050h (CF-M01, CF-M02)" 2 "$(grep -c 'pass CF-M0' "$work/out")"
+
 rm -rf "$work/one"
 on_virtual_time --fault 'eeprom nack slave 1' vr-bu-ect-map1,fzm1 -- "$ectwin" clone --preop -i {} -o "$work/one" >"$work/said" 2>"$work/err"
 check "a slave whose EEPROM cannot be read: exit code" 3 $?

@@ -158,6 +158,47 @@ static void of_the_file(void **state)
     close_rig(&r);
 }
 
+/* A file without slots, as of a clone. */
+#define SLOTLESS(detected)                                                                                             \
+    ESI_HEAD "\n<Device Physics='YY'><Type ProductCode='#x1' RevisionNo='#x2'>D</Type><Name>A clone</Name><Profile>"   \
+             "<Dictionary><DataTypes><DataType><Name>UDINT</Name><BitSize>32</BitSize></DataType>"                     \
+             "<DataType><Name>USINT</Name><BitSize>8</BitSize></DataType>"                                             \
+             "<DataType><Name>L</Name><BitSize>48</BitSize><SubItem><SubIdx>0</SubIdx><Name>N</Name>"                  \
+             "<Type>USINT</Type><BitSize>8</BitSize><BitOffs>0</BitOffs></SubItem><SubItem><SubIdx>1</SubIdx>"         \
+             "<Name>M</Name><Type>UDINT</Type><BitSize>32</BitSize><BitOffs>16</BitOffs><Flags>"                       \
+             "<Access WriteRestrictions='PreOP'>rw</Access></Flags></SubItem></DataType></DataTypes><Objects>"         \
+             "<Object><Index>#xF030</Index><Name>C</Name><Type>L</Type><BitSize>48</BitSize></Object>"                 \
+             "<Object><Index>#xF050</Index><Name>D</Name><Type>L</Type><BitSize>48</BitSize><Info><SubItem>"           \
+             "<Name>N</Name><Info><DefaultData>01</DefaultData></Info></SubItem><SubItem><Name>M</Name><Info>"         \
+             "<DefaultData>" detected "</DefaultData></Info></SubItem></Info></Object></Objects></Dictionary>"         \
+             "</Profile><Fmmu>Outputs</Fmmu><Fmmu>Inputs</Fmmu>" ESI_MAILBOX_SMS ESI_PROCESS_SMS                       \
+             "<Mailbox><CoE SdoInfo='1' CompleteAccess='1'/></Mailbox>" ESI_EEPROM "</Device>" ESI_TAIL
+
+static void without_slots(void **state)
+{
+    static const struct {
+        const char *what, *text;
+        uint32_t ident;
+        bool refused;
+    } rows[] = {
+        {"the module of F050h", SLOTLESS("10010000"), IN, false},
+        {"another module", SLOTLESS("10010000"), OUT, true},
+        {"no module in F050h", SLOTLESS("00000000"), OUT, false},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        rig_t r;
+        uint16_t code = 0xFFFF;
+        open_rig(&r, rows[i].text, PREOP);
+        assert_int_equal(write_number(&r, 1, rows[i].ident, 4), 0);
+        configure(&r);
+        const uint8_t al = wire_al(&r.wire, 0, SAFEOP, &code);
+        if (al != (rows[i].refused ? PREOP | 0x10 : SAFEOP) || code != (rows[i].refused ? 0x0070 : 0))
+            fail_msg("%s: AL status %02X, code %04X", rows[i].what, al, code);
+        close_rig(&r);
+    }
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -168,6 +209,8 @@ int main(int argc, char **argv)
          configured, NULL, NULL, NULL},
         {"MDP-003 MDP-007: after 0x0070 another list is accepted, in PREOP only", corrected, NULL, NULL, NULL},
         {"MDP-005: an ident that the slot does not take is refused, and the old one stays", unfit, NULL, NULL, NULL},
+        {"CLN-015 MDP-007: a file without slots compares F030h with a F050h that has modules", without_slots, NULL,
+         NULL, NULL},
         {"MDP-002: the lists of the file have the idents, in its types", of_the_file, NULL, NULL, NULL},
     };
     if (argc > 1)
