@@ -45,6 +45,9 @@ void bus_disconnected(buses_t *buses, bus_t *bus)
     bus->next_faults.length = 0;
     bus->watched = false;
     bus->listed = false;
+    bus->events = 0;
+    bus->last_event = 0;
+    bus->more_events = false;
     bus->trouble[0] = 0;
     buses->changes++;
 }
@@ -53,6 +56,13 @@ static void ask(bus_t *bus, link_kind_t kind, const char *text)
 {
     const link_request_t request = {.kind = kind};
     (void)link_ask(&bus->link, text, &request);
+}
+
+static void ask_for_events(bus_t *bus)
+{
+    char text[64];
+    snprintf(text, sizeof text, "{\"op\":\"events\",\"after\":%.0f}", bus->last_event);
+    ask(bus, LINK_EVENTS, text);
 }
 
 void bus_poll(bus_t *bus, bool open)
@@ -67,6 +77,7 @@ void bus_poll(bus_t *bus, bool open)
     bus->watched = true;
     ask(bus, LINK_STATS, "{\"op\":\"stats\"}");
     ask(bus, LINK_FAULTS, "{\"op\":\"fault\"}");
+    ask_for_events(bus);
 }
 
 static void take_about(buses_t *buses, bus_t *bus, const char *text, bool last)
@@ -134,6 +145,22 @@ static void take_fault(bus_t *bus, const cJSON *line, bool last)
     cJSON_free(fault);
 }
 
+/* A reply has a few events only; the twin is asked until it has none left. */
+static void take_event(bus_t *bus, const char *text, const cJSON *line, bool last)
+{
+    const cJSON *number = cJSON_GetObjectItemCaseSensitive(line, "number");
+    if (last) {
+        if (bus->more_events)
+            ask_for_events(bus);
+        bus->more_events = false;
+    } else if (cJSON_IsNumber(number) && number->valuedouble > bus->last_event) {
+        if (strlen(text) < BUS_EVENT)
+            strcpy(bus->event[bus->events++ % BUS_EVENTS], text);
+        bus->last_event = number->valuedouble;
+        bus->more_events = true;
+    }
+}
+
 static void take(void *ctx, const link_request_t *request, const char *text, const cJSON *line, bool last)
 {
     const taking_t *taking = ctx;
@@ -156,6 +183,9 @@ static void take(void *ctx, const link_request_t *request, const char *text, con
         return;
     case LINK_FAULTS:
         take_fault(bus, line, last);
+        return;
+    case LINK_EVENTS:
+        take_event(bus, text, line, last);
         return;
     case LINK_PAGE:
         if (last)

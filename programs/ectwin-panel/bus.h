@@ -14,7 +14,7 @@
 #include "table.h"
 #include "trace.h"
 
-enum { BUS_MOST = 32, BUS_TEXT = 4096, BUS_TROUBLE = 256 };
+enum { BUS_MOST = 32, BUS_TEXT = 4096, BUS_TROUBLE = 256, BUS_EVENTS = 64, BUS_EVENT = 512 };
 
 /** A text that pages get when it has changed. */
 typedef struct bus_text {
@@ -32,7 +32,11 @@ typedef struct bus {
     bool watched;        /**< its signals have been requested */
     bool listed;         /**< `table` is complete */
     bus_text_t about, counters, answers, faults;
-    bus_text_t next_faults; /**< the reply that is being received */
+    bus_text_t next_faults;            /**< the reply that is being received */
+    uint32_t events;                   /**< number of events received; event N is at N % BUS_EVENTS */
+    char event[BUS_EVENTS][BUS_EVENT]; /**< JSON */
+    double last_event;                 /**< its number in the twin */
+    bool more_events;                  /**< the reply that is being received has some */
     uint32_t troubles;
     char trouble[BUS_TROUBLE]; /**< the reason why its signals are not shown */
     link_t link;

@@ -24,6 +24,7 @@ typedef enum link_kind {
     LINK_WATCH,
     LINK_STATS,
     LINK_FAULTS,
+    LINK_EVENTS,
     LINK_PAGE,
     LINK_RELEASE,
 } link_kind_t;

@@ -27,6 +27,7 @@ static void open_bus(page_t *page, unsigned int bus)
     page->counters = 0;
     page->faults = 0;
     page->troubles = 0;
+    page->events = 0;
     memset(&page->traced, 0, sizeof page->traced);
 }
 
@@ -228,6 +229,7 @@ static size_t write_signals(page_t *page, const bus_t *bus, out_t *out)
         page->described = 0;
         page->next = 0;
         page->values = 0;
+        page->events = 0;
         memset(page->changed, 0, sizeof page->changed);
         memset(&page->traced, 0, sizeof page->traced);
     }
@@ -308,6 +310,22 @@ static size_t write_faults(page_t *page, const bus_t *bus, out_t *out)
     return end(out, "}");
 }
 
+/* A page that is too late loses the oldest events. */
+static size_t write_events(page_t *page, const bus_t *bus, out_t *out)
+{
+    const char *comma = "";
+    if (bus->events - page->events > BUS_EVENTS)
+        page->events = bus->events - BUS_EVENTS;
+    add(out, "{\"event\":\"events\",\"bus\":%u,\"events\":[", bus->number);
+    for (; page->events != bus->events; page->events++) {
+        add(out, "%s%s", comma, bus->event[page->events % BUS_EVENTS]);
+        if (out->full)
+            break;
+        comma = ",";
+    }
+    return end(out, "]}");
+}
+
 static size_t write_trouble(page_t *page, const bus_t *bus, out_t *out)
 {
     char text[2 * BUS_TROUBLE] = "";
@@ -328,6 +346,8 @@ static size_t (*news_of(const page_t *page, const bus_t *bus))(page_t *, const b
         return write_signals;
     if (bus->faults.version != page->faults)
         return write_faults;
+    if (bus->listed && bus->events != page->events)
+        return write_events;
     if (bus->counters.version != page->counters && bus->answers.version > 0)
         return write_stats;
     if (bus->listed && has_changes(page, bus))

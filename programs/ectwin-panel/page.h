@@ -8,7 +8,7 @@
  * request of the control protocol; {"trace":[SIGNAL,…]}, all signals of which it wants every change. A request that
  * sets one signal may have "rest" beside it, {"id":N,"bus":BUS,"request":{"op":"set",…},"rest":0}: the page holds the
  * signal, until it sets the signal to this value, and ::page_release returns the request that does so in its place. To
- * the page: an "event" each: hello, buses, signals, values, changes, stats, faults, trouble, reply.
+ * the page: an "event" each: hello, buses, signals, values, changes, stats, faults, events, trouble, reply.
  */
 #ifndef ECTWIN_PANEL_PAGE_H
 #define ECTWIN_PANEL_PAGE_H
@@ -35,7 +35,7 @@ typedef struct page {
     unsigned int bus; /**< the bus that it shows, 0: none */
     uint32_t generation;
     size_t described; /**< signals that it has received */
-    uint32_t counters, faults, troubles;
+    uint32_t counters, faults, troubles, events;
     uint32_t values;  /**< change up to which it has all values */
     uint32_t passing; /**< the same, when this pass has ended */
     size_t next;      /**< signal at which the pass continues */

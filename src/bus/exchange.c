@@ -341,6 +341,7 @@ static void note_request(void *observer, const char *request, size_t length)
 void ect_exchange_show(ect_exchange_t *x)
 {
     ect_control_show(x->control, &x->stats, x->scenario);
+    ect_control_follow(x->control, x->chain);
     if (x->trace)
         ect_control_observe(x->control, note_request, x);
 }

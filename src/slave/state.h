@@ -111,7 +111,7 @@ typedef struct ect_slave {
     uint8_t outputs_silent; /* subset of `outputs` that raise no event when they are written */
     bool woken;             /* the device's own time is due, regardless of tick_ns */
     volatile bool missed;   /* an exchange was held */
-    uint8_t emergency_put;  /* counter modulo 256 of emergencies queued by the device */
+    uint8_t emergency_put;  /**< public, read only: counter modulo 256 of emergencies queued by the device */
     uint8_t emergency_got;  /* ... and of those sent */
     uint8_t sync0_runs;     /* the synchronisation service monitors SYNC0 or outputs */
     uint16_t line;          /* AL event mask as written last, lower half: no ESC has more than 8 SyncManagers */
@@ -130,9 +130,9 @@ typedef struct ect_slave {
     uint64_t pending_until_ns;
     void (*later)(struct ect_slave *s); /* action of a service at the end of a poll; NULL: none */
     ect_host_t host;
-    uint32_t pdi_errors;       /**< public, read only: failed PDI accesses */
-    uint32_t emergencies_lost; /**< public, read only */
-    ect_emergency_t emergency[ECT_EMERGENCY_QUEUE];
+    uint32_t pdi_errors;                            /**< public, read only: failed PDI accesses */
+    uint32_t emergencies_lost;                      /**< public, read only */
+    ect_emergency_t emergency[ECT_EMERGENCY_QUEUE]; /**< public, read only: emergency N is at N % ECT_EMERGENCY_QUEUE */
 } ect_slave_t;
 
 #endif

@@ -260,6 +260,10 @@ def signals():
         check("a wrong value is refused with the twin's reason", (False, True),
               (lambda r: (r["ok"], "scene" in r["message"]))(page.request(bus, {"op": "set", "slave": 1, "name": "scene", "value": 999})))
         check("SEC: a page may not send other requests", False, page.request(bus, {"op": "data", "offset": 0})["ok"])
+        check("an emergency", {"ok": True}, page.request(bus, {"op": "fault", "fault": "emergency 0x5530 slave 1"}))
+        event = page.wait("events")["events"][-1]
+        check("is in the list of events, with its words", (1, "gripper", "emergency 0x5530: device hardware"),
+              (event["slave"], event["twin"], event["text"]))
         check("a bus that is not there", False, page.request(99, {"op": "fault", "fault": "off"})["ok"])
         check("a fault is set", {"ok": True}, page.request(bus, {"op": "fault", "fault": "drop 5%"}))
         check("it is in the list", ["drop 5%"], page.wait("faults", lambda m: m["faults"])["faults"])

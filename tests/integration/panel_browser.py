@@ -166,6 +166,15 @@ def with_a_master(browser, url):
     check("the control shows the twin's value again", "0", browser.wait("return document.querySelector('[data-signal=\"scene\"] input.number').value.replace('999', '')"))
 
 
+def events(browser):
+    """The list of events has the way to OP, and an emergency."""
+    check("the way to OP is in the list of events", True, browser.wait(
+        "return [...document.querySelectorAll('.event')].some((e) => e.textContent.includes('axis') && e.querySelector('.text').textContent === 'OP')"))
+    subprocess.run([ECTWIN, "fault", "emergency 0x4210 slave gripper"], check=True)
+    check("an emergency is in the list, with its words", True, browser.wait(
+        "return document.querySelector('.event.bad .text')?.textContent.startsWith('emergency 0x4210: device temperature')"))
+
+
 def faults_and_plots(browser):
     browser.run("const kind = document.querySelector('[name=kind]'); kind.value = 0; kind.dispatchEvent(new Event('change'));"
                 "const amount = document.querySelector('[name=amount]'); amount.value = 2; amount.dispatchEvent(new Event('input'));")
@@ -423,6 +432,7 @@ def main():
             with panel() as url:
                 with bus("gripper=fzm1,axis=pmctendo-dd5,fzm1", [MASTER, "{}"]):
                     with_a_master(browser, url)
+                    events(browser)
                     faults_and_plots(browser)
                     recordings(browser, folder)
                     drives(browser)

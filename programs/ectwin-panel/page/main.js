@@ -4,6 +4,7 @@ import { make, setText, short } from "./dom.js";
 import { collect, Connection, Signals, Tracer } from "./bus.js";
 import { makeRail } from "./rail.js";
 import { makeSignals } from "./signals.js";
+import { makeEvents } from "./events.js";
 import { makeFaults } from "./faults.js";
 import { makeRecorder } from "./record.js";
 import { Plot } from "./plot.js";
@@ -155,7 +156,7 @@ function showBus() {
   const devices = names.length === slaves.length ? names : [];
   const figures = Object.fromEntries(["Frames/s", "Replied", "Dropped", "Median", "99 %", "Longest", "Scenario"].map((label) => [label, makeFigure(label)]));
   const parts = {
-    rail: makeRail(context, devices, select), plot: new Plot(context.tracer), faults: makeFaults(context), histogram: makeHistogram(), figures,
+    rail: makeRail(context, devices, select), events: makeEvents(), plot: new Plot(context.tracer), faults: makeFaults(context), histogram: makeHistogram(), figures,
     signals: make("div"), presets: make("span", { class: "presets" }), twinTitle: make("h2", {}, "Signals"), about: make("p", { class: "about" }),
   };
   parts.fronts = make("div", { class: "fronts" });
@@ -176,6 +177,7 @@ function showBus() {
       make("section", { class: "panel-signals" }, make("header", {}, parts.twinTitle), parts.signals),
       make("div", { class: "side" },
         make("section", {}, make("header", {}, make("h2", {}, "Plot"), parts.presets), parts.plot.element, recorder),
+        section("Events", "", parts.events.element),
         section("Faults", "", parts.faults),
         section("Response time", "", parts.histogram.element))));
   parts.plot.changed();
@@ -235,6 +237,7 @@ const connection = new Connection(location.hash.slice(1), {
   values: ofShown((message) => view.signals.change(message)),
   changes: ofShown((message) => context.tracer.take(message)),
   stats: ofShown(showStats),
+  events: ofShown((message) => view.parts?.events.add(message.events)),
   faults: ofShown((message) => view.parts?.faults.show(message.faults)),
   trouble: ofShown((message) => main.replaceChildren(make("p", { class: "none" }, message.message))),
   lost() {

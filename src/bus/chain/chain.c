@@ -43,6 +43,8 @@ struct ect_chain {
     void *shown_instance;
     ect_connections_t *connections; /* NULL: none */
     size_t connection_count;
+    void (*ran)(void *ctx, size_t position, uint64_t now_ns); /* NULL: none */
+    void *ran_ctx;
 };
 
 static bool make_pool(ect_chain_t *chain, const ect_twin_config_t *twins)
@@ -399,6 +401,8 @@ static void poll_twin(ect_chain_t *chain, size_t i, uint64_t now_ns)
     chain->delays_due |= twin->ports_seen != ect_esc_port_changes(&twin->esc);
     twin->ports_seen = ect_esc_port_changes(&twin->esc);
     ect_deadlines_set(chain->deadlines, i, ect_earlier(ect_twin_next(twin), ect_esc_due(&twin->esc)));
+    if (chain->ran)
+        chain->ran(chain->ran_ctx, i, now_ns);
 }
 
 static void poll_ready(ect_chain_t *chain, uint64_t now_ns)
@@ -482,6 +486,12 @@ uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
     if (chain->connections)
         next_ns = ect_earlier(next_ns, ect_connections_next(chain->connections));
     return chain->frame_ns != 0 && now_ns < quiet_ns ? ect_earlier(next_ns, quiet_ns) : next_ns;
+}
+
+void ect_chain_observe(ect_chain_t *chain, void (*ran)(void *ctx, size_t position, uint64_t now_ns), void *ctx)
+{
+    chain->ran = ran;
+    chain->ran_ctx = ctx;
 }
 
 static const ect_twin_t *twin_at(const ect_chain_t *chain, size_t position)

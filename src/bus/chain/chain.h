@@ -135,6 +135,12 @@ uint64_t ect_chain_catch_up(ect_chain_t *chain, uint64_t now_ns);
  */
 bool ect_chain_connect(ect_chain_t *chain, const ect_connection_t *list, size_t count);
 
+/**
+ * Sets a function that ::ect_chain_poll calls for each twin after it has run. It must not change the chain.
+ * @param ran  NULL, the initial value: none
+ */
+void ect_chain_observe(ect_chain_t *chain, void (*ran)(void *ctx, size_t position, uint64_t now_ns), void *ctx);
+
 /** @return whether a twin does work that must not be cut off (ect_plant_t::unfinished); then poll on before freeing */
 bool ect_chain_unfinished(const ect_chain_t *chain);
 

@@ -462,9 +462,27 @@ static const char *list_script(ect_client_t *client, const ect_chain_t *chain, c
     return why;
 }
 
+/* @return the reason of a refusal; NULL: done */
+static const char *list_events(ect_client_t *client, const ect_chain_t *chain, const cJSON *request)
+{
+    const cJSON *json = cJSON_GetObjectItemCaseSensitive(request, "after");
+    const double after = json ? json->valuedouble : 0;
+    if (!client->events_of_chain)
+        return "no events are recorded here";
+    if ((json && !cJSON_IsNumber(json)) || !(after >= 0 && after < 1e15))
+        return "\"after\" is the number of an event, 0 for the first one";
+    uint64_t number = (uint64_t)after;
+    ect_line_t line;
+    for (size_t i = 0; i < ECT_CLIENT_LINES && ect_events_next(client->events_of_chain, chain, &number,
+                                                               client->stats ? client->stats->start_ns : 0, &line);
+         i++)
+        put(client, &line);
+    return NULL;
+}
+
 static bool has_immediate_reply(const char *op)
 {
-    static const char *const names[] = {"set", "data", "stats", "fault", "about", "words", "script"};
+    static const char *const names[] = {"set", "data", "stats", "fault", "about", "words", "script", "events"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         if (strcmp(op, names[i]) == 0)
             return true;
@@ -490,6 +508,8 @@ static const char *answer(ect_client_t *client, ect_chain_t *chain, const char *
         return reply_words(client, request);
     if (strcmp(op, "script") == 0)
         return list_script(client, chain, request);
+    if (strcmp(op, "events") == 0)
+        return list_events(client, chain, request);
     return reply_stats(client, now_ns);
 }
 
@@ -508,7 +528,7 @@ static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request
     const char *why;
     tell_observer(client, op, request);
     if (!visit && !has_immediate_reply(op))
-        why = "a request is a line {\"op\":\"get|list|set|watch|data|stats|fault|about|words|script\",...}";
+        why = "a request is a line {\"op\":\"get|list|set|watch|data|stats|fault|about|words|script|events\",...}";
     else if (slave < 0 || (!visit && slave == 0))
         why = "there is no such slave in this chain";
     else if (visit)

@@ -17,6 +17,7 @@
 #include "bus/chain/stats.h"
 #include "bus/control/about.h"
 #include "bus/control/endpoint.h"
+#include "bus/control/events.h"
 #include "bus/control/line.h"
 #include "bus/control/plans.h"
 #include "bus/control/watch.h"
@@ -62,12 +63,13 @@ typedef struct ect_client {
     size_t line; /**< length of the first complete request; 0: none */
     char request[ECT_ENDPOINT_REQUEST];
     size_t unsent;
-    char *answer;                   /**< ECT_CLIENT_ANSWER bytes */
-    const ect_stats_t *stats;       /**< NULL: none */
-    ect_scenario_t *scenario;       /**< NULL: none */
-    const ect_about_t *about;       /**< NULL: none */
-    const ect_observer_t *observer; /**< NULL: none */
-    ect_plans_t *plans;             /**< requests with a future time */
+    char *answer;                        /**< ECT_CLIENT_ANSWER bytes */
+    const ect_stats_t *stats;            /**< NULL: none */
+    ect_scenario_t *scenario;            /**< NULL: none */
+    const ect_about_t *about;            /**< NULL: none */
+    const ect_observer_t *observer;      /**< NULL: none */
+    ect_plans_t *plans;                  /**< requests with a future time */
+    const ect_events_t *events_of_chain; /**< NULL: none */
     ect_visit_t visit;
     ect_watch_t *watch; /**< NULL: none */
     size_t every_room;  /**< most signals that the client may watch at every change */

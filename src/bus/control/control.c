@@ -12,6 +12,8 @@
 
 #include "bus/control/change.h"
 #include "bus/control/client.h"
+#include "bus/control/events.h"
+#include "wire/assert.h"
 
 enum { ROUND_NS = 10000000, RETRY_NS = 1000000000, ACCEPT = ECT_CONTROL_CLIENTS, WAITABLE = ECT_CONTROL_CLIENTS + 1 };
 
@@ -29,6 +31,8 @@ struct ect_control {
     const ect_about_t *about;
     ect_observer_t observer;
     ect_plans_t plans;
+    ect_events_t *events;  /* NULL: none are recorded */
+    ect_chain_t *followed; /* their chain */
     char path[ECT_ENDPOINT_PATH];
     ino_t identity; /* of the socket's file */
 };
@@ -85,6 +89,9 @@ void ect_control_close(ect_control_t *c)
             drop(&c->clients[i]);
     }
     ect_plans_clear(&c->plans);
+    if (c->followed)
+        ect_chain_observe(c->followed, NULL, NULL);
+    ect_events_free(c->events);
     if (c->fd >= 0)
         ect_endpoint_close(c->fd, c->path, c->identity);
     if (c->epoll >= 0)
@@ -108,6 +115,22 @@ void ect_control_describe(ect_control_t *c, const ect_about_t *about)
 void ect_control_observe(ect_control_t *c, void (*changes)(void *ctx, const char *request, size_t length), void *ctx)
 {
     c->observer = (ect_observer_t){.changes = changes, .ctx = ctx};
+}
+
+static void look(void *control, size_t position, uint64_t now_ns)
+{
+    const ect_control_t *c = control;
+    ect_events_look(c->events, c->followed, position, now_ns);
+}
+
+void ect_control_follow(ect_control_t *c, ect_chain_t *chain)
+{
+    ECT_ASSERT(!c->events);
+    c->events = ect_events_new(chain);
+    if (!c->events)
+        return;
+    c->followed = chain;
+    ect_chain_observe(chain, look, c);
 }
 
 const char *ect_control_path(const ect_control_t *c)
@@ -171,6 +194,7 @@ static void accept_client(ect_control_t *c, uint64_t now_ns)
         client->scenario = c->scenario;
         client->about = c->about;
         client->observer = &c->observer;
+        client->events_of_chain = c->events;
         client->plans = &c->plans;
         return;
     }

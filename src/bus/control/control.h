@@ -51,6 +51,12 @@ void ect_control_show(ect_control_t *control, const ect_stats_t *stats, ect_scen
 void ect_control_describe(ect_control_t *control, const ect_about_t *about);
 
 /**
+ * Records the events of a chain for the request `events` from now on. Without memory for it the request is refused.
+ * @param chain  must outlive the control, which is its observer (::ect_chain_observe)
+ */
+void ect_control_follow(ect_control_t *control, ect_chain_t *chain);
+
+/**
  * Sets a function that gets each request that changes the chain (`set`, `fault`), before its execution.
  * @param changes  `request` is the line without its end, `length` bytes; NULL: none
  */

@@ -87,11 +87,12 @@ static void skip_message(void)
     assert_true(page_next(page, &buses, message) > 0);
 }
 
-#define ABOUT    "{\"op\":\"about\"}\n"
-#define POLLED   ABOUT "{\"op\":\"list\",\"slave\":0}\n{\"op\":\"stats\"}\n{\"op\":\"fault\"}\n"
-#define SIGNAL_A "{\"slave\":1,\"name\":\"a\",\"value\":1,\"access\":\"rw\",\"range\":\"0..1\",\"meaning\":\"m\"}"
-#define SIGNAL_B "{\"slave\":2,\"name\":\"a\",\"value\":1,\"access\":\"r\",\"range\":\"0..1\",\"meaning\":\"m\"}"
-#define OK       "{\"ok\":true}\n"
+#define ABOUT         "{\"op\":\"about\"}\n"
+#define EVENTS(after) "{\"op\":\"events\",\"after\":" after "}\n"
+#define POLLED        ABOUT "{\"op\":\"list\",\"slave\":0}\n{\"op\":\"stats\"}\n{\"op\":\"fault\"}\n" EVENTS("0")
+#define SIGNAL_A      "{\"slave\":1,\"name\":\"a\",\"value\":1,\"access\":\"rw\",\"range\":\"0..1\",\"meaning\":\"m\"}"
+#define SIGNAL_B      "{\"slave\":2,\"name\":\"a\",\"value\":1,\"access\":\"r\",\"range\":\"0..1\",\"meaning\":\"m\"}"
+#define OK            "{\"ok\":true}\n"
 
 /* A page that shows the bus, which has two signals; all messages up to the values are taken. */
 static void open_bus(void)
@@ -108,7 +109,7 @@ static void open_bus(void)
     expect_requests(POLLED);
     from_bus("{\"devices\":\"fzm1\",\"slaves\":2}\n" OK SIGNAL_A "\n" SIGNAL_B "\n" OK);
     expect_requests("{\"op\":\"watch\",\"slave\":0}\n");
-    from_bus("{\"frames\":1}\n{\"answers\":[]}\n" OK "{\"fault\":\"drop \\\"5%\"}\n{\"fault\":\"reorder\"}\n" OK OK);
+    from_bus("{\"frames\":1}\n{\"answers\":[]}\n" OK "{\"fault\":\"drop \\\"5%\"}\n{\"fault\":\"reorder\"}\n" OK OK OK);
     expect("{\"event\":\"signals\",\"bus\":1,\"of\":2,\"from\":0,\"signals\":[" SIGNAL_A "," SIGNAL_B "]}");
     expect("{\"event\":\"faults\",\"bus\":1,\"faults\":[\"drop \\\"5%\",\"reorder\"]}");
     expect("{\"event\":\"stats\",\"bus\":1,\"counters\":{\"frames\":1},\"answers\":{\"answers\":[]}}");
@@ -148,7 +149,7 @@ static void requests(void **state)
     from_bus("{\"slave\":1,\"name\":\"a\",\"value\":0,\"time\":2}\n{\"ok\":false,\"message\":\"no\"}\n");
     expect("{\"event\":\"reply\",\"id\":9,\"reply\":{\"ok\":false,\"message\":\"no\"}}");
     bus_poll(bus, true);
-    expect_requests(ABOUT "{\"op\":\"stats\"}\n{\"op\":\"fault\"}\n");
+    expect_requests(ABOUT "{\"op\":\"stats\"}\n{\"op\":\"fault\"}\n" EVENTS("0"));
     assert_int_equal(from_page("{\"id\":1,\"bus\":1,\"request\":{\"op\":\"watch\"}}"), PAGE_DONE);
     expect("{\"event\":\"reply\",\"id\":1,\"reply\":{\"ok\":false,\"message\":\"a page may send 'set' and 'fault' "
            "alone\"}}");
@@ -251,6 +252,61 @@ static void a_view_holds_nothing(void **state)
     assert_false(page_release(page, &passed));
 }
 
+static size_t members(const char *text, const char *begin_of_one)
+{
+    size_t count = 0;
+    for (text = strstr(text, begin_of_one); text; text = strstr(text + 1, begin_of_one))
+        count++;
+    return count;
+}
+
+#define EVENT(number) "{\"number\":" number ",\"slave\":1,\"event\":\"state\",\"text\":\"OP\"}"
+
+static void events(void **state)
+{
+    (void)state;
+    open_bus();
+    bus_poll(bus, true);
+    expect_requests(ABOUT "{\"op\":\"stats\"}\n{\"op\":\"fault\"}\n" EVENTS("0"));
+    from_bus(OK OK OK EVENT("8") "\n" EVENT("9") "\n" OK);
+    expect_requests(EVENTS("9")); /* until there are no more */
+    skip_message();               /* faults */
+    expect("{\"event\":\"events\",\"bus\":1,\"events\":[" EVENT("8") "," EVENT("9") "]}");
+    from_bus(EVENT("9") "\n{\"number\":\"x\"}\n" OK);
+    expect_requests("");
+    expect("");
+    bus_poll(bus, true);
+    expect_requests(ABOUT "{\"op\":\"stats\"}\n{\"op\":\"fault\"}\n" EVENTS("9"));
+    assert_int_equal(from_page("{\"open\":1}"), PAGE_LEAVE); /* again: all that are kept */
+    while (page_next(page, &buses, message) > 0 && !strstr(message, "\"events\"")) {
+    }
+    assert_non_null(strstr(message, EVENT("8") "," EVENT("9")));
+}
+
+static void many_events(void **state)
+{
+    char line[2 * BUS_EVENT];
+    (void)state;
+    open_bus();
+    bus_poll(bus, true);
+    from_bus(OK OK OK);
+    skip_message();
+    for (int i = 1; i <= BUS_EVENTS + 10; i++) {
+        snprintf(line, sizeof line, "{\"number\":%d,\"text\":\"%0400d\"}\n", i, i);
+        from_bus(line);
+    }
+    snprintf(line, sizeof line, "{\"number\":99,\"text\":\"%0600d\"}\n", 0);
+    from_bus(line); /* too long, and left out */
+    size_t count = 0;
+    for (size_t length; (length = page_next(page, &buses, message)) > 0; count += members(message, "\"number\"")) {
+        message[length] = 0;
+        assert_true(count > 0 || strstr(message, "\"number\":11,"));
+    }
+    assert_int_equal(count, BUS_EVENTS);
+    from_bus(OK);
+    expect_requests(ABOUT "{\"op\":\"stats\"}\n{\"op\":\"fault\"}\n" EVENTS("0") EVENTS("99"));
+}
+
 static void a_long_reply(void **state)
 {
     static char text[2 * PAGE_REPLY];
@@ -298,14 +354,6 @@ static void add_signals(int count)
                  "{\"slave\":1,\"name\":\"long%d\",\"value\":1,\"access\":\"r\",\"meaning\":\"%03000d\"}\n", i, i);
         from_bus(line);
     }
-}
-
-static size_t members(const char *text, const char *begin_of_one)
-{
-    size_t count = 0;
-    for (text = strstr(text, begin_of_one); text; text = strstr(text + 1, begin_of_one))
-        count++;
-    return count;
 }
 
 static void many_signals(void **state)
@@ -378,7 +426,8 @@ static void another_connection(void **state)
     from_bus("{\"devices\":\"fzm1\",\"slaves\":2}\n" OK SIGNAL_B "\n" OK);
     skip_message(); /* the list */
     expect("{\"event\":\"signals\",\"bus\":1,\"of\":1,\"from\":0,\"signals\":[" SIGNAL_B "]}");
-    from_bus("{\"frames\":1}\n{\"answers\":[]}\n" OK OK OK "{\"slave\":2,\"name\":\"a\",\"value\":3,\"time\":1.5}\n");
+    from_bus("{\"frames\":1}\n{\"answers\":[]}\n" OK OK OK OK
+             "{\"slave\":2,\"name\":\"a\",\"value\":3,\"time\":1.5}\n");
     skip_message(); /* faults */
     page->due = true;
     expect("{\"event\":\"values\",\"bus\":1,\"values\":[[0,3]]}");
@@ -557,6 +606,8 @@ int main(int argc, char **argv)
         {"SEC: a hold that cannot be released is refused", refused_holds, begin, finish, NULL},
         {"SEC: a page holds at most 16 signals", a_page_that_holds_too_much, begin, finish, NULL},
         {"SEC: a page of --view holds no signal", a_view_holds_nothing, begin, finish, NULL},
+        {"Events of the twin reach the page, each once", events, begin, finish, NULL},
+        {"SEC: of many events the last 64 are kept, in messages of bounded size", many_events, begin, finish, NULL},
         {"A reply that is too long becomes a short one", a_long_reply, begin, finish, NULL},
         {"SEC: a seventeenth request without a reply ends the connection", too_many_requests, begin, finish, NULL},
         {"SEC: a page that breaks the rules is closed", rules, begin, finish, NULL},
