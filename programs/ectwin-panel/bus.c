@@ -145,7 +145,7 @@ static void take_fault(bus_t *bus, const cJSON *line, bool last)
     cJSON_free(fault);
 }
 
-/* A reply has a few events only; the twin is asked until it has none left. */
+/* A reply has a few events only; requests follow until a reply has none. */
 static void take_event(bus_t *bus, const char *text, const cJSON *line, bool last)
 {
     const cJSON *number = cJSON_GetObjectItemCaseSensitive(line, "number");

@@ -607,7 +607,7 @@ int main(int argc, char **argv)
         {"SEC: a page holds at most 16 signals", a_page_that_holds_too_much, begin, finish, NULL},
         {"SEC: a page of --view holds no signal", a_view_holds_nothing, begin, finish, NULL},
         {"Events of the twin reach the page, each once", events, begin, finish, NULL},
-        {"SEC: of many events the last 64 are kept, in messages of bounded size", many_events, begin, finish, NULL},
+        {"SEC: the last 64 events are kept, in messages of bounded size", many_events, begin, finish, NULL},
         {"A reply that is too long becomes a short one", a_long_reply, begin, finish, NULL},
         {"SEC: a seventeenth request without a reply ends the connection", too_many_requests, begin, finish, NULL},
         {"SEC: a page that breaks the rules is closed", rules, begin, finish, NULL},
