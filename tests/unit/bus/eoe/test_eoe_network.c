@@ -816,6 +816,38 @@ static void host_wakes_its_twin(void **state)
     close(host);
 }
 
+/* The longest frame passes; a longer one is dropped, not cut. */
+static void lengths_of_frames(void **state)
+{
+    static const struct {
+        uint16_t length;
+        bool passes;
+    } rows[] = {{ECT_EOE_FRAME_LEAST, true}, {FRAME, true},
+                {ECT_EOE_FRAME - 1, true},   {ECT_EOE_FRAME, true},
+                {ECT_EOE_FRAME + 1, false},  {ECT_EOE_FRAME + 9, false}};
+    static uint8_t frame[ECT_EOE_FRAME + 9];
+    uint32_t dropped = 0;
+    (void)state;
+    open_network(ECT_NETWORK_HOST);
+    int host = make_tap();
+    ect_hosts_t *hosts = open_tap("tap");
+    memset(frame, 0x5A, sizeof frame);
+    ect_store_be16(frame + 12, 0x8100); /* a VLAN tag, with which a frame is the longest */
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t mail[SIZE];
+        unsigned int bytes = 0;
+        assert_int_equal(send(host, frame, rows[i].length, 0), rows[i].length);
+        serve(hosts);
+        for (int length; (length = wire_mail_receive(&w, 0, mail, SIZE)) >= HEADER; serve(hosts))
+            bytes += (unsigned int)length - HEADER; /* a long frame comes in fragments */
+        dropped += rows[i].passes ? 0 : 1;
+        assert_int_equal(bytes, rows[i].passes ? rows[i].length : 0);
+        assert_int_equal(value_of("eoe.dropped"), dropped);
+    }
+    ect_hosts_close(hosts);
+    close(host);
+}
+
 static void failed_reads_of_a_tap(void **state)
 {
     static const struct {
@@ -1040,6 +1072,8 @@ int main(void)
         {"EOE-050 EOE-051: frames of a host are lost in INIT", host_of_a_twin_in_init, setup, teardown, NULL},
         {"frames pass between a TAP and a master, in their order", frames_of_a_tap, setup, teardown, NULL},
         {"one call moves four frames of a host in each direction", frames_of_one_call, setup, teardown, NULL},
+        {"EOE-013: the longest frame of a host passes, a longer one is dropped", lengths_of_frames, setup, teardown,
+         NULL},
         {"hosts are served in turn, four frames a call", hosts_take_turns, setup, teardown, NULL},
         {"a frame of a host wakes its own twin", host_wakes_its_twin, setup, teardown, NULL},
         {"a TAP that is down stays open, a TAP that is removed is closed", failed_reads_of_a_tap, setup, teardown,
