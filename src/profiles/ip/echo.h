@@ -7,7 +7,7 @@
  *     typedef struct drive { ect_standard_t standard; ect_ip_echo_t network; } drive_t;
  *     static const ect_eoe_t network = ECT_IP_ECHO(offsetof(drive_t, network));
  *
- * The functions are those of ::ect_eoe_t, and get the entry and the device's instance as described there. One reply
+ * The functions are those of ::ect_eoe, and get the entry and the device's instance as described there. One reply
  * waits at a time: a frame that comes before the master has fetched the previous reply is counted as dropped.
  */
 #ifndef ECT_PROFILES_IP_ECHO_H
