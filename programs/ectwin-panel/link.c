@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "text/utf8.h"
+
 bool link_ask(link_t *link, const char *text, const link_request_t *request)
 {
     size_t length = strlen(text);
@@ -21,25 +23,11 @@ void link_sent(link_t *link, size_t length)
     memmove(link->out, link->out + length, link->unsent);
 }
 
-/* Bytes of the UTF-8 character at the start of a text; 0: it is none. Longer forms than necessary are none. */
-static size_t character(const unsigned char *text)
-{
-    static const unsigned char lowest[] = {0, 0, 0x80, 0xA0, 0x90};
-    size_t length = *text < 0x80 ? 1 : *text < 0xC2 ? 0 : *text < 0xE0 ? 2 : *text < 0xF0 ? 3 : *text < 0xF5 ? 4 : 0;
-    bool narrow = *text == 0xE0 || *text == 0xF0;
-    for (size_t i = 1; i < length; i++) {
-        if (text[i] < (narrow && i == 1 ? lowest[length] : 0x80) || text[i] > 0xBF)
-            return 0;
-    }
-    bool outside = (*text == 0xED && text[1] > 0x9F) || (*text == 0xF4 && text[1] > 0x8F);
-    return outside ? 0 : length;
-}
-
 /* A browser closes the connection at a message that is no UTF-8. */
 static void make_text(char *line)
 {
     for (size_t length; *line; line += length) {
-        length = character((const unsigned char *)line);
+        length = (unsigned char)*line < 0x80 ? 1 : ect_utf8_begins(line);
         if (length == 0) {
             *line = '?';
             length = 1;

@@ -373,6 +373,31 @@ static size_t count_of(reader_t *r, const yaml_node_t *twin)
     return (size_t)count;
 }
 
+/* A name is one of its own, and none of the numbered names of another entry. */
+static void take_name(reader_t *r, const yaml_node_t *name, entry_t *entry)
+{
+    entry->name = scalar(r, name, "name");
+    if (!is_name(entry->name))
+        ect_yaml_fail(&r->yaml, name, "'name: %.60s': a letter a to z first, then letters, digits, _ and -, at most %d",
+                      entry->name, (int)ECT_BUS_FILE_NAME);
+    for (size_t i = 0; i < r->entry_count; i++) {
+        const char *other = r->entries[i].name;
+        if (other && (strcmp(other, entry->name) == 0 || number_in(entry, other, strlen(other)) > 0 ||
+                      number_in(&r->entries[i], entry->name, strlen(entry->name)) > 0))
+            ect_yaml_fail(&r->yaml, name, "two twins have the name '%.60s'", entry->name);
+    }
+}
+
+/* A bus of a network file has any length, so that it is the last entry, once. */
+static void check_whole(reader_t *r, const yaml_node_t *twin, const char *word, size_t count)
+{
+    if (r->whole)
+        ect_yaml_fail(&r->yaml, twin, "no twin follows behind 'device: eni:FILE', a bus of any length: put that last");
+    r->whole = word && strncmp(word, "eni:", 4) == 0 && !strchr(word, '#');
+    if (r->whole && count > 1)
+        ect_yaml_fail(&r->yaml, twin, "'count' is for one device; 'device: eni:FILE' is a bus");
+}
+
 static void add_entry(reader_t *r, const yaml_node_t *twin)
 {
     if (twin->type != YAML_MAPPING_NODE) {
@@ -386,25 +411,10 @@ static void add_entry(reader_t *r, const yaml_node_t *twin)
         ect_yaml_fail(&r->yaml, twin, "a twin without 'device'; 'ectwin list' lists the devices");
         return;
     }
-    if (name) {
-        entry.name = scalar(r, name, "name");
-        if (!is_name(entry.name))
-            ect_yaml_fail(&r->yaml, name,
-                          "'name: %.60s': a letter a to z first, then letters, digits, _ and -, at most %d", entry.name,
-                          (int)ECT_BUS_FILE_NAME);
-    }
-    for (size_t i = 0; name && i < r->entry_count; i++) {
-        const char *other = r->entries[i].name;
-        if (other && (strcmp(other, entry.name) == 0 || number_in(&entry, other, strlen(other)) > 0 ||
-                      number_in(&r->entries[i], entry.name, strlen(entry.name)) > 0))
-            ect_yaml_fail(&r->yaml, name, "two twins have the name '%.60s'", entry.name);
-    }
+    if (name)
+        take_name(r, name, &entry);
     char *word = device_of(r, device, scalar(r, device, "device"));
-    if (r->whole)
-        ect_yaml_fail(&r->yaml, twin, "no twin follows behind 'device: eni:FILE', a bus of any length: put that last");
-    r->whole = word && strncmp(word, "eni:", 4) == 0 && !strchr(word, '#');
-    if (r->whole && entry.count > 1)
-        ect_yaml_fail(&r->yaml, twin, "'count' is for one device; 'device: eni:FILE' is a bus");
+    check_whole(r, twin, word, entry.count);
     r->file->twins += entry.count;
     if (r->file->twins > ECT_BUS_FILE_TWINS)
         ect_yaml_fail(&r->yaml, twin, "more than %d twins", (int)ECT_BUS_FILE_TWINS);

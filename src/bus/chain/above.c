@@ -323,26 +323,34 @@ static void send_mail(ect_above_t *a)
         emit(a);
 }
 
-static int write_changed(void *ctx, uint16_t address, const void *buffer, uint16_t length)
+/* Keeps the bytes of a mail; its last byte completes the mail. @return whether the write belongs to a mail */
+static bool take_mail(ect_above_t *a, uint16_t address, const uint8_t *bytes, uint16_t length)
 {
-    ect_above_t *a = ctx;
     const uint8_t *sm = sm_registers(a, 1);
-    const uint8_t *bytes = buffer;
-    uint16_t start = ect_load_le16(sm + ECT_SM_START), size = ect_load_le16(sm + ECT_SM_LENGTH);
-    bool mailbox = start >= ECT_RAM && size > SDO_MAIL && size <= sizeof a->mail;
-    uint8_t code[2];
-    if (mailbox && address == start && length < size) {
+    const uint16_t start = ect_load_le16(sm + ECT_SM_START), size = ect_load_le16(sm + ECT_SM_LENGTH);
+    if (start < ECT_RAM || size <= SDO_MAIL || size > sizeof a->mail)
+        return false;
+    if (address == start && length < size) {
         a->start = start;
         a->last = (uint16_t)(size - 1);
         a->length = length;
         memcpy(a->mail, bytes, length);
-        return 0;
+        return true;
     }
-    if (mailbox && address == start + a->last && length == 1 && start == a->start) {
-        a->mail[a->last] = bytes[0];
-        send_mail(a);
+    if (address != start + a->last || length != 1 || start != a->start)
+        return false;
+    a->mail[a->last] = bytes[0];
+    send_mail(a);
+    return true;
+}
+
+static int write_changed(void *ctx, uint16_t address, const void *buffer, uint16_t length)
+{
+    ect_above_t *a = ctx;
+    const uint8_t *bytes = buffer;
+    uint8_t code[2];
+    if (take_mail(a, address, bytes, length))
         return 0;
-    }
     if (address == ECT_REG_AL_STATUS && (bytes[0] & 0x0F) == ECT_STATE_INIT)
         forget_mails(a);
     a->refused |= address == ECT_REG_AL_STATUS_CODE && a->refused_code != 0 && ect_load_le16(bytes) != 0;

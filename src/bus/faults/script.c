@@ -239,6 +239,23 @@ static bool is_twin(const ect_names_t *names, const char *word, uint16_t *slave)
     return is_one;
 }
 
+static const char *signals_wanted(const ect_step_t *step)
+{
+    return step->action == ECT_ACTION_SET ? "expected 'set NAME=VALUE'"
+                                          : "expected 'expect NAME=VALUE', with =, !=, < or >";
+}
+
+/* The signals of a line are many only in a 'set' without an end. */
+static bool check_count(ect_words_t *w, const ect_step_t *step, size_t count)
+{
+    if (count == 0)
+        return ect_words_wrong(
+            w, step->action == ECT_ACTION_SET ? "expected 'set NAME=VALUE'" : "expected 'expect NAME=VALUE'", NULL);
+    return count == 1 || (step->action == ECT_ACTION_SET && step->until.kind == ECT_MILESTONE_NONE) ||
+           ect_words_wrong(w, "expected one signal, on a line with 'expect' or with an end",
+                           strchr(step->text, ' ') + 1);
+}
+
 static bool read_signals(ect_words_t *w, const char *const *word, ect_step_t *step)
 {
     size_t used = 0, count = 0;
@@ -254,21 +271,13 @@ static bool read_signals(ect_words_t *w, const char *const *word, ect_step_t *st
             return ect_words_wrong(w, "the signals of a line are of one slave: write a line for each slave", *word);
         step->slave = slave;
         if (!is_signal(step, signal))
-            return ect_words_wrong(w,
-                                   step->action == ECT_ACTION_SET ? "expected 'set NAME=VALUE'"
-                                                                  : "expected 'expect NAME=VALUE', with =, !=, < or >",
-                                   *word);
+            return ect_words_wrong(w, signals_wanted(step), *word);
         used += (size_t)snprintf(step->text + used, sizeof step->text - used, "%s%s", count > 0 ? " " : "", signal);
         count++;
         if (used >= sizeof step->text)
             return ect_words_wrong(w, "the signals of a line have at most 127 characters", signal);
     }
-    if (count == 0)
-        return ect_words_wrong(
-            w, step->action == ECT_ACTION_SET ? "expected 'set NAME=VALUE'" : "expected 'expect NAME=VALUE'", NULL);
-    return count == 1 || (step->action == ECT_ACTION_SET && step->until.kind == ECT_MILESTONE_NONE) ||
-           ect_words_wrong(w, "expected one signal, on a line with 'expect' or with an end",
-                           strchr(step->text, ' ') + 1);
+    return check_count(w, step, count);
 }
 
 /* Whether there is something that its end takes back. */
