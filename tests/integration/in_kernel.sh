@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# --in-kernel: replies in the kernel, the line without the rights, options that exclude it.  usage: in_kernel.sh ECTWIN BASE_UNIT
+# --in-kernel: replies in the kernel, the line without the rights, options that exclude it.  usage: in_kernel.sh ECTWIN BASE_UNIT FZM1
 # Most of it needs root with CAP_BPF; without these the test is skipped with its reason (77).
 set -u
-ectwin=$1 base_unit=$2
+ectwin=$1 base_unit=$2 fzm1=$3
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export XDG_RUNTIME_DIR=$work
@@ -41,6 +41,12 @@ check "SOEM reaches OP and exchanges process data" 0 "$?"
 [ "$failed" = 0 ] || cat "$work/out"
 check "most of its cycles get their replies in the kernel" yes "$([ "$(counted in_kernel)" -gt 500 ] && echo yes)"
 check "each frame gets its reply" "$(counted frames)" "$(counted answered)"
+
+for title in '*FZM-067*' '*FZM-071: DSA*' '*FZM-075*'; do
+  "$ectwin" with --in-kernel fzm1 -- "$fzm1" '{}' "$title" >"$work/out" 2>&1
+  check "a PLC's handshakes while the kernel replies: $title" 0 "$?"
+  [ "$failed" = 0 ] || cat "$work/out"
+done
 
 # shellcheck disable=SC2016
 "$ectwin" with --in-kernel --pcap "$work/a.pcapng" vr-bu-ect-map7 -- sh -c '"$1" "$2" VR-BU-ECT-Map7 66 228 "ECL-001*"; "$0" stats --json >"$3/stats"' \

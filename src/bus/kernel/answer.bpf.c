@@ -14,7 +14,6 @@
 #define ECT_STEPS_STORE(frame, at, from, length) bpf_xdp_store_bytes(frame, at, (void *)(uintptr_t)(from), length)
 
 #include "bus/kernel/shared.h"
-#include "bus/kernel/steps.h"
 
 enum { ETHERTYPE_ECAT = 0xA488, ETHERTYPE_VLAN = 0x0081, SHORTEST = 28, BELL = 4096 };
 
@@ -66,21 +65,25 @@ static __always_inline void ring(void)
     bpf_ringbuf_submit(one, BPF_RB_FORCE_WAKEUP);
 }
 
-/* Called with the turn. @return XDP_TX; XDP_PASS: there is no plan, or no room; XDP_DROP: the plan is out of bounds */
+/* Called with the turn. @return XDP_TX; XDP_PASS: there is no plan, no room, or the devices have to react first;
+ * XDP_DROP: the plan is out of bounds */
 static __always_inline int reply(struct xdp_md *ctx, ect_shared_t *s, const uint8_t *head)
 {
     uint32_t place = ect_plan_place(head);
     uint32_t at = (uint32_t)s->held;
-    uint32_t length = (uint32_t)bpf_xdp_get_buff_len(ctx);
+    uint64_t length = bpf_xdp_get_buff_len(ctx);
+    uint64_t now_ns = bpf_ktime_get_ns();
     const ect_plan_t *plan = bpf_map_lookup_elem(&plans, &place);
     ect_held_t *h = bpf_map_lookup_elem(&held, &at);
-    if (!plan || !h || length > ECT_PLAN_FRAME || length < SHORTEST || !ect_steps_match(plan, ctx, length, head))
+    if (!plan || !h || length > ECT_PLAN_FRAME || length < SHORTEST ||
+        !ect_steps_match(plan, ctx, (uint32_t)length, head))
         return XDP_PASS;
-    if (bpf_xdp_load_bytes(ctx, 0, h->frame, length) != 0)
+    if (bpf_xdp_load_bytes(ctx, 0, h->frame, (uint32_t)length) != 0 ||
+        ect_pace_is_close(&s->last_ns[place % ECT_PLANS], now_ns, s->reacting != 0))
         return XDP_PASS;
-    h->time_ns = bpf_ktime_get_ns();
-    h->length = length;
-    if (!ect_steps_run(plan, ctx, head, h->time_ns))
+    h->time_ns = now_ns;
+    h->length = (uint32_t)length;
+    if (!ect_steps_run(plan, ctx, head, now_ns))
         return XDP_DROP;
     s->held = at + 1;
     if (at == 0)

@@ -29,6 +29,7 @@ struct ect_kernel {
     uint64_t next;     /* of the held frames */
     uint64_t got;      /* frames that the socket has returned */
     uint64_t short_ns; /* frames have been on their way since this time; 0: none */
+    uint64_t still_ns; /* outputs count as changing until then */
     bool given;        /* the kernel has the turn */
 };
 
@@ -169,13 +170,24 @@ static void await_frames(ect_kernel_t *k, uint64_t now_ns)
     }
 }
 
+/* With the turn. */
+static void set_pace(ect_kernel_t *k, uint64_t now_ns)
+{
+    if (k->planner.outputs_changed)
+        k->still_ns = now_ns + ECT_PACE_REACTING_NS;
+    k->planner.outputs_changed = false;
+    k->shared->reacting = now_ns < k->still_ns;
+}
+
 void ect_kernel_give(ect_kernel_t *k, ect_chain_t *chain, uint64_t now_ns)
 {
     if (k->given)
         return;
     await_frames(k, now_ns);
-    if (k->short_ns == 0 && ect_planner_make(&k->planner, chain) > 0)
-        k->given = ect_turn_give(&k->shared->turn, k->got);
+    if (k->short_ns != 0 || ect_planner_make(&k->planner, chain) == 0)
+        return;
+    set_pace(k, now_ns);
+    k->given = ect_turn_give(&k->shared->turn, k->got);
 }
 
 void ect_kernel_take(ect_kernel_t *k)
@@ -192,8 +204,11 @@ const ect_held_t *ect_kernel_next(ect_kernel_t *k)
 {
     if (k->given)
         return NULL;
-    if (k->next < k->shared->held)
-        return &k->held[k->next++];
+    if (k->next < k->shared->held) {
+        const ect_held_t *held = &k->held[k->next++];
+        ect_planner_see(&k->planner, held->frame, held->length);
+        return held;
+    }
     k->next = k->shared->held = 0;
     return NULL;
 }

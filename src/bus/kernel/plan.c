@@ -180,6 +180,20 @@ static bool plan_frame(maker_t *m, ect_plan_sample_t *sample)
     return true;
 }
 
+/* Whether a datagram with outputs has other data than the sample. */
+static bool outputs_differ(const ect_plan_sample_t *sample, uint8_t *frame, size_t length)
+{
+    if (sample->length != length)
+        return true;
+    for (uint8_t *d = first_datagram(frame, length); d; d = ect_datagram_next(d)) {
+        const uint8_t *data = d + ECT_DATAGRAM_DATA;
+        bool writes = d[ECT_DATAGRAM_COMMAND] == ECT_LWR || d[ECT_DATAGRAM_COMMAND] == ECT_LRW;
+        if (writes && memcmp(data, sample->frame + (data - frame), ect_datagram_length(d)) != 0)
+            return true;
+    }
+    return false;
+}
+
 void ect_planner_see(ect_planner_t *planner, const uint8_t *frame, size_t length)
 {
     uint8_t copy[ECT_PLAN_FRAME];
@@ -189,6 +203,7 @@ void ect_planner_see(ect_planner_t *planner, const uint8_t *frame, size_t length
     if (!first_datagram(copy, length))
         return;
     ect_plan_sample_t *sample = &planner->samples[ect_plan_place(frame)];
+    planner->outputs_changed |= outputs_differ(sample, copy, length);
     sample->length = (uint16_t)length;
     memcpy(sample->frame, copy, length);
 }

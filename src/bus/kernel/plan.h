@@ -38,6 +38,7 @@ typedef struct ect_plan_sample {
 /** Plans of a chain and the frames that they are made for; zeroed: none. */
 typedef struct ect_planner {
     ect_plan_table_t *table; /**< where the plans are; set by the caller, outlives the planner */
+    bool outputs_changed;    /**< a frame had other outputs than the one before; the caller resets it */
     ect_plan_sample_t samples[ECT_PLANS];
 } ect_planner_t;
 

@@ -8,6 +8,8 @@
 
 #include <stdint.h>
 
+#include "bus/kernel/pace.h"
+#include "bus/kernel/steps.h"
 #include "bus/kernel/turn.h"
 
 /** Frames that the kernel holds at most for the program: 64 ms at 4 kHz. Further frames wait for the program. */
@@ -23,7 +25,9 @@ typedef struct ect_held {
 
 typedef struct ect_shared {
     ect_turn_t turn;
-    uint64_t held; /**< frames held; owned by the side that has the turn */
+    uint64_t held;               /**< frames held; owned by the side that has the turn, as all below */
+    uint64_t reacting;           /**< 1: for ::ect_pace_is_close; set when the program gives the turn away */
+    uint64_t last_ns[ECT_PLANS]; /**< arrival of the last frame of a plan, by place */
 } ect_shared_t;
 
 #endif

@@ -104,6 +104,17 @@ static void same_reply(rig_t *r, unsigned int n)
     assert_memory_equal(r->w.frame, r->replies[n], held->length);
 }
 
+/* Frames at a distance that leaves the pace of the devices out (bus/kernel/pace.h). */
+static bool try_frame(rig_t *r, uint8_t *frame, size_t length)
+{
+    static uint64_t next_ns;
+    while (ect_packet_now() < next_ns) {
+    }
+    bool replied = ect_kernel_try(r->kernel, frame, length);
+    next_ns = ect_packet_now() + ECT_PACE_CLOSE_NS;
+    return replied;
+}
+
 /* Frames until one is left to the process, or AHEAD have got their replies. @return their number */
 static unsigned int run_ahead(rig_t *r, bool *left)
 {
@@ -114,7 +125,7 @@ static unsigned int run_ahead(rig_t *r, bool *left)
         memcpy(r->frames[n], r->w.frame, r->w.frame_length);
         memcpy(r->replies[n], r->w.frame, r->w.frame_length);
         r->lengths[n] = r->w.frame_length;
-        if (ect_kernel_try(r->kernel, r->replies[n], r->lengths[n]))
+        if (try_frame(r, r->replies[n], r->lengths[n]))
             n++;
         else
             *left = true;
@@ -177,10 +188,60 @@ static void same_as_the_chain(void **state)
     ect_kernel_close(r.kernel);
 }
 
+/* How many of ten equal frames, one right behind the other, get their replies. */
+static unsigned int ten_in_a_row(rig_t *r, bool new_outputs)
+{
+    uint8_t data[6] = {0};
+    unsigned int replied = 0;
+    if (new_outputs)
+        data[0] = 1;
+    wire_build(&r->w, LRW, 0x100, 0, data, sizeof data);
+    ect_kernel_see(r->kernel, r->w.frame, r->w.frame_length);
+    ect_kernel_give(r->kernel, r->w.chain, ect_packet_now());
+    for (unsigned int i = 0; i < 10; i++) {
+        uint8_t frame[ROOM];
+        memcpy(frame, r->w.frame, r->w.frame_length);
+        bool done = ect_kernel_try(r->kernel, frame, r->w.frame_length);
+        if (!done)
+            ect_kernel_got(r->kernel);
+        replied += done;
+    }
+    ect_kernel_take(r->kernel);
+    while (ect_kernel_next(r->kernel)) {
+    }
+    return replied;
+}
+
+/* A machine that stands still for a moment makes frames less close, so the smallest of many counts. */
+static void reacting_devices(void **state)
+{
+    static rig_t r;
+    char message[ECT_KERNEL_MESSAGE];
+    unsigned int least = 10;
+    (void)state;
+    r.kernel = ect_kernel_load(message);
+    if (!r.kernel) {
+        print_message("%s\n", message);
+        skip();
+    }
+    r.random = 1;
+    set_up(&r);
+    (void)ten_in_a_row(&r, false);
+    for (unsigned int i = 0; i < 1000 && least > 1; i++) {
+        unsigned int replied = ten_in_a_row(&r, i % 2 == 0);
+        least = replied < least ? replied : least;
+    }
+    assert_in_range(least, 0, 1);
+    wire_close(&r.w);
+    ect_kernel_close(r.kernel);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"CF-002 CF-010 CF-028: the kernel gives the replies of the chain", same_as_the_chain, NULL, NULL, NULL},
+        {"FZM-075: while outputs change, frames without a pause between them are left to the process", reacting_devices,
+         NULL, NULL, NULL},
     };
     if (argc > 1)
         frames = (unsigned int)strtoul(argv[1], NULL, 10);

@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "bus/kernel/pace.h"
 #include "devices/eclink/eclink.h"
 #include "support/testdev.h"
 #include "support/wire.h"
@@ -81,6 +82,53 @@ static void replies_ahead_of_the_chain(void **state)
         assert_int_equal(wire_wkc(&r.w, 1), SLAVES);
     }
     assert_false(ect_plan_reply(&table, frame, r.w.frame_length, r.w.now_ns));
+    wire_close(&r.w);
+}
+
+/* The pace: which frames the devices have to see first. */
+static void pace(void **state)
+{
+    const struct {
+        uint64_t after_ns;
+        bool reacting, close;
+    } rows[] = {{ECT_PACE_CLOSE_NS, true, false},
+                {ECT_PACE_CLOSE_NS - 1, true, true},
+                {ECT_PACE_CLOSE_NS - 1, false, false},
+                {0, true, true},
+                {250000, true, false}};
+    uint64_t last_ns = 0, now_ns = MS;
+    (void)state;
+    assert_false(ect_pace_is_close(&last_ns, now_ns, true));
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        now_ns += rows[i].after_ns;
+        assert_int_equal(ect_pace_is_close(&last_ns, now_ns, rows[i].reacting), rows[i].close);
+        assert_int_equal(last_ns, now_ns);
+    }
+}
+
+/* @return whether the outputs of the wire's frame count as changed */
+static bool changes(rig_t *r)
+{
+    r->planner.outputs_changed = false;
+    ect_planner_see(&r->planner, r->w.frame, r->w.frame_length);
+    return r->planner.outputs_changed;
+}
+
+static void changed_outputs(void **state)
+{
+    rig_t r;
+    (void)state;
+    open_rig(&r);
+    build_cyclic(&r);
+    assert_true(changes(&r)); /* the first one */
+    assert_false(changes(&r));
+    r.w.frame[17]++; /* the index */
+    assert_false(changes(&r));
+    wire_datagram(&r.w, 2)[10]++; /* the time that FRMW carries */
+    assert_false(changes(&r));
+    wire_datagram(&r.w, 0)[10]++;
+    assert_true(changes(&r));
+    assert_false(changes(&r));
     wire_close(&r.w);
 }
 
@@ -349,6 +397,9 @@ static void other_layouts(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        {"FZM-075: frames closer than those of any cycle, while outputs change", pace, NULL, NULL, NULL},
+        {"FZM-075: outputs that differ from those of the frame before count as changed, no other bytes",
+         changed_outputs, NULL, NULL, NULL},
         {"CF-002: a plan replies as the chain does when it sees the frames later", replies_ahead_of_the_chain, NULL,
          NULL, NULL},
         {"frames and changes of a chain without a plan", no_plan, NULL, NULL, NULL},
