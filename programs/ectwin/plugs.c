@@ -15,22 +15,32 @@ typedef struct plug_args {
     connection_choice_t twin;
     const char *what;
     bool wire;      /* the operand is N.PORT, not N */
-    char slave[64]; /* number or name */
+    char slave[64]; /* number, name or alias:N */
     unsigned int port;
 } plug_args_t;
+
+/* @return behind the number, name or alias:N with which a text begins; NULL: with none of them */
+static const char *behind_slave(const char *text)
+{
+    static const char prefix[] = "alias:";
+    uint64_t number = 0;
+    if (strncmp(text, prefix, sizeof prefix - 1) == 0)
+        return ect_number_begins(text + sizeof prefix - 1, 1, UINT16_MAX, &number);
+    const size_t length = ect_name_begins(text);
+    return length > 0 ? text + length : ect_number_begins(text, 1, UINT16_MAX, &number);
+}
 
 static void take_what(plug_args_t *args, const struct argp_state *state, const char *text)
 {
     if (args->what)
         argp_error(state, "one is enough: '%s'", args->what);
     args->what = text;
-    uint64_t number = 0;
-    size_t length = ect_name_begins(text);
-    const char *rest = length > 0 ? text + length : ect_number_begins(text, 1, UINT16_MAX, &number);
+    const char *rest = behind_slave(text);
     if (!args->wire && (!rest || *rest != 0))
-        argp_error(state, "name the slave, from 1 or by its name, not '%s'", text);
+        argp_error(state, "name the slave, from 1, by its name or as alias:17, not '%s'", text);
     if (args->wire && (!rest || rest[0] != '.' || rest[1] < '0' || rest[1] >= '0' + PORTS || rest[2] != 0))
-        argp_error(state, "name the slave, from 1 or by its name, and its port, as in 2.1, not '%s'", text);
+        argp_error(state, "name the slave, from 1, by its name or as alias:17, and its port, as in 2.1, not '%s'",
+                   text);
     snprintf(args->slave, sizeof args->slave, "%.*s", (int)(rest - text), text);
     args->port = args->wire ? (unsigned int)(rest[1] - '0') : 0;
 }
@@ -79,7 +89,7 @@ static int command(int argc, char **argv, const char *doc, bool wire, bool in)
 {
     const struct argp argp = {.parser = parse,
                               .children = connection_children,
-                              .args_doc = wire ? "N.PORT\nNAME.PORT" : "N\nNAME",
+                              .args_doc = wire ? "N.PORT\nNAME.PORT\nalias:N.PORT" : "N\nNAME\nalias:N",
                               .doc = doc};
     plug_args_t args = {.wire = wire};
     argp_parse(&argp, argc, argv, 0, NULL, &args);
@@ -88,8 +98,11 @@ static int command(int argc, char **argv, const char *doc, bool wire, bool in)
 
 int command_unplug(int argc, char **argv)
 {
-    return command(argc, argv, "Pulls all plugs of slave N: the slave and all slaves behind it leave the bus.", false,
-                   false);
+    return command(argc, argv,
+                   "Pulls all plugs of slave N: the slave and all slaves behind it leave the bus. alias:N is the slave "
+                   "with station "
+                   "alias or device id N: the head of a hot-connect group.",
+                   false, false);
 }
 
 int command_plug(int argc, char **argv)

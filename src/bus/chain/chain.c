@@ -647,6 +647,18 @@ const ect_slave_t *ect_chain_slave(const ect_chain_t *chain, size_t position)
     return &twin_at(chain, position)->slave;
 }
 
+size_t ect_chain_find_alias(const ect_chain_t *chain, uint16_t alias)
+{
+    for (size_t i = 0; i < chain->cabling.count; i++) {
+        const ect_twin_t *twin = &chain->twins[i];
+        const ect_slave_config_t *config = &twin->slave.config;
+        const uint16_t id = config->switches != 0 ? config->switches : config->device_id;
+        if (id == alias || ect_load_le16(twin->esc.memory + ECT_REG_STATION_ALIAS) == alias)
+            return i + 1;
+    }
+    return 0;
+}
+
 ect_esc_t *ect_chain_esc(ect_chain_t *chain, size_t position)
 {
     ECT_ASSERT(position < chain->cabling.count);

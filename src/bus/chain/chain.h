@@ -218,6 +218,12 @@ void ect_chain_put_back(ect_chain_t *chain, size_t position);
  */
 void ect_chain_wake(ect_chain_t *chain, size_t position);
 
+/**
+ * @param alias  1 to 65535
+ * @return number, from 1, of the first twin with this configured station alias (0012h) or explicit device id; 0: none
+ */
+size_t ect_chain_find_alias(const ect_chain_t *chain, uint16_t alias);
+
 /** The slave stack of a twin, valid with the chain. */
 const ect_slave_t *ect_chain_slave(const ect_chain_t *chain, size_t position);
 

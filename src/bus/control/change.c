@@ -7,6 +7,7 @@
 
 #include "bus/chain/settings.h"
 #include "bus/control/endpoint.h"
+#include "text/number.h"
 
 const char *ect_change_op(const cJSON *request)
 {
@@ -19,13 +20,25 @@ bool ect_change_is(const char *op)
     return strcmp(op, "set") == 0 || strcmp(op, "fault") == 0;
 }
 
+/* @return the slave that alias:N refers to, from 1; 0: none */
+static size_t by_alias(const ect_chain_t *chain, const char *name)
+{
+    static const char prefix[] = "alias:";
+    uint64_t alias = 0;
+    const bool given =
+        strncmp(name, prefix, sizeof prefix - 1) == 0 && ect_number(name + sizeof prefix - 1, 1, UINT16_MAX, &alias);
+    return given ? ect_chain_find_alias(chain, (uint16_t)alias) : 0;
+}
+
 long ect_change_slave(const cJSON *request, const ect_chain_t *chain)
 {
     const cJSON *number = cJSON_GetObjectItemCaseSensitive(request, "slave");
     const char *name = cJSON_GetStringValue(number);
-    size_t named = name ? ect_names_find(ect_chain_names(chain), name, strlen(name)) : 0;
-    if (name)
-        return named > 0 ? (long)named : -1;
+    if (name) {
+        const size_t named = ect_names_find(ect_chain_names(chain), name, strlen(name));
+        const size_t found = named > 0 ? named : by_alias(chain, name);
+        return found > 0 ? (long)found : -1;
+    }
     double slave = !number ? 1 : cJSON_IsNumber(number) ? number->valuedouble : -1;
     bool exists = slave >= 0 && slave <= (double)ect_chain_count(chain) && (double)(long)slave == slave;
     return exists ? (long)slave : -1;

@@ -24,7 +24,7 @@ const char *ect_change_op(const cJSON *request);
 /** @return whether an operation changes the chain */
 bool ect_change_is(const char *op);
 
-/** @return the slave of a request, by number or name, from 1 (default 1); 0: all; -1: no such slave */
+/** @return the slave of a request, by number, name or alias:N, from 1 (default 1); 0: all; -1: no such slave */
 long ect_change_slave(const cJSON *request, const ect_chain_t *chain);
 
 /**

@@ -55,6 +55,28 @@ static void overridden_identity(void **state)
     wire_close(&w);
 }
 
+static void found_by_alias(void **state)
+{
+    static const struct {
+        uint16_t alias;
+        size_t found;
+    } rows[] = {{7, 1}, {17, 2}, {18, 0}, {0xFFFF, 4}};
+    static const uint16_t aliases[] = {7, 17, 17, 0xFFFF};
+    ect_twin_config_t twins[4];
+    (void)state;
+    for (size_t i = 0; i < 4; i++) {
+        twins[i] = ect_twin_default(&testdev, NULL);
+        twins[i].alias = aliases[i];
+    }
+    ect_chain_t *chain = ect_chain_new(twins, 4, 0);
+    assert_non_null(chain);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        assert_int_equal(ect_chain_find_alias(chain, rows[i].alias), rows[i].found);
+    ect_store_le16(ect_chain_esc(chain, 3)->memory + ECT_REG_STATION_ALIAS, 21); /* as a reload of the EEPROM does */
+    assert_int_equal(ect_chain_find_alias(chain, 21), 4);
+    ect_chain_free(chain);
+}
+
 static void order_of_the_wire(void **state)
 {
     const ect_device_t *devices[40];
@@ -360,6 +382,8 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"CF-001: a chain with an unknown ESC or an EEPROM too small is refused", unusable_descriptions, NULL, NULL,
          NULL},
+        {"ENI-021: a twin is found by its station alias or device id, the first one of several", found_by_alias, NULL,
+         NULL, NULL},
         {"CF-057 CF-065: an installation's identity and alias reach 1018h and register 0012h", overridden_identity,
          NULL, NULL, NULL},
         {"CF-002 CF-010: 40 twins answer in the order of the wire", order_of_the_wire, NULL, NULL, NULL},
