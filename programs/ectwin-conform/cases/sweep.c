@@ -73,6 +73,8 @@ static void drain(cf_t *c)
         if (cf_mail_waits(c))
             (void)cf_read(c, c->mailbox.in_start, reply, c->mailbox.in_size);
         full = (cf_get8(c, (uint16_t)(CF_SM(0) + ECT_SM_STATUS)) & ECT_SM_STATUS_FULL) != 0;
+        if (full)
+            cf_poll_pause(c);
     }
 }
 

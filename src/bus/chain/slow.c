@@ -124,7 +124,8 @@ static bool hides(ect_slow_t *slow, ect_hidden_t *hidden, const ect_slow_range_t
     if (!hidden->waits)
         hidden->due_ns = now_ns + draw(slow, span);
     hidden->waits = true;
-    return now_ns < hidden->due_ns;
+    hidden->shown = now_ns >= hidden->due_ns;
+    return !hidden->shown;
 }
 
 /* AL control is read at once, so that the master may change its mind, and processed later. */
@@ -135,8 +136,8 @@ static uint32_t hide_al(ect_slow_t *slow, uint32_t event, uint64_t now_ns)
         slow->al.waits = false;
         (void)hides(slow, &slow->al, &slow->config.al, now_ns);
     }
-    bool shown = slow->al.waits && now_ns >= slow->al.due_ns;
-    return (event & ~(uint32_t)ECT_EVENT_AL_CONTROL) | (shown ? (uint32_t)ECT_EVENT_AL_CONTROL : 0u);
+    slow->al.shown = slow->al.waits && now_ns >= slow->al.due_ns;
+    return (event & ~(uint32_t)ECT_EVENT_AL_CONTROL) | (slow->al.shown ? (uint32_t)ECT_EVENT_AL_CONTROL : 0u);
 }
 
 static uint32_t hide_mail(ect_slow_t *slow, uint32_t event, uint64_t now_ns)
@@ -225,9 +226,9 @@ uint64_t ect_slow_end(ect_slow_t *slow, uint64_t slave_ns)
 {
     slow->polling = false;
     slow->busy_ns = slow->now_ns;
-    if (slow->al.waits)
+    if (slow->al.waits && !slow->al.shown)
         slave_ns = ect_earlier(slave_ns, slow->al.due_ns);
-    return slow->mailbox.waits ? ect_earlier(slave_ns, slow->mailbox.due_ns) : slave_ns;
+    return slow->mailbox.waits && !slow->mailbox.shown ? ect_earlier(slave_ns, slow->mailbox.due_ns) : slave_ns;
 }
 
 uint64_t ect_slow_next(const ect_slow_t *slow, uint64_t slave_ns)

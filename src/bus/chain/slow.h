@@ -26,6 +26,7 @@ enum { ECT_SLOW_QUEUE = 8192 };
 /** An event that is hidden from the slave. */
 typedef struct ect_hidden {
     bool waits;
+    bool shown; /* it is due: the slave may read or leave it, as the event of a mail in INIT */
     uint64_t due_ns;
 } ect_hidden_t;
 

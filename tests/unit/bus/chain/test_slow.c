@@ -116,6 +116,24 @@ static void late_mails(void **state)
     wire_close(&w);
 }
 
+/* The slave reads no mail while the master fetches no reply: after the delay there is nothing to poll for. */
+static void mail_left(void **state)
+{
+    static const uint8_t request[10] = {0, 0x20, 0x40, 0x18, 0x10, 1};
+    const ect_slow_config_t slow = {.mailbox = {5 * MS, 5 * MS}};
+    wire_t w;
+    (void)state;
+    open_slow(&w, &testdev, &slow);
+    wire_go(&w, 0, ECT_STATE_PREOP);
+    for (unsigned int mails = 0; wire_mail_request(&w, 0, ECT_MAILBOX_TYPE_COE, request, sizeof request) == 1;
+         mails++) {
+        assert_true(mails < 4);
+        w.now_ns += 10 * MS;
+        assert_true(ect_chain_poll(w.chain, w.now_ns) > w.now_ns);
+    }
+    wire_close(&w);
+}
+
 static void go_to_op(wire_t *w)
 {
     wire_configure_mailbox(w, 0);
@@ -344,6 +362,7 @@ int main(void)
         {"AL status follows a request after the delay, at random within its range", late_states, NULL, NULL, NULL},
         {"a request replaces the one that the slave has not processed yet", changed_request, NULL, NULL, NULL},
         {"the reply to a mail comes after the delay", late_mails, NULL, NULL, NULL},
+        {"a mail that the slave cannot read yet causes no poll after the delay", mail_left, NULL, NULL, NULL},
         {"outputs reach a slave that is late by more than a cycle in the next one", old_inputs, NULL, NULL, NULL},
         {"PDI budget: the exchange of a twin like a board takes the time of its bus and of its instructions",
          exchange_on_board, NULL, NULL, NULL},
