@@ -405,6 +405,35 @@ static void data_out_of_place(void **state)
     wire_close(&w);
 }
 
+static char reason[400]; /* of a refusal */
+
+static uint32_t refuses(const ect_foe_t *self, void *instance, const ect_foe_file_t *file, const char **text)
+{
+    (void)self;
+    (void)instance;
+    (void)file;
+    *text = reason;
+    return ECT_FOE_ACCESS;
+}
+
+/* The text of an error ends where the mailbox ends. */
+static void long_texts(void **state)
+{
+    static const size_t lengths[] = {0, 1, FULL - 1, FULL, FULL + 1, FULL + 12, sizeof reason - 1};
+    (void)state;
+    open_device(filedev(), ECT_STATE_PREOP);
+    filedev_entry()->open = refuses;
+    for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
+        char shown[FULL + 1] = "";
+        memset(reason, 'r', sizeof reason);
+        reason[lengths[i]] = '\0';
+        memcpy(shown, reason, lengths[i] < FULL ? lengths[i] : FULL);
+        begin(READ, "data", 0);
+        expect_error("a refusal", ECT_FOE_ACCESS, shown);
+    }
+    wire_close(&w);
+}
+
 static uint32_t nothing_left(const ect_foe_t *self, void *instance, uint32_t offset, void *data, uint16_t *length,
                              const char **text)
 {
@@ -623,6 +652,7 @@ int main(void)
         {"FoE: files of any size are written; a packet shorter than the mailbox ends them", written_files, NULL, NULL,
          NULL},
         {"FoE: files of any size are read; an empty packet ends one of full packets", read_files, NULL, NULL, NULL},
+        {"FoE: the text of an error is cut off at the end of the mailbox", long_texts, NULL, NULL, NULL},
         {"FoE: wrong names, passwords, rights and operations are refused with their codes and texts (CF-084)", refused,
          NULL, NULL, NULL},
         {"FoE: files are at home in the states that the device names; elsewhere 8008h or 8009h (CF-084)", states, NULL,

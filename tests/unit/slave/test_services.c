@@ -397,6 +397,9 @@ static void diagnosis_overwrites(void **state)
     assert_int_equal(write_number(0x10F3, 3, 0, 1), 0);
     assert_int_equal(t.device.diagnosis.newest, 0);
     assert_int_equal(read_number(0x10F3, 5), 0);
+    static const uint8_t nothing[ECT_DIAGNOSIS_BYTES];
+    for (size_t i = 0; i < ECT_DIAGNOSIS_MESSAGES; i++)
+        assert_memory_equal(t.device.diagnosis.messages[i], nothing, sizeof nothing);
 }
 
 static void diagnosis_acknowledge_mode(void **state)

@@ -822,9 +822,14 @@ static void lengths_of_frames(void **state)
     static const struct {
         uint16_t length;
         bool passes;
-    } rows[] = {{ECT_EOE_FRAME_LEAST, true}, {FRAME, true},
-                {ECT_EOE_FRAME - 1, true},   {ECT_EOE_FRAME, true},
-                {ECT_EOE_FRAME + 1, false},  {ECT_EOE_FRAME + 9, false}};
+    } rows[] = {{1, false},
+                {ECT_EOE_FRAME_LEAST - 1, false},
+                {ECT_EOE_FRAME_LEAST, true},
+                {FRAME, true},
+                {ECT_EOE_FRAME - 1, true},
+                {ECT_EOE_FRAME, true},
+                {ECT_EOE_FRAME + 1, false},
+                {ECT_EOE_FRAME + 9, false}};
     static uint8_t frame[ECT_EOE_FRAME + 9];
     uint32_t dropped = 0;
     (void)state;

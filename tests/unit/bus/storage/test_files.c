@@ -353,6 +353,7 @@ static void instance_with_a_transfer(void **state)
         char message[ECT_FILES_MESSAGE];
         ect_device_t device = testdev;
         device.instance_size = size;
+        device.mailbox_protocols = ECT_MAILBOX_COE;
         ect_files_t *opened = ect_files_open(folder, &device, 0, message);
         assert_non_null(opened);
         const ect_device_t *made = ect_files_device(opened);
@@ -360,6 +361,7 @@ static void instance_with_a_transfer(void **state)
         assert_in_range(offset, size, size + ALIGNED - 1);
         assert_int_equal(offset % ALIGNED, 0);
         assert_int_equal(made->instance_size, offset + sizeof(ect_foe_transfer_t));
+        assert_int_equal(made->mailbox_protocols, ECT_MAILBOX_COE | ECT_MAILBOX_FOE);
         ect_files_close(opened);
     }
 }

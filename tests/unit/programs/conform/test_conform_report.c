@@ -42,6 +42,7 @@ static void escaping(void **state)
     (void)state;
     assert_string_equal(escaped("a<b & \"c\">d"), "a&lt;b &amp; &quot;c&quot;&gt;d");
     assert_string_equal(escaped("line\nline\ttab\x01\x7F"), "line\nline?tab??");
+    assert_string_equal(escaped("\x1F ~"), "? ~"); /* the last control character, the first and the last other one */
     assert_string_equal(escaped("M\xC3\xBCller \xE2\x82\xAC \xF0\x9F\x99\x82"),
                         "M\xC3\xBCller \xE2\x82\xAC \xF0\x9F\x99\x82");
     assert_string_equal(escaped("\xFC"), "?");                /* Latin-1 */
@@ -435,8 +436,13 @@ static void unicast_source(void **state)
     exchange(0, 1);
     uint8_t own[60] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x02, 9, 9, 9, 9, 9, 0x88, 0xA4};
     assert_int_equal(send(wire[0], own, sizeof own, 0), sizeof own);
+    uint8_t cut[12] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 1, 1, 1, 1, 1, 1}; /* addresses only, and less */
+    assert_int_equal(send(wire[0], cut, sizeof cut, 0), sizeof cut);
+    assert_int_equal(send(wire[0], cut, sizeof cut - 1, 0), sizeof cut - 1);
     cf_evidence_t e = cf_record_end(10);
-    assert_int_equal(e.count, 3);
+    assert_int_equal(e.count, 5);
+    assert_memory_equal(e.items[3].bytes + 6, mac, 6);
+    assert_memory_equal(e.items[4].bytes, cut, sizeof cut - 1);
     assert_memory_equal(e.items[0].bytes + 6, mac, 6);      /* as recorded */
     assert_memory_equal(e.items[1].bytes + 6, mac, 6);      /* and as it left */
     assert_memory_equal(e.items[2].bytes, own, sizeof own); /* a unicast address stays */
@@ -495,11 +501,13 @@ static void capture(void **state)
     cf_record_step("a step");
     exchange(1, 0x11);
     cf_evidence_t e = cf_record_end(10);
+    const size_t flushed = written_size; /* a growing file has whole cases */
     cf_evidence_free(&e);
     cf_record_close();
     fclose(to);
     close(wire[0]);
     close(wire[1]);
+    assert_int_equal(flushed, written_size);
     const uint8_t *at = (const uint8_t *)written;
     assert_int_equal(number_at(at), 0x0A0D0D0A);
     assert_int_equal(number_at(at + 4), 28);

@@ -40,6 +40,13 @@ static void needs(void **state)
     run.c.emulated = true;
     assert_int_equal(run_one(&run, passes, CF_REAL_TIME, &result), CF_SKIPPED);
     assert_int_equal(ran, 1);
+    for (unsigned int n = 0; n < CF_NEEDS_COUNT; n++) { /* emulation gives a slave nothing */
+        const uint32_t need = 1u << n;
+        const bool given =
+            (need & (CF_APPLICATION | CF_WRITES_SII | CF_ON_REQUEST)) != 0 || need == CF_FUZZ || need == CF_STRESS;
+        if (!given && run_one(&run, passes, need, &result) != CF_SKIPPED)
+            fail_msg("need 0x%X is not missing", (unsigned int)need);
+    }
     end_run(&run);
 }
 
@@ -103,6 +110,14 @@ static void reply_to(const uint8_t *mail)
 {
     uint8_t *reply = memory + 0x1080;
     memset(reply, 0, 128);
+    if ((mail[5] & 0x0F) == CF_MBX_FOE) { /* each file is refused */
+        ect_store_le16(reply, 6);
+        reply[5] = 0x10 | CF_MBX_FOE;
+        reply[6] = CF_FOE_ERROR;
+        ect_store_le32(reply + 8, 0x8002);
+        memory[CF_SM(1) + ECT_SM_STATUS] = ECT_SM_STATUS_FULL;
+        return;
+    }
     ect_store_le16(reply, 10);
     reply[5] = 0x13;
     ect_store_le16(reply + 6, CF_COE_RESPONSE << 12);
@@ -173,6 +188,26 @@ static void undo_objects(void **state)
     assert_int_equal(object, 0x1111);
     for (unsigned int i = 0; i < downloads; i++)
         assert_int_equal(states[i], CF_PREOP); /* restored from INIT on, where a mailbox is off */
+    assert_int_equal(memory[ECT_REG_AL_STATUS], CF_INIT);
+    end_run(&run);
+}
+
+static void changes_file(cf_t *c)
+{
+    cf_go(c, CF_PREOP);
+    cf_keep_file(c, "abc", 3);
+}
+
+/* A file that the slave refuses to take back fails the case. */
+static void undo_file(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_with_object(&run);
+    run.c.file = "parameters";
+    assert_int_equal(run_one(&run, changes_file, CF_COE, &result), CF_FAIL);
+    assert_string_equal(result.reason, "the slave cannot be restored: restoring the file: error 0x00008002");
     end_run(&run);
 }
 
@@ -356,6 +391,48 @@ static void frames_of_verdicts(void **state)
     cf_evidence_free(&warned.evidence);
     cf_evidence_free(&failed.evidence);
     cf_evidence_free(&passed.evidence);
+    end_run(&run);
+}
+
+static void many_frames(cf_t *c)
+{
+    for (unsigned int i = 0; i < 200; i++)
+        (void)cf_get8(c, (uint16_t)(i % 2 == 0 ? 0 : 4)); /* in turn, so that no poll is folded */
+}
+
+static void many_frames_and_a_failure(cf_t *c)
+{
+    many_frames(c);
+    cf_fail(c, "plainly");
+}
+
+static void many_frames_and_a_warning(cf_t *c)
+{
+    many_frames(c);
+    cf_warn(c, "unusual");
+}
+
+/* A pass keeps its last items, another verdict enough of them to find the cause. */
+static void items_kept(void **state)
+{
+    static const struct {
+        void (*function)(cf_t *c);
+        cf_verdict_t verdict;
+        size_t count;
+    } rows[] = {{many_frames, CF_PASS, 24},
+                {many_frames_and_a_warning, CF_WARN, 120},
+                {many_frames_and_a_failure, CF_FAIL, 120}};
+    cf_run_t run;
+    (void)state;
+    start_run(&run);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        cf_result_t result = run_whole(&run, rows[i].function);
+        assert_int_equal(result.verdict, rows[i].verdict);
+        assert_int_equal(result.evidence.count, rows[i].count);
+        cf_evidence_free(&result.evidence);
+        assert_null(result.evidence.items);
+        assert_int_equal(result.evidence.count, 0);
+    }
     end_run(&run);
 }
 
@@ -791,6 +868,8 @@ int main(void)
         cmocka_unit_test(not_as_before),
         cmocka_unit_test(undo_objects),
         cmocka_unit_test(undo_refused),
+        cmocka_unit_test(undo_file),
+        cmocka_unit_test(items_kept),
         cmocka_unit_test(undo_kept),
         cmocka_unit_test(silent_mailbox),
         cmocka_unit_test(lost_frames),
