@@ -951,28 +951,42 @@ static void constants(void **state)
 /* A part of an object longer than any mapping entry: refused, or correct, but no byte beyond it is accessed. */
 static void part_of_a_long_object(void **state)
 {
+    enum { MOST = 31 };
+    static const struct {
+        unsigned int gap, bytes; /* bits in front of the part; its bytes */
+    } rows[] = {{0, 5}, {0, 8}, {4, 5}, {4, 8}, {4, MOST}};
     (void)state;
-    for (unsigned int d = 0; d < 2; d++) {
+    for (size_t i = 0; i < 2 * COUNT(rows); i++) {
+        const unsigned int d = i % 2, gap = rows[i / 2].gap, bytes = rows[i / 2].bytes;
+        const uint16_t size = (uint16_t)(bytes + (gap > 0 ? 1 : 0));
         wire_t w;
         mapped_t m = {0};
-        uint8_t image[5] = {1, 2, 3, 4, 5};
+        uint8_t data[MOST], image[MOST + 1] = {0}, got[MOST + 1];
+        for (unsigned int n = 0; n < bytes; n++) {
+            data[n] = (uint8_t)(0x81 + 7 * n);
+            image[n] = (uint8_t)(image[n] | data[n] << gap);
+            image[n + 1] = (uint8_t)(data[n] << gap >> 8);
+        }
         make_mapped(&m);
-        add(&m, d, ECT_MAP(0x2002, 0, 40));
+        if (gap > 0)
+            add(&m, d, ECT_MAP(0, 0, gap));
+        add(&m, d, ECT_MAP(0x2002, 0, 8 * bytes));
         add(&m, 1 - d, ECT_MAP(0x2000, 0, 32));
         open_mapped(&w, &m);
         to_safeop(&w, &m);
         testdev_t *t = testdev_of(&w, 0);
         uint8_t status = wire_read8(&w, 0, ECT_REG_AL_STATUS);
         if (status == SAFEOP && d == 0) {
-            assert_int_equal(wire_write(&w, 0, SM2, image, 5), 1);
+            assert_int_equal(wire_write(&w, 0, SM2, image, size), 1);
             wire_write16(&w, 0, ECT_REG_AL_CONTROL, OP);
-            assert_memory_equal(t->octets, image, 5);
-            assert_int_equal(t->octets[5], 0);
+            assert_memory_equal(t->octets, data, bytes);
+            assert_int_equal(t->octets[bytes], 0);
         } else if (status == SAFEOP) {
-            memcpy(t->octets, image, 5);
-            assert_int_equal(wire_read(&w, 0, SM3, image, 5), 1);
-            assert_int_equal(wire_read(&w, 0, SM3, image, 5), 1);
-            assert_memory_equal(t->octets, image, 5);
+            memcpy(t->octets, data, bytes);
+            memset(t->octets + bytes, 0xFF, 4);
+            assert_int_equal(wire_read(&w, 0, SM3, got, size), 1);
+            assert_int_equal(wire_read(&w, 0, SM3, got, size), 1);
+            assert_memory_equal(got, image, size);
         } else {
             expect_state(&w, "part of a long object", PREOP | ECT_AL_ERROR, d == 0 ? 0x0025 : 0x0024);
         }
