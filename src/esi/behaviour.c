@@ -62,6 +62,8 @@ static uint16_t state_change(void *instance, uint8_t from, uint8_t to, uint64_t 
             ect_402_drive_enter_op(d, now_ns);
         else if (from == ECT_STATE_OP)
             ect_402_drive_leave_op(d, now_ns);
+        if (to != ECT_STATE_OP)
+            ect_402_drive_below_op(d, to);
         ect_402_drive_publish(d);
     }
     return ECT_AL_NO_ERROR;

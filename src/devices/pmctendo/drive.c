@@ -4,8 +4,12 @@
 
 enum { MS_STEPS = ECT_402_STEPS_PER_S / 1000 };
 
-static const ect_402_config_t config = {
-    .turn = PMC_TURN, .rated_torque = 3.0, .peak_torque = 9.0, .inertia = 3e-4, .reference_bit = PMC_REFERENCE};
+static const ect_402_config_t config = {.turn = PMC_TURN,
+                                        .rated_torque = 3.0,
+                                        .peak_torque = 9.0,
+                                        .inertia = 3e-4,
+                                        .reference_bit = PMC_REFERENCE,
+                                        .cyclic_halts = true};
 
 static int8_t mode(const pmctendo_t *u)
 {

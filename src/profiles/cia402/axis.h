@@ -100,6 +100,7 @@ typedef struct ect_402_config {
     uint16_t reference_bit; /**< bit of the control word that starts a reference run in modes 7 and 8; 0: none */
     bool coasts;            /**< Switched On has no torque, whatever 605Ch is */
     bool cyclic_is_free;    /**< 607Fh limits profiled motion only, not modes 8 to 10 */
+    bool cyclic_halts;      /**< bit 8 of the control word acts in modes 8 to 10 too */
 } ect_402_config_t;
 
 /** The set value of the controllers. */
@@ -260,7 +261,7 @@ void ect_402_status_step(ect_402_axis_t *a);
 /* --- stop.c ------------------------------------------------------------------------------------------------------- */
 
 double ect_402_stop_deceleration(const ect_402_axis_t *a);
-/** Sets the deadline of a quick stop: 1.5 times its ramp, and 200 ms. */
+/** Sets the deadline of a quick stop: 1.5 times its ramp, and 200 ms; 10 s at the current or voltage limit. */
 void ect_402_stop_begin(ect_402_axis_t *a);
 bool ect_402_stop_in_time(const ect_402_axis_t *a);
 /** Whether a transition out of Operation Enabled or Quick Stop Active waits for a standstill. */

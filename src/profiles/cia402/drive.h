@@ -35,7 +35,7 @@ typedef struct ect_402_surroundings {
     bool known;
     double turn; /**< position units, in which the machine is described */
     ect_402_plant_t machine;
-    uint8_t power, enable, sto;
+    uint8_t power, enable, sto, warning;
     uint8_t velocity_unit; /**< ECT_402_UNIT_... */
     uint32_t resolution;   /**< increments a turn, when there is no 608Fh */
 } ect_402_surroundings_t;
@@ -99,6 +99,8 @@ void ect_402_drive_sync0(ect_402_drive_t *d, uint64_t now_ns);
 void ect_402_drive_enter_op(ect_402_drive_t *d, uint64_t now_ns);
 /** OP has ended, whatever the cause: 6007h. The outputs in the dictionary are at their defaults. */
 void ect_402_drive_leave_op(ect_402_drive_t *d, uint64_t now_ns);
+/** An AL state below OP has begun, after ::ect_402_drive_leave_op when OP has ended. @param al  ECT_STATE_... */
+void ect_402_drive_below_op(ect_402_drive_t *d, uint8_t al);
 /** @return the time of the next call of ::ect_402_drive_advance, or ECT_NEVER */
 uint64_t ect_402_drive_next(const ect_402_drive_t *d);
 /** An entry of the axis was written by SDO or by a user. @param value  which */
@@ -110,6 +112,8 @@ void ect_402_drive_touched(ect_402_drive_t *d);
 
 /** @return ECT_OK, or the reason to refuse `number` for `value` */
 ect_reason_t ect_402_drive_check(const ect_402_drive_t *d, ect_402_value_t value, int64_t number);
+/** 60C2h: `units` times ten to the power of `power`, in ns; 0: a power above 0, or below -9. */
+uint64_t ect_402_drive_cycle_ns(int64_t units, int64_t power);
 /** Settings and commands without a default of the file get that of values.h. */
 void ect_402_drive_defaults(ect_402_drive_t *d);
 /** Reads the entries. @param all  false: only those that process data reach */
@@ -136,6 +140,8 @@ void ect_402_drive_fault(ect_402_drive_t *d, uint16_t code);
 void ect_402_drive_fault_reset(ect_402_drive_t *d);
 /** Whether the power stage can brake with such a fault. */
 bool ect_402_fault_brakes(uint16_t code);
+/** Whether only a restart ends such a fault. */
+bool ect_402_fault_restarts(uint16_t code);
 
 /* --- drive_signals.c ---------------------------------------------------------------------------------------------- */
 

@@ -19,6 +19,11 @@ bool ect_402_fault_brakes(uint16_t code)
     return !safety;
 }
 
+bool ect_402_fault_restarts(uint16_t code)
+{
+    return code == 0x5530 || code == 0x6100; /* memory, firmware */
+}
+
 static uint8_t register_of(uint16_t code)
 {
     static const struct {

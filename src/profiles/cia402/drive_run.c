@@ -28,7 +28,8 @@ static void watch_supply(ect_402_drive_t *d)
 
 static bool cause_is_gone(const ect_402_drive_t *d)
 {
-    return !(d->error_code == STO && d->around->sto) && !(d->error_code == UNDERVOLTAGE && !d->around->power);
+    return !(d->error_code == STO && d->around->sto) && !(d->error_code == UNDERVOLTAGE && !d->around->power) &&
+           !ect_402_fault_restarts(d->error_code);
 }
 
 static void settle(ect_402_drive_t *d, uint16_t rising)
@@ -161,20 +162,11 @@ void ect_402_drive_touched(ect_402_drive_t *d)
 
 /* --- outputs ------------------------------------------------------------------------------------------------------ */
 
-/* 10 to the power of 60C2h:2, in nanoseconds. */
-static uint64_t power_ns(int64_t power)
-{
-    uint64_t ns = 1000000000;
-    for (; power < 0 && ns > 0; power++)
-        ns /= 10;
-    return power > 0 ? 0 : ns;
-}
-
 /* The time from one set position to the next: 60C2h of the master, else as the last two came. */
 static uint32_t cycle_steps(const ect_402_drive_t *d, uint64_t now_ns)
 {
-    uint64_t units = (uint64_t)d->value[ECT_402_V_CYCLE_UNITS];
-    uint64_t ns = d->cycle_written ? units * power_ns(d->value[ECT_402_V_CYCLE_POWER]) : 0;
+    int64_t units = d->value[ECT_402_V_CYCLE_UNITS];
+    uint64_t ns = d->cycle_written ? ect_402_drive_cycle_ns(units, d->value[ECT_402_V_CYCLE_POWER]) : 0;
     if (ns == 0 && d->outputs_ns != 0)
         ns = now_ns - d->outputs_ns;
     uint64_t steps = (ns + ECT_402_STEP_NS / 2) / ECT_402_STEP_NS;
@@ -225,7 +217,18 @@ void ect_402_drive_enter_op(ect_402_drive_t *d, uint64_t now_ns)
 {
     (void)now_ns;
     d->al = ECT_STATE_OP;
+    d->control_known = false;
     d->sync0_ns = d->outputs_ns = 0;
+    ect_402_drive_read(d, true);
+}
+
+void ect_402_drive_below_op(ect_402_drive_t *d, uint8_t al)
+{
+    d->al = al;
+    if (al != ECT_STATE_INIT && al != ECT_STATE_BOOT)
+        return;
+    d->axis.live = false; /* the control word was that of a mailbox */
+    settle(d, 0);
 }
 
 /* 6007h, when OP ends while the shaft has torque (DRV-155, DRV-156). */
@@ -256,6 +259,21 @@ void ect_402_drive_leave_op(ect_402_drive_t *d, uint64_t now_ns)
 
 /* --- by mailbox --------------------------------------------------------------------------------------------------- */
 
+/* Below OP a control word leads to Ready at most: it keeps the former command instead of one that leads on (DRV-154).
+ */
+static void take_below_op(ect_402_drive_t *d)
+{
+    ect_402_axis_t *a = &d->axis;
+    uint16_t control = (uint16_t)d->value[ECT_402_V_CONTROL];
+    if (ect_402_command(control, true) > ECT_402_SHUTDOWN)
+        control = (control & ECT_402_RESET) | (a->set.control & (uint16_t)~ECT_402_RESET);
+    uint16_t rising = d->control_known ? control & (uint16_t)~a->set.control : 0;
+    d->control_known = true;
+    a->set.control = control;
+    a->live = true;
+    settle(d, rising);
+}
+
 void ect_402_drive_written(ect_402_drive_t *d, ect_402_value_t value, uint64_t now_ns)
 {
     ect_402_drive_advance(d, now_ns);
@@ -267,6 +285,8 @@ void ect_402_drive_written(ect_402_drive_t *d, ect_402_value_t value, uint64_t n
         take(d, now_ns);
     } else if (by_sdo) {
         ect_402_drive_set_values(d);
+        if (value == ECT_402_V_CONTROL)
+            take_below_op(d);
     }
     ect_402_drive_publish(d);
 }

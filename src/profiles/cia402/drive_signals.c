@@ -34,6 +34,7 @@ const ect_signal_t ect_402_around_signals[] = {
     W(power, "power", BOOL, 0, 1, NULL, "DC link; 0: cannot be switched on, fault 3220h when it is on"),
     W(enable, "enable", BOOL, 0, 1, NULL, "enable input; 0: no torque"),
     W(sto, "sto", BOOL, 0, 1, NULL, "safe torque off; 1: no torque, fault 5441h when the power stage is on"),
+    W(warning, "warning", BOOL, 0, 1, NULL, "a warning is present: bit 7 of the status word; the state stays"),
     W(machine.load, "load", REAL, -100000, 100000, "Nm",
       "torque of the load, or gravity, against the positive direction"),
     W(machine.load_inertia, "load_inertia", REAL, 0, 1000000, "kg cm2", "inertia of the load at the motor's shaft"),

@@ -7,7 +7,7 @@
 #define LONGEST_TURN       1e12
 #define INERTIA_A_NM       1e-4 /* kg m2 for each Nm of rated torque: rated torque gives 10 000 rad/s2 */
 #define PEAK               3.0  /* times the rated torque */
-enum { POSITION_TURNED = 0x80, SPEED_TURNED = 0x40 };
+enum { POSITION_TURNED = 0x80, SPEED_TURNED = 0x40, SHORTEST_UNITS = 250 /* of 60C2h, whole with any power */ };
 
 static bool has(const ect_402_drive_t *d, ect_402_value_t value)
 {
@@ -225,8 +225,9 @@ static void take_positions(ect_402_drive_t *d)
     a->range[1] = endless ? 0 : (int32_t)highest;
     a->options = (uint16_t)d->value[ECT_402_V_POSITIONING];
     a->home_method = (int8_t)d->value[ECT_402_V_HOME_METHOD];
-    a->physical[0] = (uint32_t)d->value[ECT_402_V_OUTPUTS];
-    a->physical[1] = (uint32_t)d->value[ECT_402_V_OUTPUT_MASK];
+    bool op = d->al == ECT_STATE_OP; /* outside of it the outputs are 0 (DRV-312) */
+    a->physical[0] = op ? (uint32_t)d->value[ECT_402_V_OUTPUTS] : 0;
+    a->physical[1] = op ? (uint32_t)d->value[ECT_402_V_OUTPUT_MASK] : 0;
 }
 
 static void take_settings(ect_402_drive_t *d)
@@ -262,6 +263,20 @@ static bool is_factor(ect_402_value_t value)
     return value >= ECT_402_V_INCREMENTS && value <= ECT_402_V_FEED_TURNS;
 }
 
+uint64_t ect_402_drive_cycle_ns(int64_t units, int64_t power)
+{
+    uint64_t ns = 1000000000;
+    for (; power < 0 && ns > 0; power++)
+        ns /= 10;
+    return power > 0 ? 0 : (uint64_t)units * ns;
+}
+
+/* 60C2h: whole steps of the control (DRV-263). */
+static bool is_cycle(int64_t units, int64_t power)
+{
+    return power >= -6 && power <= 0 && ect_402_drive_cycle_ns(units, power) % ECT_402_STEP_NS == 0;
+}
+
 static bool is_known(const ect_402_drive_t *d, ect_402_value_t value, int64_t number)
 {
     uint16_t index = ect_402_object(value)->index;
@@ -284,6 +299,10 @@ static bool is_known(const ect_402_drive_t *d, ect_402_value_t value, int64_t nu
     case ECT_402_V_TORQUE_PROFILE:
     case ECT_402_V_SUB_MODE:
         return number <= 0;
+    case ECT_402_V_CYCLE_UNITS: /* may precede its power, which decides */
+        return number >= 1 && number <= UINT8_MAX;
+    case ECT_402_V_CYCLE_POWER:
+        return is_cycle(d->cycle_written ? d->value[ECT_402_V_CYCLE_UNITS] : SHORTEST_UNITS, number);
     default:
         return !is_factor(value) || number > 0;
     }
@@ -308,7 +327,10 @@ ect_reason_t ect_402_drive_check(const ect_402_drive_t *d, ect_402_value_t value
 {
     if (!is_known(d, value, number))
         return ECT_REASON_RANGE;
+    bool is_cycle_time = value == ECT_402_V_CYCLE_UNITS || value == ECT_402_V_CYCLE_POWER;
     if (is_factor(value) && ect_402_powered(&d->axis))
+        return ECT_REASON_STATE;
+    if (is_cycle_time && (d->al == ECT_STATE_SAFEOP || d->al == ECT_STATE_OP))
         return ECT_REASON_STATE;
     return is_crossed(d, value, number) ? ECT_REASON_MIN_MAX : ECT_OK;
 }
@@ -376,16 +398,19 @@ static uint16_t status_word(const ect_402_drive_t *d)
     const ect_402_axis_t *a = &d->axis;
     bool stop = !a->level[ECT_402_POSITIVE] || !a->level[ECT_402_NEGATIVE];
     return (uint16_t)(ect_402_status(a->state, &a->inputs) | ect_402_mode_bits(a) |
-                      (d->around->power ? ECT_402_STATUS_VOLTAGE : 0) | (a->live ? ECT_402_STATUS_REMOTE : 0) |
+                      (d->around->power ? ECT_402_STATUS_VOLTAGE : 0) |
+                      (d->around->warning ? ECT_402_STATUS_WARNING : 0) |
+                      (a->live && d->al == ECT_STATE_OP ? ECT_402_STATUS_REMOTE : 0) |
                       (ect_402_limit_acts(a) || stop ? ECT_402_STATUS_LIMIT : 0));
 }
 
-/* 60FDh: limit switches, home switch, interlock, probe input. */
+/* 60FDh: limit switches, home switch, interlock, probe inputs. */
 static uint32_t digital_inputs(const ect_402_drive_t *d)
 {
     const uint8_t *level = d->axis.level;
     return (level[ECT_402_NEGATIVE] ? 0u : 1u) | (level[ECT_402_POSITIVE] ? 0u : 2u) | (level[ECT_402_HOME] ? 4u : 0u) |
-           (d->around->sto || !d->around->enable ? 8u : 0u) | (level[ECT_402_PROBE] ? 1u << 16 : 0u);
+           (d->around->sto || !d->around->enable ? 8u : 0u) | (level[ECT_402_PROBE] ? 1u << 16 : 0u) |
+           (level[ECT_402_HOME] ? 1u << 17 : 0u);
 }
 
 /* `actual` and `demand` count from the zero of the machine. */

@@ -75,8 +75,10 @@ void ect_402_set_values(ect_402_axis_t *a, uint16_t rising)
     ect_402_task_room(a);
     if (a->action != ECT_402_FOLLOW && !ect_402_halted(a))
         return;
-    if (a->action == ECT_402_FOLLOW)
+    if (a->action == ECT_402_FOLLOW && mode != a->mode_running) {
         take_mode(a, mode);
+        rising &= (uint16_t)~(bit | ECT_402_START); /* a bit that is 1 at the entry of its mode is no edge (DRV-145) */
+    }
     if ((rising & bit) != 0 && a->action == ECT_402_FOLLOW)
         ect_402_homing_start(a);
     else if ((a->set.control & bit) == 0)

@@ -57,10 +57,18 @@ static bool can_brake(const ect_402_axis_t *a)
     return ect_402_powered(a) && c->supplied && c->fault_brakes && a->fault_option != 0 && ect_402_stop_in_time(a);
 }
 
+/* A halt acts in profiled motion (DRV-205). */
+static uint16_t control_word(const ect_402_axis_t *a)
+{
+    bool cyclic = a->mode == ECT_402_CSP || a->mode == ECT_402_CSV || a->mode == ECT_402_CST;
+    uint16_t word = a->live ? a->set.control : 0;
+    return cyclic && !a->config->cyclic_halts ? word & (uint16_t)~ECT_402_HALT : word;
+}
+
 static void read_inputs(ect_402_axis_t *a, uint16_t rising)
 {
     a->inputs = (ect_402_inputs_t){
-        .control = a->live ? a->set.control : 0,
+        .control = control_word(a),
         .rising = rising,
         .live = a->live,
         .by_level = a->conditions.by_level,

@@ -3,11 +3,12 @@
 #include "profiles/cia402/axis.h"
 
 enum { OFF_AT_ONCE = 0, SLOW_RAMP = 1, QUICK_RAMP = 2, STAYS = 4, RAMP_TOLERANCE_NS = 200000000 };
-#define AT_THE_LIMIT 1e12 /* counts/s2: as fast as the torque limit lets it */
+#define AT_THE_LIMIT            1e12                  /* counts/s2: as fast as the torque limit lets it */
+#define LONGEST_AT_THE_LIMIT_NS UINT64_C(10000000000) /* with a load that the drive does not know */
 
 static double slow_ramp(const ect_402_axis_t *a)
 {
-    return a->homing.active ? a->home_acceleration : ect_402_deceleration(a);
+    return a->homing.active || a->mode == ECT_402_HM ? a->home_acceleration : ect_402_deceleration(a);
 }
 
 static double ramp(const ect_402_axis_t *a, int option)
@@ -33,8 +34,10 @@ double ect_402_stop_deceleration(const ect_402_axis_t *a)
 
 void ect_402_stop_begin(ect_402_axis_t *a)
 {
-    double ramp_ns = 1.5e9 * ect_402_size(a->plant->speed) / ect_402_stop_deceleration(a);
-    a->stop_until_ns = a->time_ns + RAMP_TOLERANCE_NS + (uint64_t)ramp_ns;
+    double deceleration = ect_402_stop_deceleration(a);
+    double ramp_ns = 1.5e9 * ect_402_size(a->plant->speed) / deceleration;
+    uint64_t ns = deceleration < AT_THE_LIMIT ? RAMP_TOLERANCE_NS + (uint64_t)ramp_ns : LONGEST_AT_THE_LIMIT_NS;
+    a->stop_until_ns = a->time_ns + ns;
 }
 
 bool ect_402_stop_in_time(const ect_402_axis_t *a)

@@ -18,7 +18,8 @@ enum { PREOP = ECT_STATE_PREOP, SAFEOP = ECT_STATE_SAFEOP, OP = ECT_STATE_OP };
 enum { CONTROL = 0x6040, STATUS = 0x6041, MODE = 0x6060, SHOWN = 0x6061, ACTUAL = 0x6064, TARGET = 0x607A };
 enum { SHUTDOWN = 0x06, SWITCH_ON = 0x07, ENABLE = 0x0F, RESET = 0x80, START = 0x1F };
 enum { SOD = 0x40, READY = 0x21, SWITCHED_ON = 0x23, ENABLED = 0x27, STOPPING = 0x07, REACTING = 0x0F, FAULT = 0x08 };
-enum { HM = 6, CSP = 8, CSV = 9, CST = 10 };
+enum { PP = 1, PV = 3, TQ = 4, HM = 6, IP = 7, CSP = 8, CSV = 9, CST = 10 };
+enum { SEARCH = 20000, ZERO = 5000 }; /* speeds of 6099h */
 
 static wire_t wire;
 static ect_esi_twin_t *twin;
@@ -250,6 +251,44 @@ static inline unsigned int home(int8_t method, int32_t offset)
         cycles(1);
     } while (++ms < 20000 && ((get(STATUS) & 0x3400) == 0 || (get(STATUS) & 0x3400) == 0x1000));
     return (unsigned int)(get(STATUS) >> 10 & 0xD); /* 13, 12, 10 */
+}
+
+/* --- SERVO with turns of its own ---------------------------------------------------------------------------------- */
+
+static inline void signals(const char *name, int64_t value)
+{
+    char text[24];
+    (void)snprintf(text, sizeof text, "%lld", (long long)value);
+    set(name, text);
+}
+
+static inline void settings(uint32_t speed, uint32_t acceleration)
+{
+    assert_int_equal(write_sdo(0x6081, 0, speed, 4), 0);
+    assert_int_equal(write_sdo(0x6083, 0, acceleration, 4), 0);
+    assert_int_equal(write_sdo(0x6084, 0, acceleration, 4), 0);
+    assert_int_equal(write_sdo(0x6085, 0, 500000, 4), 0);
+    assert_int_equal(write_sdo(0x6065, 0, -1, 4), 0);
+    assert_int_equal(write_sdo(0x6067, 0, 20, 4), 0);
+    assert_int_equal(write_sdo(0x607F, 0, 1000000, 4), 0);
+    assert_int_equal(write_sdo(0x6099, 1, SEARCH, 4), 0);
+    assert_int_equal(write_sdo(0x6099, 2, ZERO, 4), 0);
+    assert_int_equal(write_sdo(0x609A, 0, 500000, 4), 0);
+}
+
+static inline void servo(int8_t mode, uint32_t turn)
+{
+    open_drive("SERVO");
+    signals("axis1.resolution", turn);
+    settings(50000, 100000);
+    put(MODE, mode);
+    operational();
+}
+
+static inline void expect_near(const char *what, double want, double off, double got)
+{
+    if (!(fabs(got - want) <= off))
+        fail_msg("%s: expected %.1f +- %.1f, got %.1f", what, want, off, got);
 }
 
 #endif

@@ -2,44 +2,7 @@
 /* Modes, reference runs, touch probes, limits and units of a drive over a dictionary. A turn has 10 000 counts. */
 #include "drive_of_file.h"
 
-enum { PP = 1, PV = 3, TQ = 4 };
-enum { SEARCH = 20000, ZERO = 5000, TOLERANCE = 2 };
-
-static void signals(const char *name, int64_t value)
-{
-    char text[24];
-    (void)snprintf(text, sizeof text, "%lld", (long long)value);
-    set(name, text);
-}
-
-static void settings(uint32_t speed, uint32_t acceleration)
-{
-    assert_int_equal(write_sdo(0x6081, 0, speed, 4), 0);
-    assert_int_equal(write_sdo(0x6083, 0, acceleration, 4), 0);
-    assert_int_equal(write_sdo(0x6084, 0, acceleration, 4), 0);
-    assert_int_equal(write_sdo(0x6085, 0, 500000, 4), 0);
-    assert_int_equal(write_sdo(0x6065, 0, -1, 4), 0);
-    assert_int_equal(write_sdo(0x6067, 0, 20, 4), 0);
-    assert_int_equal(write_sdo(0x607F, 0, 1000000, 4), 0);
-    assert_int_equal(write_sdo(0x6099, 1, SEARCH, 4), 0);
-    assert_int_equal(write_sdo(0x6099, 2, ZERO, 4), 0);
-    assert_int_equal(write_sdo(0x609A, 0, 500000, 4), 0);
-}
-
-static void servo(int8_t mode, uint32_t turn)
-{
-    open_drive("SERVO");
-    signals("axis1.resolution", turn);
-    settings(50000, 100000);
-    put(MODE, mode);
-    operational();
-}
-
-static void expect_near(const char *what, double want, double off, double got)
-{
-    if (!(fabs(got - want) <= off))
-        fail_msg("%s: expected %.1f +- %.1f, got %.1f", what, want, off, got);
-}
+enum { TOLERANCE = 2 };
 
 /* --- reference runs ----------------------------------------------------------------------------------------------- */
 
