@@ -9,7 +9,8 @@ static const ect_402_config_t config = {.turn = PMC_TURN,
                                         .peak_torque = 9.0,
                                         .inertia = 3e-4,
                                         .reference_bit = PMC_REFERENCE,
-                                        .cyclic_halts = true};
+                                        .cyclic_halts = true,
+                                        .overspeed_at_once = true};
 
 static int8_t mode(const pmctendo_t *u)
 {

@@ -100,6 +100,8 @@ typedef struct ect_402_config {
     uint16_t reference_bit; /**< bit of the control word that starts a reference run in modes 7 and 8; 0: none */
     bool coasts;            /**< Switched On has no torque, whatever 605Ch is */
     bool cyclic_is_free;    /**< 607Fh limits profiled motion only, not modes 8 to 10 */
+    bool ip_waits;          /**< mode 7 follows while bit 4 of the control word is 1 */
+    bool overspeed_at_once; /**< 1.2 times the speed limit of the mode is a fault; else 1.2 times 6080h for 10 ms */
     bool cyclic_halts;      /**< bit 8 of the control word acts in modes 8 to 10 too */
 } ect_402_config_t;
 
@@ -121,7 +123,7 @@ typedef struct ect_402_set {
 typedef struct ect_402_set_point {
     bool valid, at_once, relative, through;
     int32_t target;
-    double speed, acceleration, deceleration;
+    double speed, end_speed, acceleration, deceleration;
 } ect_402_set_point_t;
 
 /** A reference run under way. */
@@ -156,7 +158,7 @@ typedef struct ect_402_axis {
 
     /* parameters: entries of the dictionary */
     int32_t target;
-    uint32_t task_speed, acceleration, deceleration, quick_deceleration, speed_limit;
+    uint32_t task_speed, end_speed, acceleration, deceleration, quick_deceleration, speed_limit;
     uint32_t error_window, position_window;
     int16_t quick_option, shutdown_option, disable_option, halt_option, fault_option;
     uint16_t error_time, position_time, speed_time, zero_time; /**< ms */
@@ -210,7 +212,11 @@ typedef struct ect_402_axis {
     double zero; /**< machine coordinate of position 0 */
     double sum;  /**< integral part of the speed controller, Nm */
     double torque_now;
+    bool at_switch; /**< a limit switch stops the shaft, now at */
+    double switch_speed;
+    bool held;              /**< the torque or speed limit changes the set value */
     uint32_t error_steps;   /**< with the following error beyond its window */
+    uint32_t over_steps;    /**< above 6080h */
     uint32_t reached_steps; /**< with the target reached */
     uint32_t slow_steps, fast_steps;
     bool speed_is_zero;
@@ -246,6 +252,8 @@ void ect_402_brake_begin(ect_402_axis_t *a);
 void ect_402_brake(ect_402_axis_t *a, double deceleration);
 /** Bit 10, without the times of its windows; while set values are followed. */
 bool ect_402_target_reached(const ect_402_axis_t *a);
+/** Mode 7 follows its set positions: bit 4, where the product waits for it. */
+bool ect_402_ip_active(const ect_402_axis_t *a);
 /** Operation Enabled with bit 8: set-points and reference runs are kept. */
 bool ect_402_halted(const ect_402_axis_t *a);
 

@@ -6,7 +6,8 @@
 #define SPEED_TIME    0.002 /* s, of the speed controller */
 #define INTEGRAL_TIME 0.02  /* s */
 #define OVERSPEED     1.2
-#define STANDSTILL    (3.0 / 60) /* turns a second */
+enum { OVERSPEED_STEPS = ECT_402_STEPS_PER_S / 100 };
+#define STANDSTILL (3.0 / 60) /* turns a second */
 
 /* --- controllers -------------------------------------------------------------------------------------------------- */
 
@@ -28,14 +29,26 @@ static double limit_torque(const ect_402_axis_t *a, double torque)
     return ect_402_within(torque, set < a->config->peak_torque ? set : a->config->peak_torque);
 }
 
-static double speed_command(const ect_402_axis_t *a)
+/* A limit switch that is hit stops the shaft on 6085h (DRV-238). A reference run brakes by itself. */
+static double at_switch(ect_402_axis_t *a, double speed)
+{
+    bool hit = blocked(a, speed) && !a->homing.active;
+    if (!hit || !a->at_switch)
+        a->switch_speed = speed * a->plant->speed > 0 ? a->plant->speed : 0;
+    a->at_switch = hit;
+    a->switch_speed = ect_402_towards(a->switch_speed, 0, a->quick_deceleration * ECT_402_STEP_S);
+    return hit && ect_402_size(a->switch_speed) < ect_402_size(speed) ? a->switch_speed : speed;
+}
+
+static double speed_command(ect_402_axis_t *a)
 {
     const ect_402_reference_t *r = &a->reference;
     double speed = r->speed;
     if (r->loop == ECT_402_LOOP_POSITION)
         speed += POSITION_GAIN * (r->position - a->plant->position);
-    speed = ect_402_within(speed, ect_402_speed_limit(a));
-    return blocked(a, speed) ? 0 : speed;
+    double limited = ect_402_within(speed, ect_402_speed_limit(a));
+    a->held |= limited != speed;
+    return at_switch(a, limited);
 }
 
 /* No integration while the torque is at its limit: the integral part would wind up. */
@@ -45,6 +58,7 @@ static double speed_controller(ect_402_axis_t *a, double command, double ahead)
     double error = command - a->plant->speed;
     double torque = gain * error + a->sum + ahead;
     double limited = limit_torque(a, torque);
+    a->held |= torque != limited;
     if (torque == limited)
         a->sum += gain * error * ECT_402_STEP_S / INTEGRAL_TIME;
     return limited;
@@ -56,6 +70,7 @@ static double torque_controller(ect_402_axis_t *a)
     double torque = limit_torque(a, a->reference.torque);
     double speed = a->plant->speed;
     bool faster = ect_402_size(speed) >= ect_402_speed_limit(a) && (speed > 0) == (torque > 0);
+    a->held |= faster || torque != a->reference.torque;
     if (blocked(a, torque))
         return speed_controller(a, 0, 0);
     return faster ? speed_controller(a, ect_402_within(speed, ect_402_speed_limit(a)), 0) : torque;
@@ -76,7 +91,10 @@ static void monitor(ect_402_axis_t *a)
     a->error_steps = late ? a->error_steps + 1 : 0;
     if (ect_402_following_late(a))
         a->troubles |= ECT_402_LATE;
-    if (ect_402_size(a->plant->speed) > OVERSPEED * ect_402_speed_limit(a))
+    bool at_once = a->config->overspeed_at_once;
+    double limit = at_once ? ect_402_speed_limit(a) : a->motor_speed / 60.0 * a->config->turn;
+    a->over_steps = ect_402_size(a->plant->speed) > OVERSPEED * limit ? a->over_steps + 1 : 0;
+    if (a->over_steps > (at_once ? 0u : OVERSPEED_STEPS))
         a->troubles |= ECT_402_OVERSPEED;
 }
 
@@ -92,7 +110,8 @@ void ect_402_control_off(ect_402_axis_t *a)
 {
     a->torque_now = 0;
     a->sum = 0;
-    a->error_steps = 0;
+    a->error_steps = a->over_steps = 0;
+    a->held = false;
     a->reference = (ect_402_reference_t){.loop = ECT_402_LOOP_SPEED};
 }
 

@@ -120,7 +120,7 @@ void ect_402_drive_init(ect_402_drive_t *d, const ect_402_link_t *links, ect_402
     d->around = around;
     d->instance = instance;
     d->host = host;
-    d->config.coasts = d->config.cyclic_is_free = true;
+    d->config.coasts = d->config.cyclic_is_free = d->config.ip_waits = true;
     d->axis.config = &d->config;
     d->axis.plant = &around->machine;
     d->axis.time_ns = now_ns;

@@ -164,6 +164,7 @@ static void take_speeds(ect_402_drive_t *d)
 {
     ect_402_axis_t *a = &d->axis;
     a->task_speed = speed_u32(d, ECT_402_V_TASK_SPEED);
+    a->end_speed = speed_u32(d, ECT_402_V_END_SPEED);
     a->acceleration = speed_u32(d, ECT_402_V_ACCELERATION);
     a->deceleration = has(d, ECT_402_V_DECELERATION) || !has(d, ECT_402_V_ACCELERATION)
                           ? speed_u32(d, ECT_402_V_DECELERATION)
@@ -215,9 +216,10 @@ static void take_positions(ect_402_drive_t *d)
     int64_t lower = d->value[ECT_402_V_LIMIT_MIN];
     int64_t upper = d->value[ECT_402_V_LIMIT_MAX];
     bool none = lower >= upper || (lower <= INT32_MIN && upper >= INT32_MAX);
-    a->home_offset = (int32_t)-offset;
-    a->limit[0] = none ? 0 : ect_402_saturated((double)(lower - offset));
-    a->limit[1] = none ? 0 : ect_402_saturated((double)(upper - offset));
+    bool turned = ((unsigned int)d->value[ECT_402_V_POLARITY] & POSITION_TURNED) != 0;
+    a->home_offset = (int32_t)(turned ? offset : -offset);
+    a->limit[0] = none ? 0 : ect_402_saturated((double)(turned ? offset - upper : lower - offset));
+    a->limit[1] = none ? 0 : ect_402_saturated((double)(turned ? offset - lower : upper - offset));
     int64_t lowest = d->value[ECT_402_V_RANGE_MIN];
     int64_t highest = d->value[ECT_402_V_RANGE_MAX];
     bool endless = lowest >= highest || (lowest <= INT32_MIN && highest >= INT32_MAX);
@@ -401,7 +403,7 @@ static uint16_t status_word(const ect_402_drive_t *d)
                       (d->around->power ? ECT_402_STATUS_VOLTAGE : 0) |
                       (d->around->warning ? ECT_402_STATUS_WARNING : 0) |
                       (a->live && d->al == ECT_STATE_OP ? ECT_402_STATUS_REMOTE : 0) |
-                      (ect_402_limit_acts(a) || stop ? ECT_402_STATUS_LIMIT : 0));
+                      (ect_402_limit_acts(a) || stop || a->held ? ECT_402_STATUS_LIMIT : 0));
 }
 
 /* 60FDh: limit switches, home switch, interlock, probe inputs. */

@@ -45,6 +45,8 @@ static uint16_t homing_bit(const ect_402_axis_t *a)
 void ect_402_follow_begin(ect_402_axis_t *a)
 {
     ect_402_hold_begin(a);
+    if (!ect_402_standing(a))
+        a->reference.speed = a->plant->speed; /* a motion goes on from where it is (DRV-204) */
     ect_402_limits_begin(a);
     if (a->mode != a->mode_running) {
         ect_402_homing_abort(a);
@@ -93,6 +95,8 @@ void ect_402_set_values(ect_402_axis_t *a, uint16_t rising)
 static void follow_position(ect_402_axis_t *a)
 {
     ect_402_reference_t *r = &a->reference;
+    if (r->loop != ECT_402_LOOP_POSITION)
+        r->position = a->plant->position;
     if (a->set_new) {
         a->set_new = false;
         a->segment_steps = a->cycle_steps;
@@ -113,12 +117,21 @@ static double target_speed(const ect_402_axis_t *a)
     return ect_402_within(a->set.speed, ect_402_speed_limit(a));
 }
 
+static double limited_speed(ect_402_axis_t *a)
+{
+    double target = target_speed(a);
+    a->held |= target != a->set.speed;
+    return target;
+}
+
 static void follow_speed_ramp(ect_402_axis_t *a)
 {
     ect_402_reference_t *r = &a->reference;
-    double target = target_speed(a);
+    double target = limited_speed(a);
     if (ect_402_limit_holds_speed(a, target))
         return;
+    if (a->at_switch)
+        r->speed = ect_402_within(r->speed, ect_402_size(a->switch_speed)); /* the way back begins at once */
     bool faster = ect_402_size(target) > ect_402_size(r->speed) && (target > 0) == (r->speed >= 0);
     double most = (faster ? ect_402_acceleration(a) : ect_402_deceleration(a)) * ECT_402_STEP_S;
     r->loop = ECT_402_LOOP_SPEED;
@@ -127,7 +140,7 @@ static void follow_speed_ramp(ect_402_axis_t *a)
 
 static void follow_speed(ect_402_axis_t *a)
 {
-    double target = target_speed(a);
+    double target = limited_speed(a);
     if (!ect_402_limit_holds_speed(a, target))
         a->reference = (ect_402_reference_t){.loop = ECT_402_LOOP_SPEED, .speed = target};
 }
@@ -141,6 +154,11 @@ static void follow_torque(ect_402_axis_t *a)
                                  a->torque_slope / 1000.0 * a->config->rated_torque * ECT_402_STEP_S);
     if (!ect_402_limit_holds_torque(a, torque))
         a->reference = (ect_402_reference_t){.loop = ECT_402_LOOP_TORQUE, .torque = torque};
+}
+
+bool ect_402_ip_active(const ect_402_axis_t *a)
+{
+    return !a->config->ip_waits || (a->set.control & ECT_402_START) != 0;
 }
 
 void ect_402_follow(ect_402_axis_t *a)
@@ -172,6 +190,12 @@ void ect_402_follow(ect_402_axis_t *a)
     case ECT_402_NO_MODE:
         ect_402_brake(a, ect_402_deceleration(a));
         break;
+    case ECT_402_IP:
+        if (ect_402_ip_active(a))
+            follow_position(a);
+        else
+            ect_402_brake(a, ect_402_deceleration(a));
+        break;
     default:
         follow_position(a);
         break;
@@ -190,14 +214,14 @@ bool ect_402_target_reached(const ect_402_axis_t *a)
         return false;
     switch (mode) {
     case ECT_402_PP:
-        return a->task_reached && !a->next.valid && in_position(a, a->task_target);
+        return a->task_reached && !a->next.valid && !ect_402_limit_acts(a) && in_position(a, a->task_target);
     case ECT_402_HM:
         return a->homing.done && in_position(a, a->homing.found);
     case ECT_402_PV:
     case ECT_402_CSV:
         return ect_402_size(target_speed(a) - a->plant->speed) <= a->speed_window;
     case ECT_402_TQ:
-        return a->reference.torque == a->set.torque / 1000.0 * a->config->rated_torque;
+        return !a->held && a->reference.torque == a->set.torque / 1000.0 * a->config->rated_torque;
     case ECT_402_CST:
         return true;
     default:

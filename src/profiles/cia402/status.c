@@ -57,8 +57,9 @@ static uint16_t bit(bool on, uint16_t mask)
 static uint16_t homing_bits(const ect_402_axis_t *a)
 {
     bool failed = a->homing.error && !a->homing.interrupted;
+    bool found = a->homing.done || (a->homing.active && a->homing.returning && a->homing.leg > 0);
     return (uint16_t)(bit(!a->homing.active && ect_402_standing(a), ECT_402_STATUS_TARGET) |
-                      bit(a->homing.done, ECT_402_STATUS_ATTAINED) | bit(failed, ECT_402_STATUS_MODE_ERROR));
+                      bit(found, ECT_402_STATUS_ATTAINED) | bit(failed, ECT_402_STATUS_MODE_ERROR));
 }
 
 static bool follows(const ect_402_axis_t *a)
@@ -81,7 +82,7 @@ uint16_t ect_402_mode_bits(const ect_402_axis_t *a)
     case ECT_402_HM:
         return homing_bits(a);
     case ECT_402_IP:
-        return (uint16_t)(target | bit(follows(a), ECT_402_STATUS_ATTAINED) | error);
+        return (uint16_t)(target | bit(follows(a) && ect_402_ip_active(a), ECT_402_STATUS_ATTAINED) | error);
     case ECT_402_CSP:
         return (uint16_t)(bit(follows(a), ECT_402_STATUS_ATTAINED) | error);
     default: /* cyclic speed and torque */

@@ -116,6 +116,7 @@ static void hand_out_edges(ect_402_axis_t *a)
 
 void ect_402_step(ect_402_axis_t *a)
 {
+    a->held = false;
     if (a->action == ECT_402_FOLLOW)
         ect_402_follow(a);
     else if (a->action == ECT_402_RAMP || a->action == ECT_402_STOP)

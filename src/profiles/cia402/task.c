@@ -51,6 +51,8 @@ static double target_of(ect_402_axis_t *a, const ect_402_set_point_t *p)
 
 static void begin(ect_402_axis_t *a)
 {
+    if (a->reference.loop != ECT_402_LOOP_POSITION)
+        a->reference.position = a->plant->position; /* braking without a set-point */
     a->task_target = target_of(a, &a->next);
     a->running = a->next;
     a->next.valid = false;
@@ -72,6 +74,7 @@ void ect_402_task_take(ect_402_axis_t *a)
         .through = (a->set.control & ECT_402_THROUGH) != 0,
         .target = a->target,
         .speed = least(a->task_speed, ect_402_speed_limit(a)),
+        .end_speed = least(a->end_speed, least(a->task_speed, ect_402_speed_limit(a))),
         .acceleration = ect_402_acceleration(a),
         .deceleration = ect_402_deceleration(a),
     };
@@ -90,6 +93,13 @@ static bool passes(ect_402_axis_t *a, double *beyond)
     return (a->task_target - a->reference.position) * (*beyond - a->task_target) > 0;
 }
 
+/* The ramp that passes the target at 6082h ends here. */
+static double past(const ect_402_axis_t *a, double left)
+{
+    double way = a->running.end_speed * a->running.end_speed / (2 * a->running.deceleration);
+    return a->task_target + (left < 0 ? -way : way);
+}
+
 /* One step. @return whether the running set-point is finished */
 static bool step(ect_402_axis_t *a)
 {
@@ -97,10 +107,12 @@ static bool step(ect_402_axis_t *a)
     const ect_402_set_point_t *p = &a->running;
     bool through = passes(a, &beyond);
     double before = a->task_target - a->reference.position;
-    double target = through ? beyond : a->task_target;
+    double target = through ? beyond : past(a, before);
     bool there = ect_402_ramp(&a->reference, target, p->speed, p->acceleration, p->deceleration);
+    if (through || target != a->task_target)
+        there = before * (a->task_target - a->reference.position) <= 0;
     if (through)
-        return before * (a->task_target - a->reference.position) <= 0;
+        return there;
     a->task_reached = there;
     return there;
 }
@@ -109,6 +121,8 @@ void ect_402_task_follow(ect_402_axis_t *a)
 {
     if (a->next.valid && (!a->task || a->next.at_once))
         begin(a);
+    if (!a->task)
+        ect_402_brake(a, ect_402_deceleration(a));
     if (!a->task || !step(a))
         return;
     a->task = false;

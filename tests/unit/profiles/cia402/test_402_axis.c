@@ -209,6 +209,25 @@ static void relative(void **state)
     expect_near("DRV-411", 3000, 1, plant.position);
 }
 
+/* DRV-404: the target is passed at 6082h; without another set-point the shaft stops behind it, 500 counts on. */
+static void end_speed(void **state)
+{
+    (void)state;
+    axis.end_speed = 10000;
+    set_point(0, 100000);
+    expect_end("DRV-404", 2410, 5);
+    expect_near("DRV-404, speed at the target", 10000, 100, axis.reference.speed);
+    until_ms(2600);
+    expect_near("behind the target", 100500, 50, plant.position);
+    axis.end_speed = 10000;
+    steps = 0;
+    set_point(0, 0);
+    axis.end_speed = 0;
+    set_point(0, -50000);
+    expect_end("the next set-point goes on from 6082h", 2415 + 1000 + 400, 300);
+    expect_near("and ends at its target", -50000, 1, axis.reference.position);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -218,6 +237,7 @@ int main(int argc, char **argv)
         {"DRV-407: quick stop on 6085h, 605Ah 6", quick_stop, setup, NULL, NULL},
         {"DRV-408 DRV-409: a new target at once, or after the first one", changed, setup, NULL, NULL},
         {"DRV-410: two set-points with and without a stop between them", blended, NULL, NULL, NULL},
+        {"DRV-219 DRV-404: 6082h, the speed at the target", end_speed, setup, NULL, NULL},
         {"DRV-411: relative set-points add up", relative, setup, NULL, NULL},
     };
     if (argc > 1)
