@@ -186,7 +186,8 @@ typedef struct ect_402_axis {
     /* state */
     uint64_t time_ns; /**< the end of the last step, on the grid of steps */
     ect_402_state_t state;
-    ect_402_inputs_t inputs;
+    ect_402_inputs_t inputs; /**< of the last decision, in state `decided` */
+    ect_402_state_t decided;
     ect_402_action_t action;
     uint8_t troubles;       /**< ECT_402_LATE, ...; the product clears them */
     bool was_reset;         /**< bit 7 has reset the fault; the product clears it */

@@ -40,7 +40,7 @@ static void settle(ect_402_drive_t *d, uint16_t rising)
         .supplied = s->power && s->enable && !s->sto,
         .fault = d->error_code != 0,
         .resettable = cause_is_gone(d),
-        .fault_brakes = ect_402_fault_brakes(d->error_code),
+        .fault_brakes = d->error_code == 0 || ect_402_fault_brakes(d->error_code),
         .by_level = true,
     };
     ect_402_settle(&d->axis, rising);

@@ -247,8 +247,10 @@ void ect_402_drive_read(ect_402_drive_t *d, bool all)
 {
     bool changed = all;
     for (unsigned int i = 0; i < ECT_402_VALUE_COUNT; i++) {
+        if (!all && !d->links[i].output)
+            continue;
         const ect_402_object_t *object = ect_402_object((ect_402_value_t)i);
-        if (object->kind == ECT_402_ACTUAL || !(all || d->links[i].output))
+        if (object->kind == ECT_402_ACTUAL)
             continue;
         int64_t value = ect_402_load(d->instance, &d->links[i]);
         changed = changed || (object->kind != ECT_402_COMMAND && value != d->value[i]);

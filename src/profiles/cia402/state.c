@@ -82,10 +82,11 @@ ect_402_state_t ect_402_next(ect_402_state_t state, const ect_402_inputs_t *in, 
 {
     unsigned int flags = flags_of(in);
     unsigned int command = 1u << ect_402_command(in->control, in->live);
+    unsigned int from = 1u << state;
     const row_t *row = NULL;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0] && !row; i++) {
         const row_t *r = &rows[i];
-        if ((r->from & 1u << state) != 0 && (r->commands & command) != 0 && (flags & r->need) == r->need &&
+        if ((r->from & from) != 0 && (r->commands & command) != 0 && (flags & r->need) == r->need &&
             (flags & r->forbid) == 0)
             row = r;
     }

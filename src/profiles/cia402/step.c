@@ -82,13 +82,25 @@ static void read_inputs(ect_402_axis_t *a, uint16_t rising)
     };
 }
 
+static bool equal(const ect_402_inputs_t *x, const ect_402_inputs_t *y)
+{
+    return x->control == y->control && x->rising == y->rising && x->by_level == y->by_level && x->live == y->live &&
+           x->supplied == y->supplied && x->fault == y->fault && x->resettable == y->resettable &&
+           x->can_brake == y->can_brake && x->standing == y->standing && x->stays == y->stays && x->coasts == y->coasts;
+}
+
+/* The decision is a function of state and inputs: nearly all steps repeat the last one. */
 static bool decide(ect_402_axis_t *a, uint16_t rising)
 {
     bool reset = false;
     ect_402_action_t before = a->action;
+    ect_402_inputs_t last = a->inputs;
     read_inputs(a, rising);
+    if (a->state == a->decided && equal(&last, &a->inputs))
+        return false;
     ect_402_state_t next = ect_402_next(a->state, &a->inputs, &reset);
     bool changed = next != a->state;
+    a->decided = a->state; /* a new state is decided upon again */
     a->state = next;
     if (reset) {
         a->was_reset = true;
