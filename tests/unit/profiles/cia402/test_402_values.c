@@ -421,6 +421,118 @@ static void refused_values(void **unused)
     }
 }
 
+/* A file without defaults. A turn has 2^20 increments; windows of speed are as wide as their 16 bits allow. */
+static void defaults(void **unused)
+{
+    static const struct {
+        const char *what;
+        ect_402_value_t value;
+        int32_t number;
+    } rows[] = {
+        {"DRV-002 6007h", ECT_402_V_ABORT_OPTION, 1},
+        {"DRV-003 603Fh", ECT_402_V_ERROR_CODE, 0},
+        {"DRV-006 605Ah", ECT_402_V_QUICK_OPTION, 2},
+        {"DRV-007 605Bh", ECT_402_V_SHUTDOWN_OPTION, 0},
+        {"DRV-007 605Ch", ECT_402_V_DISABLE_OPTION, 1},
+        {"DRV-009 605Dh", ECT_402_V_HALT_OPTION, 1},
+        {"DRV-010 605Eh", ECT_402_V_FAULT_OPTION, 2},
+        {"DRV-011 6060h", ECT_402_V_MODE, 0},
+        {"DRV-012 6061h", ECT_402_V_MODE_DISPLAY, 0},
+        {"DRV-016 6065h", ECT_402_V_ERROR_WINDOW, 1048576},
+        {"DRV-016 6066h", ECT_402_V_ERROR_TIME, 10},
+        {"DRV-018 6068h", ECT_402_V_POSITION_TIME, 10},
+        {"DRV-024 606Eh", ECT_402_V_SPEED_TIME, 10},
+        {"DRV-025 6070h", ECT_402_V_ZERO_TIME, 10},
+        {"DRV-027 6072h", ECT_402_V_MAX_TORQUE, 3000},
+        {"DRV-027 6073h", ECT_402_V_MAX_CURRENT, 3000},
+        {"DRV-030 6075h", ECT_402_V_RATED_CURRENT, 5000},
+        {"DRV-030 6076h", ECT_402_V_RATED_TORQUE, 3000},
+        {"DRV-034 6079h", ECT_402_V_DC_LINK, 325000},
+        {"DRV-039 607Eh", ECT_402_V_POLARITY, 0},
+        {"DRV-040 607Fh", ECT_402_V_SPEED_LIMIT, 104857600},
+        {"DRV-041 6080h", ECT_402_V_MOTOR_SPEED, 6000},
+        {"DRV-042 6081h", ECT_402_V_TASK_SPEED, 10485760},
+        {"DRV-042 6082h", ECT_402_V_END_SPEED, 0},
+        {"DRV-044 6083h", ECT_402_V_ACCELERATION, 104857600},
+        {"DRV-044 6084h", ECT_402_V_DECELERATION, 104857600},
+        {"DRV-046 6085h", ECT_402_V_QUICK_DECELERATION, 524288000},
+        {"DRV-047 6086h", ECT_402_V_PROFILE_TYPE, 0},
+        {"DRV-048 6087h", ECT_402_V_TORQUE_SLOPE, 10000},
+        {"DRV-055 6098h", ECT_402_V_HOME_METHOD, 0},
+        {"DRV-056 6099h:1", ECT_402_V_HOME_SEARCH, 2097152},
+        {"DRV-056 6099h:2", ECT_402_V_HOME_ZERO, 524288},
+        {"DRV-057 609Ah", ECT_402_V_HOME_ACCELERATION, 10485760},
+        {"DRV-060 60B9h", ECT_402_V_PROBE_STATUS, 0},
+        {"DRV-064 60C0h", ECT_402_V_SUB_MODE, 0},
+        {"DRV-066 60C5h", ECT_402_V_MOST_ACCELERATION, INT32_MAX},
+        {"DRV-067 60D0h:1", ECT_402_V_PROBE_SOURCE_1, 1},
+        {"DRV-067 60D0h:2", ECT_402_V_PROBE_SOURCE_2, 2},
+        {"DRV-071 60E0h", ECT_402_V_TORQUE_POSITIVE, 3000},
+        {"DRV-071 60E1h", ECT_402_V_TORQUE_NEGATIVE, 3000},
+        {"DRV-073 60F2h", ECT_402_V_POSITIONING, 0},
+        {"DRV-078 60FDh", ECT_402_V_INPUTS, 0},
+        {"DRV-079 60FEh:1", ECT_402_V_OUTPUTS, 0},
+        {"DRV-082 6502h", ECT_402_V_MODES, 0x3ED},
+    };
+    (void)unused;
+    prepare();
+    power_on();
+    cycle(1);
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        if (r.value[rows[i].value] != rows[i].number)
+            fail_msg("%s: expected %d, got %d", rows[i].what, rows[i].number, r.value[rows[i].value]);
+    }
+}
+
+/* Actual values of a motion in csv: 120 turns a minute against 1 Nm, a third of the rated torque. */
+static void actual_values(void **unused)
+{
+    static const struct {
+        const char *what;
+        ect_402_value_t value;
+        int32_t number, off;
+    } rows[] = {
+        {"DRV-005 6041h", ECT_402_V_STATUS, 0x1237, 0},
+        {"DRV-012 6061h", ECT_402_V_MODE_DISPLAY, ECT_402_CSV, 0},
+        {"DRV-020 6069h", ECT_402_V_SENSOR_SPEED, 2097152, 2000},
+        {"DRV-022 606Bh", ECT_402_V_SPEED_DEMAND, 2097152, 0},
+        {"DRV-023 606Ch", ECT_402_V_SPEED, 2097152, 2000},
+        {"DRV-032 6074h", ECT_402_V_TORQUE_DEMAND, 350, 2}, /* friction is a sixtieth */
+        {"DRV-032 6077h", ECT_402_V_TORQUE, 350, 2},
+        {"DRV-032 6078h", ECT_402_V_CURRENT, 350, 2},
+        {"DRV-074 60F4h", ECT_402_V_FOLLOWING_ERROR, 0, 0},
+        {"DRV-076 60FAh", ECT_402_V_EFFORT, 2097152, 0},
+    };
+    (void)unused;
+    prepare();
+    power_on();
+    enable();
+    r.around.machine.load = 1;
+    r.value[ECT_402_V_TARGET_SPEED] = 2097152;
+    cycle(500);
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        int32_t got = r.value[rows[i].value];
+        if (got < rows[i].number - rows[i].off || got > rows[i].number + rows[i].off)
+            fail_msg("%s: expected %d, got %d", rows[i].what, rows[i].number, got);
+    }
+    assert_int_equal(r.value[ECT_402_V_POSITION], r.value[ECT_402_V_INTERNAL]);
+    assert_int_equal(r.value[ECT_402_V_DEMAND], r.value[ECT_402_V_INTERNAL_DEMAND]);
+    assert_true(r.value[ECT_402_V_POSITION] > 900000);
+}
+
+/* Profiles other than the linear ones. */
+static void refused_profiles(void **unused)
+{
+    static const ect_402_value_t values[] = {ECT_402_V_PROFILE_TYPE, ECT_402_V_TORQUE_PROFILE, ECT_402_V_SUB_MODE};
+    (void)unused;
+    prepare();
+    power_on();
+    for (size_t i = 0; i < COUNT(values); i++) {
+        assert_int_equal(ect_402_drive_check(&r.d, values[i], 1), ECT_REASON_RANGE);
+        assert_int_equal(ect_402_drive_check(&r.d, values[i], 0), ECT_OK);
+    }
+}
+
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
@@ -435,6 +547,9 @@ int main(void)
         {"Commands by SDO count in OP", by_mailbox, NULL, NULL, NULL},
         {"A drive at rest has no deadline", rests, NULL, NULL, NULL},
         {"Modes are those for which the objects exist", modes, NULL, NULL, NULL},
+        {"DRV-002 DRV-006 DRV-007 DRV-009 DRV-010 defaults where the file has none", defaults, NULL, NULL, NULL},
+        {"DRV-005 DRV-014 DRV-022 DRV-023 DRV-032 actual values of a motion", actual_values, NULL, NULL, NULL},
+        {"DRV-047 DRV-048 DRV-064 profiles other than the linear ones are refused", refused_profiles, NULL, NULL, NULL},
         {"DRV-519: speeds in turns a minute, and in tenths", speed_units, NULL, NULL, NULL},
         {"Options, modes and methods that do not exist are refused", refused_values, NULL, NULL, NULL},
     };
