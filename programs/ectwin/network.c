@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bus/chain/catalogue.h"
 #include "eni/bus.h"
 #include "esi/read.h"
 #include "esi_dir.h"
@@ -30,6 +31,9 @@ static void print_slave(const ect_eni_slave_t *slave, size_t i, const char *name
         fprintf(stderr, "; hot-connect group%s%s, plugged in", *slave->group != '\0' ? " " : "", slave->group);
     if (slave->place.given && (uint16_t)slave->place.value != (uint16_t)(0 - i))
         fprintf(stderr, "; its AutoIncAddr is %" PRId64 ", its place in the file %zu", slave->place.value, i + 1);
+    if (slave->mailbox.others > 0)
+        fprintf(stderr, "; its %zu start-up commands of SoE, AoE, EoE and FoE have no effect on the twin",
+                slave->mailbox.others);
     fprintf(stderr, "\n");
 }
 
@@ -83,6 +87,32 @@ bool network_names(network_names_t *names, const char *path, const char *esi_dir
     return fine;
 }
 
+static bool is_same(const ect_identity_t *a, const ect_identity_t *b)
+{
+    return a->vendor_id == b->vendor_id && a->product_code == b->product_code && a->revision == b->revision;
+}
+
+/* A device of `ectwin list`, or of a file with its prefix, as esi:FILE#TYPE. @return false: see message */
+static bool take_device(network_names_t *names, const char *device, const ect_identity_t *identities, char *message)
+{
+    const ect_product_t *product = product_find(device, NULL, 0, ECT_BEHAVIOUR_BY_FILE, message);
+    for (size_t i = 0; product && i < names->count; i++) {
+        if (names->names[i] || !is_same(&identities[i], &product->device->identity))
+            continue;
+        names->names[i] = strdup(device);
+        if (!names->names[i]) {
+            snprintf(message, PRODUCT_MESSAGE, "no memory left");
+            return false;
+        }
+    }
+    return product != NULL;
+}
+
+static bool is_device(const char *name)
+{
+    return product_file(name) || ect_catalogue_find(name);
+}
+
 bool network_names_of_files(network_names_t *names, const char *path, const char *const files[], size_t count,
                             char *message)
 {
@@ -90,7 +120,8 @@ bool network_names_of_files(network_names_t *names, const char *path, const char
     ect_identity_t *identities = network ? identities_of(network, message) : NULL;
     bool fine = identities != NULL;
     for (size_t i = 0; fine && i < count; i++)
-        fine = esi_dir_search_file(files[i], identities, names->names, names->count, message);
+        fine = is_device(files[i]) ? take_device(names, files[i], identities, message)
+                                   : esi_dir_search_file(files[i], identities, names->names, names->count, message);
     free(identities);
     return fine && end_names(names, path);
 }

@@ -32,7 +32,8 @@ const char *network_path(const char *name);
 bool network_names(network_names_t *names, const char *path, const char *esi_dir, bool quiet, char *message);
 
 /**
- * Finds the device of each slave in the given ESI files, as ::network_names does in a folder, without printing lines.
+ * Finds the device of each slave in the given ESI files, or among devices ("fzm1", "yaml:FILE"), as ::network_names
+ * does in a folder, without printing lines.
  * @return false: one of the files cannot be read
  */
 bool network_names_of_files(network_names_t *names, const char *path, const char *const files[], size_t count,

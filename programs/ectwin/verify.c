@@ -315,7 +315,7 @@ int command_verify(int argc, char **argv)
 {
     static const struct argp argp = {
         .parser = parse,
-        .args_doc = "A [B...]\nDIR slave:IFACE\neni:FILE.xml [FILE.xml...|slave:IFACE]",
+        .args_doc = "A [B...]\nDIR slave:IFACE\neni:FILE.xml [FILE.xml...|DEVICE...|slave:IFACE]",
         .doc = "Compares the sources of a device: an ESI file (FILE.xml[#TYPE]), an EEPROM image (FILE.bin, "
                "FILE.hex), a DEVICE ('ectwin list' or esi:FILE.xml#TYPE) with its EEPROM, a slave on the wire "
                "(slave:IFACE[:N]) with its EEPROM and dictionary. The first source is the expectation; each further "

@@ -97,6 +97,20 @@ static ect_twin_config_t *make_twins(const network_names_t *names, const char *p
     return NULL;
 }
 
+/* Commands that the player does not send are no difference. */
+static void print_unsent(const ect_eni_t *eni)
+{
+    const ect_eni_network_t *network = ect_eni_network(eni);
+    for (size_t i = 0; i < network->slave_count; i++) {
+        const ect_eni_slave_t *slave = &network->slaves[i];
+        if (slave->mailbox.others > 0)
+            fprintf(stderr,
+                    "ectwin verify: %s:%d: slave %zu, %s: %zu start-up commands of SoE, AoE, EoE and FoE are "
+                    "not sent\n",
+                    ect_eni_file(eni), slave->line, i + 1, slave->name, slave->mailbox.others);
+    }
+}
+
 /* A slave without an ESI file is a difference; its twin is made from the ENI alone. */
 static size_t print_missing(const network_names_t *names, const ect_eni_t *eni)
 {
@@ -128,6 +142,7 @@ static int with_twins(const char *path, const char *const files[], size_t count)
     if (b.chain) {
         eni = product_network(path, message);
         b.lines += count > 0 ? print_missing(&names, eni) : 0;
+        print_unsent(eni);
         (void)ect_eni_check(eni, report, &b);
         play(&b, eni);
     }

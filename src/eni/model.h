@@ -125,7 +125,7 @@ typedef struct ect_eni_mailbox {
     bool aoe, eoe, coe, foe, soe, voe;
     const ect_eni_coe_t *commands;
     size_t command_count;
-    size_t others; /**< number of start-up commands of SoE, AoE, EoE, which are not read */
+    size_t others; /**< number of start-up commands of SoE, AoE, EoE, FoE, which are not read */
 } ect_eni_mailbox_t;
 
 /** The selected `<PreviousPort>`, or the only one. */

@@ -23,6 +23,22 @@ sed 's|<AutoIncAddr>65535<|<AutoIncAddr>65533<|' "$eni/machine.xml" >"$work/orde
 check "ENI-008: another place in AutoIncAddr" "its AutoIncAddr is 65533, its place in the file 2" \
   "$("$ectwin" check "eni:$work/order.xml" 2>&1 | grep -o 'its AutoIncAddr.*')"
 
+sed '0,\|</Mailbox>|s||<EoE><InitCmd><Transition>IP</Transition></InitCmd></EoE><SoE><InitCmds><InitCmd/><InitCmd/></InitCmds></SoE></Mailbox>|' \
+  "$eni/machine.xml" >"$work/protocols.xml"
+check "ENI-025: commands of other protocols are counted at the start" "its 3 start-up commands of SoE, AoE, EoE and FoE have no effect on the twin" \
+  "$("$ectwin" check "eni:$work/protocols.xml" 2>&1 | grep -o 'its 3 .*')"
+check "ENI-025: commands of other protocols are counted by verify, and are no difference" \
+  "0 slave 2, Drive 2 (AX1): 3 start-up commands of SoE, AoE, EoE and FoE are not sent" \
+  "$("$ectwin" verify "eni:$work/protocols.xml" >"$work/out" 2>"$work/err"; echo "$? $(grep -o 'slave 2.*' "$work/err")")"
+
+# Devices in place of ESI files.
+"$ectwin" eni --quiet fzm1,vr-bu-ect-map3 -o "$work/own.xml"
+check "ENI-015: verify with devices: no difference" "0 " "$("$ectwin" verify "eni:$work/own.xml" fzm1 vr-bu-ect-map3 2>&1 >"$work/out"; echo "$? $(cat "$work/out")")"
+"$ectwin" verify "eni:$work/own.xml" vr-bu-ect-map3 >"$work/out" 2>"$work/err"
+check "ENI-015: verify with one of two devices: the other one is missing" "1 1" "$? $(grep -c 'slave 1,.*no ESI file' "$work/out")"
+"$ectwin" verify "eni:$work/own.xml" yaml:missing.yaml >"$work/out" 2>"$work/err"
+check "ENI-015: verify with a device that cannot be read" "2 1" "$? $(grep -c 'missing.yaml' "$work/err")"
+
 mkdir "$work/esi"
 "$ectwin" esi --quiet "eni:$eni/machine.xml#1" -o "$work/esi/io.XML"
 echo nonsense >"$work/esi/broken.xml"
