@@ -21,6 +21,7 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/random.h>
+#include <sys/select.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -99,13 +100,67 @@ static void a_mask_at_a_bad_address_is_refused(void **state)
                  {SYS_pselect6, {0, 0, 0, 0, 0, 1}},
                  {SYS_pselect6, {0, 0, 0, 0, 0, (long)bad_pair}},
                  {SYS_rt_sigsuspend, {1, KERNEL_MASK}},
-                 {SYS_rt_sigtimedwait, {1, 0, 0, KERNEL_MASK}}};
+                 {SYS_rt_sigtimedwait, {1, 0, 0, KERNEL_MASK}},
+                 {SYS_rt_sigaction, {SIGSYS, 1, 0, KERNEL_MASK}},
+                 {SYS_rt_sigaction, {SIGSYS, 0, 1, KERNEL_MASK}}};
     (void)state;
     for (size_t i = 0; i < sizeof calls / sizeof *calls; i++) {
         const long *a = calls[i].a;
         assert_int_equal(raw_call(calls[i].number, a[0], a[1], a[2], a[3], a[4], a[5]), -EFAULT);
     }
     assert_dispatched();
+}
+
+static void a_time_or_a_set_at_a_bad_address_is_refused(void **state)
+{
+    static const uint64_t none;
+    const struct {
+        long number, a[6];
+    } calls[] = {{SYS_nanosleep, {1}},
+                 {SYS_nanosleep, {0}},
+                 {SYS_clock_nanosleep, {CLOCK_MONOTONIC, 0, 1}},
+                 {SYS_clock_nanosleep, {CLOCK_MONOTONIC, 0, 0}},
+                 {SYS_ppoll, {0, 0, 1, 0, KERNEL_MASK}},
+                 {SYS_select, {1, 1}},
+                 {SYS_select, {1, 0, 1}},
+                 {SYS_select, {1, 0, 0, 1}},
+                 {SYS_select, {0, 0, 0, 0, 1}},
+                 {SYS_pselect6, {1, 1}},
+                 {SYS_pselect6, {1, 0, 1}},
+                 {SYS_pselect6, {1, 0, 0, 1}},
+                 {SYS_pselect6, {0, 0, 0, 0, 1}},
+                 {SYS_rt_sigtimedwait, {(long)&none, 0, 1, KERNEL_MASK}}};
+    (void)state;
+    for (size_t i = 0; i < sizeof calls / sizeof *calls; i++) {
+        const long *a = calls[i].a;
+        assert_int_equal(raw_call(calls[i].number, a[0], a[1], a[2], a[3], a[4], a[5]), -EFAULT);
+    }
+    assert_dispatched();
+}
+
+/* A set as large as the kernel reads it for the number of descriptors, at the end of the memory. */
+static void a_small_set_of_select_is_enough(void **state)
+{
+    enum { PAGE = 4096 };
+    struct timeval timeout = {.tv_usec = 1000};
+    int fds[2];
+    (void)state;
+    assert_int_equal(pipe(fds), 0);
+    assert_true(fds[0] < 64);
+    char *pages = mmap(NULL, 2 * PAGE, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    assert_ptr_not_equal(pages, MAP_FAILED);
+    assert_int_equal(munmap(pages + PAGE, PAGE), 0);
+    uint64_t *set = (uint64_t *)(void *)(pages + PAGE - sizeof *set);
+    *set = 1ull << fds[0];
+    assert_int_equal(raw_call(SYS_select, fds[0] + 1, (long)set, 0, 0, (long)&timeout, 0), 0);
+    assert_true(*set == 0);
+    assert_int_equal(write(fds[1], "x", 1), 1);
+    *set = 1ull << fds[0];
+    assert_int_equal(raw_call(SYS_select, fds[0] + 1, (long)set, 0, 0, 0, 0), 1);
+    assert_true(*set == 1ull << fds[0]);
+    munmap(pages, PAGE);
+    close(fds[0]);
+    close(fds[1]);
 }
 
 static void floating_point_survives(void **state)
@@ -379,6 +434,10 @@ int main(int argc, char **argv)
         {"Results and errors are those of the kernel; errno stays", results_are_those_of_the_kernel, NULL, NULL, NULL},
         {"A path at a bad address is refused, and ends no program", a_path_at_a_bad_address_is_refused, NULL, NULL,
          NULL},
+        {"A time or a set of descriptors at a bad address is refused, and ends no program",
+         a_time_or_a_set_at_a_bad_address_is_refused, NULL, NULL, NULL},
+        {"A set that ends behind the word of its last descriptor is enough for select", a_small_set_of_select_is_enough,
+         NULL, NULL, NULL},
         {"A mask at a bad address is refused, and ends no program", a_mask_at_a_bad_address_is_refused, NULL, NULL,
          NULL},
         {"Floating point registers survive calls", floating_point_survives, NULL, NULL, NULL},

@@ -129,6 +129,7 @@ REPLACES int __ppoll_chk(struct pollfd *fds, nfds_t count, const struct timespec
 
 typedef struct selecting {
     int count;
+    size_t size; /* of the sets in bytes: those of a system call may be smaller than an fd_set */
     fd_set *sets[3];
     fd_set wanted[3];
     int result;
@@ -141,18 +142,25 @@ static bool select_now(void *arg)
     ect_ports_show();
     for (unsigned int i = 0; i < 3; i++) {
         if (s->sets[i])
-            *s->sets[i] = s->wanted[i];
+            memcpy(s->sets[i], &s->wanted[i], s->size);
     }
     s->result = REAL(select)(s->count, s->sets[0], s->sets[1], s->sets[2], &none);
     return s->result != 0;
 }
 
+/* @return the bytes of a set of so many descriptors, which the kernel reads and writes as words */
+static size_t size_of_set(int count)
+{
+    const size_t words = count > 0 ? ((size_t)count + NFDBITS - 1) / NFDBITS : 0;
+    return words * sizeof(fd_mask) < sizeof(fd_set) ? words * sizeof(fd_mask) : sizeof(fd_set);
+}
+
 static int select_until(int count, fd_set *to_read, fd_set *to_write, fd_set *except, uint64_t until_ns)
 {
-    selecting_t s = {.count = count, .sets = {to_read, to_write, except}};
+    selecting_t s = {.count = count, .size = size_of_set(count), .sets = {to_read, to_write, except}};
     for (unsigned int i = 0; i < 3; i++) {
         if (s.sets[i])
-            s.wanted[i] = *s.sets[i];
+            memcpy(&s.wanted[i], s.sets[i], s.size);
     }
     ect_virtual_charge(ECT_COST_SOCKET_NS);
     ect_wait_t wait = ect_virtual_wait_until(select_now, &s, "select()", until_ns);

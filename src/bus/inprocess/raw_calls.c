@@ -194,29 +194,48 @@ static bool has_bad_path(const ect_raw_call_t *call)
     return ect_raw_pass(&look) == -EFAULT;
 }
 
-/* So do the calls with a mask of signals, which copy it. */
-static bool has_bad_mask(const ect_raw_call_t *call)
+/* So do the calls with a mask of signals, a time or sets of descriptors, which copy it. */
+static bool has_bad_argument(const ect_raw_call_t *call)
 {
-    enum { MASK = 8, WORD = sizeof(long) };
+    enum { MASK = 8, TIME = 16, TIMES = 32, WORD = sizeof(long) };
     static const struct {
         long number;
-        size_t at;
-    } masks[] = {
-        {SYS_ppoll, 3}, {SYS_epoll_pwait, 4}, {SYS_epoll_pwait2, 4}, {SYS_rt_sigsuspend, 0}, {SYS_rt_sigtimedwait, 0}};
+        size_t at, size;
+        bool required; /* the address 0 is a bad one */
+    } rows[] = {{SYS_ppoll, 3, MASK, false},
+                {SYS_epoll_pwait, 4, MASK, false},
+                {SYS_epoll_pwait2, 4, MASK, false},
+                {SYS_rt_sigsuspend, 0, MASK, false},
+                {SYS_rt_sigtimedwait, 0, MASK, false},
+                {SYS_nanosleep, 0, TIME, true},
+                {SYS_clock_nanosleep, 2, TIME, true},
+                {SYS_ppoll, 2, TIME, false},
+                {SYS_epoll_pwait2, 3, TIME, false},
+                {SYS_rt_sigtimedwait, 2, TIME, false},
+                {SYS_timerfd_settime, 2, TIMES, true},
+                {SYS_select, 4, TIME, false},
+                {SYS_pselect6, 4, TIME, false},
+                {SYS_select, 1, 1, false},
+                {SYS_select, 2, 1, false},
+                {SYS_select, 3, 1, false},
+                {SYS_pselect6, 1, 1, false},
+                {SYS_pselect6, 2, 1, false},
+                {SYS_pselect6, 3, 1, false}};
     const long *pair = (const long *)call->a[5];
-    if (call->number == SYS_pselect6)
-        return pair && (!ect_raw_can_read(call->a[5], 2 * WORD) || (pair[0] != 0 && !ect_raw_can_read(pair[0], MASK)));
-    size_t i = 0;
-    while (i < sizeof masks / sizeof *masks && masks[i].number != call->number)
-        i++;
-    return i < sizeof masks / sizeof *masks && call->a[masks[i].at] != 0 &&
-           !ect_raw_can_read(call->a[masks[i].at], MASK);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        if (rows[i].number == call->number && (rows[i].required || call->a[rows[i].at] != 0) &&
+            !ect_raw_can_read(call->a[rows[i].at], rows[i].size))
+            return true;
+    }
+    if (call->number != SYS_pselect6 || !pair)
+        return false;
+    return !ect_raw_can_read(call->a[5], 2 * WORD) || (pair[0] != 0 && !ect_raw_can_read(pair[0], MASK));
 }
 
 static long make(const ect_raw_call_t *call)
 {
     long result;
-    if (has_bad_path(call) || has_bad_mask(call))
+    if (has_bad_path(call) || has_bad_argument(call))
         return ect_raw_pass(call);
     if (ect_raw_on_clock(call, &result) || ect_raw_find(table, sizeof table / sizeof *table, call, &result))
         return result;

@@ -117,8 +117,17 @@ static struct sigaction action_of(const kernel_action_t *from)
     return to;
 }
 
-static long set_own_action(const kernel_action_t *action, kernel_action_t *before)
+/* The kernel refuses a bad address of `before`, and its own action does not stay there. */
+static long set_own_action(const ect_raw_call_t *call)
 {
+    const kernel_action_t *action = (const kernel_action_t *)call->a[1];
+    kernel_action_t *before = (kernel_action_t *)call->a[2];
+    const ect_raw_call_t look = {.number = call->number, .a = {SIGSYS, 0, call->a[2], call->a[3]}};
+    if (action && !ect_raw_can_read(call->a[1], sizeof *action))
+        return -EFAULT;
+    long result = ect_raw_pass(&look);
+    if (result != 0)
+        return result;
     const struct sigaction set = action ? action_of(action) : (struct sigaction){0};
     struct sigaction was;
     ect_raw_own_action(action ? &set : NULL, &was);
@@ -134,7 +143,7 @@ static long set_action(const ect_raw_call_t *call)
     ect_raw_call_t its = *call;
     kernel_action_t action;
     if (call->a[0] == SIGSYS)
-        return set_own_action((const kernel_action_t *)call->a[1], (kernel_action_t *)call->a[2]);
+        return set_own_action(call);
     if (call->a[1] && ect_raw_can_read(call->a[1], sizeof action)) {
         action = *(const kernel_action_t *)call->a[1];
         action.mask = ect_raw_mask(action.mask);
@@ -194,9 +203,8 @@ static long make_child(const ect_raw_call_t *call, ucontext_t *at, bool of_syste
 
 static bool concerns_handler(long number)
 {
-    static const long numbers[] = {SYS_rt_sigprocmask, SYS_rt_sigaction, SYS_rt_sigreturn, SYS_sigaltstack,
-                                   SYS_prctl,          SYS_clone,        SYS_clone3,       SYS_fork,
-                                   SYS_vfork,          SYS_arch_prctl};
+    static const long numbers[] = {SYS_rt_sigprocmask, SYS_rt_sigaction, SYS_sigaltstack, SYS_prctl,     SYS_clone,
+                                   SYS_clone3,         SYS_fork,         SYS_vfork,       SYS_arch_prctl};
     size_t i = 0;
     while (i < sizeof numbers / sizeof *numbers && numbers[i] != number)
         i++;
@@ -210,8 +218,6 @@ static long make_here(const ect_raw_call_t *call, ucontext_t *at, bool of_system
         return set_mask(call, at);
     case SYS_rt_sigaction:
         return set_action(call);
-    case SYS_rt_sigreturn:
-        return_from_signal(at);
     case SYS_sigaltstack:
         return set_stack(call, at);
     case SYS_prctl:
@@ -229,7 +235,8 @@ static long make_here(const ect_raw_call_t *call, ucontext_t *at, bool of_system
  */
 
 /* Not instrumented: AddressSanitizer may begin a function with mmap() (a frame for the detection of use after return,
- * default since GCC 13). This call is dispatched too, and would recurse endlessly. */
+ * default since GCC 13). This call is dispatched too, and would recurse endlessly. And rt_sigreturn leaves the function
+ * by a jump: the guards around local variables of an instrumented function would stay. */
 __attribute__((no_sanitize("address"))) static void on_call(int number, siginfo_t *info, void *context)
 {
     ucontext_t *at = context;
@@ -245,6 +252,8 @@ __attribute__((no_sanitize("address"))) static void on_call(int number, siginfo_
                                        registers[REG_R8], registers[REG_R9]}};
     if (info->si_arch != AUDIT_ARCH_X86_64)
         registers[REG_RAX] = let_go(at, of_system);
+    else if (call.number == SYS_rt_sigreturn)
+        return_from_signal(at);
     else if (concerns_handler(call.number))
         registers[REG_RAX] = make_here(&call, at, of_system);
     else
