@@ -41,6 +41,8 @@ check "set, get" "sensed=215" "$("$heater" with heater -- sh -c "'$heater' set s
 mirror=$work/device/ectwin-mirror
 check "the mirror: conformance" "0 fail" \
   "$("$mirror" with mirror -- "$build/ectwin-conform" -i '{}' --only 'CF-033,CF-05*,CF-06*' 2>/dev/null | sed -n 's/.* cases in .* \([0-9]* fail\), .*/\1/p')"
+check "docs/DEVICE.md: the number of cases" "$("$build/ectwin-conform" --list | wc -l)" \
+  "$(sed -n 's/^[0-9]* of \([0-9]*\) cases in .*/\1/p' "$root/docs/DEVICE.md")"
 check "the heater: EEPROM and mailbox agree on VoE" "0 fail" \
   "$("$heater" with heater -- "$build/ectwin-conform" -i '{}' --only 'CF-058,CF-086' 2>/dev/null | sed -n 's/.* cases in .* \([0-9]* fail\), .*/\1/p')"
 check "sii" 2048 "$("$heater" sii heater | wc -c)"
