@@ -530,6 +530,77 @@ static void cycle_time(void **state)
     assert_int_equal(write_sdo(0x60C2, 1, 1, 1), 0);
 }
 
+/* --- mapping ------------------------------------------------------------------------------------------------------ */
+
+static void map(uint16_t pdo, uint8_t entry, uint32_t value, uint32_t abort)
+{
+    uint32_t got = write_sdo(pdo, entry, value, entry == 0 ? 1 : 4);
+    if (got != abort)
+        fail_msg("%04X:%u = %08X: expected %08X, got %08X", (unsigned int)pdo, entry, (unsigned int)value,
+                 (unsigned int)abort, (unsigned int)got);
+}
+
+/* KickCAT maps a PDO while it is assigned, and assigns it after that. */
+static void mapped_while_assigned(void **state)
+{
+    static const uint32_t outputs[] = {0x60400010, 0x60600008, 0x00000008, 0x607A0020, 0x60FF0020, 0x60710010};
+    static const uint32_t inputs[] = {0x60410010, 0x60610008, 0x00000008, 0x60640020,
+                                      0x606C0020, 0x60770010, 0x603F0010};
+    static const struct {
+        uint16_t pdo, assignment;
+        const uint32_t *entries;
+        uint8_t count;
+    } rows[] = {{0x1600, 0x1C12, outputs, COUNT(outputs)}, {0x1A00, 0x1C13, inputs, COUNT(inputs)}};
+    (void)state;
+    open_drive("SERVO");
+    assert_int_equal(write_sdo(MODE, 0, CSP, 1), 0);
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        map(rows[i].pdo, 0, 0, 0);
+        for (uint8_t e = 0; e < rows[i].count; e++)
+            map(rows[i].pdo, (uint8_t)(e + 1), rows[i].entries[e], 0);
+        map(rows[i].pdo, 0, rows[i].count, 0);
+        assert_int_equal(write_sdo(rows[i].assignment, 0, 0, 1), 0);
+        assert_int_equal(write_sdo(rows[i].assignment, 1, rows[i].pdo, 2), 0);
+        assert_int_equal(write_sdo(rows[i].assignment, 0, 1, 1), 0);
+    }
+    put(MODE, CSP);
+    next_state(SAFEOP);
+    next_state(OP);
+    enable(0);
+    put(TARGET, 1000);
+    cycles(300);
+    expect_near("position", 1000, 2, (double)get(ACTUAL));
+}
+
+static void refused_mappings(void **state)
+{
+    static const struct {
+        const char *what;
+        uint32_t entry, abort;
+    } rows[] = {{"an object of 8 bits in 16", 0x60600010, 0x06040041},
+                {"an actual value as output", 0x60410010, 0x06040041},
+                {"an object that may not be mapped", 0x60C20108, 0x06040041},
+                {"padding of a bit", 0x00000001, 0},
+                {"padding of 32 bits", 0x00000020, 0}};
+    (void)state;
+    open_drive("SERVO");
+    map(0x1600, 0, 0, 0);
+    for (size_t i = 0; i < COUNT(rows); i++)
+        map(0x1600, 1, rows[i].entry, rows[i].abort);
+}
+
+static void mapped_objects_by_mailbox(void **state)
+{
+    (void)state;
+    servo(CSP, 10000);
+    enable(0);
+    put(TARGET, 500);
+    cycles(1);
+    put(TARGET, 900); /* not sent */
+    assert_int_equal(read_sdo(TARGET, 0), 500);
+    assert_int_equal(read_sdo(CONTROL, 0), ENABLE);
+}
+
 int main(void)
 {
 #define TEST(title, function) {title, function, NULL, close_drive, NULL}
@@ -555,6 +626,9 @@ int main(void)
         TEST("DRV-157 OP left without torque", op_left),
         TEST("DRV-158 the demand begins at the shaft", demand_at_the_entry),
         TEST("DRV-154 DRV-513 a control word by SDO holds until the next frame", control_by_mailbox_in_op),
+        TEST("DRV-601 DRV-602 DRV-092..094 a PDO mapped while it is assigned", mapped_while_assigned),
+        TEST("DRV-095 DRV-093 entries that cannot be mapped, and padding", refused_mappings),
+        TEST("DRV-099 a mapped object by SDO is the value taken last", mapped_objects_by_mailbox),
         TEST("DRV-263 DRV-065 60C2h: range, whole steps, not in SAFEOP and OP", cycle_time),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
