@@ -79,10 +79,53 @@ static void each_flag(void **state)
     free_made(&m);
 }
 
+/* A slot for one module, then one for two of another kind. */
+#define OWN(on_slots, on_second)                                                                                       \
+    ESI_HEAD                                                                                                           \
+        "\n<Device Physics='YY'><Type ProductCode='#x1' RevisionNo='#x2'>RACK</Type><Name>A rack</Name>"               \
+        "<Profile><ProfileNo>5001</ProfileNo></Profile><Fmmu>Outputs</Fmmu><Fmmu>Inputs</"                             \
+        "Fmmu>" ESI_MAILBOX_SMS ESI_PROCESS_SMS                                                                        \
+        "<Mailbox><CoE SdoInfo='1'/></Mailbox><Slots MaxSlotCount='3' " on_slots ">"                                   \
+        "<Slot MinInstances='1' MaxInstances='1'><Name>A</Name><ModuleIdent Default='1'>#x110</ModuleIdent></Slot>"    \
+        "<Slot MinInstances='2' MaxInstances='2' " on_second                                                           \
+        "><Name>B</Name><ModuleIdent Default='1'>#x120</ModuleIdent></Slot></Slots>" ESI_EEPROM                        \
+        "</Device></Devices><Modules>" MODULE("#x110", "IO", TX_PDO)                                                   \
+            MODULE("#x120", "IO", RX_PDO) "</Modules></Descriptions></EtherCATInfo>"
+
+static void own_increments(void **state)
+{
+    static const struct {
+        const char *what, *text;
+        uint16_t first, second, mapped; /* PDOs of slot B's instances; the object that the second one maps */
+    } rows[] = {
+        {"of all slots", OWN("SlotPdoIncrement='1' SlotIndexIncrement='#x10'", ""), 0x1601, 0x1602, 0x7020},
+        {"of the slot",
+         OWN("SlotPdoIncrement='1' SlotIndexIncrement='#x10'", "SlotPdoIncrement='8' SlotIndexIncrement='#x20'"),
+         0x1600, 0x1608, 0x7020},
+        {"of the slot for PDOs alone", OWN("SlotPdoIncrement='1' SlotIndexIncrement='#x10'", "SlotPdoIncrement='#x10'"),
+         0x1600, 0x1610, 0x7010},
+        {"PDOs 8 a slot", OWN("SlotPdoIncrement='8' SlotIndexIncrement='#x10'", ""), 0x1608, 0x1610, 0x7020},
+        {"PDOs 16 a slot", OWN("SlotPdoIncrement='#x10' SlotIndexIncrement='#x10'", ""), 0x1610, 0x1620, 0x7020},
+        {"0", OWN("SlotPdoIncrement='0' SlotIndexIncrement='0'", ""), 0x1600, 0x1600, 0x7000},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        made_t m = make_text(rows[i].what, rows[i].text);
+        const ect_od_t od = od_of(&m);
+        const ect_object_t *second = ect_od_find(&od, rows[i].second);
+        if (!ect_od_find(&od, rows[i].first) || second == NULL || ect_od_element(second, 1) >> 16 != rows[i].mapped)
+            fail_msg("increments %s: expected PDOs %04Xh and %04Xh, the second one with %04Xh", rows[i].what,
+                     rows[i].first, rows[i].second, rows[i].mapped);
+        free_made(&m);
+    }
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"MDP-014: indices move by the slot's group times the increment of the slot, or else of all slots", with_groups,
+         NULL, NULL, NULL},
+        {"MDP-012 MDP-013: increments of a slot replace those of all slots and count its own instances", own_increments,
          NULL, NULL, NULL},
         {"MDP-011 MDP-014: each index, also of an Exclude, has its own flags", each_flag, NULL, NULL, NULL},
     };
