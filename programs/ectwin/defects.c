@@ -504,6 +504,26 @@ static bool is_ethernet(const datagram_t *g, bool to_slave)
     return is_mail(g, to_slave) && (to_slave || counter(g) == 1) && (data(g)[5] & 0x0F) == 2;
 }
 
+/* @return whether the datagram is a mail of AoE from the slave with more than an AMS header */
+static bool is_ads(const datagram_t *g)
+{
+    return is_mail(g, false) && counter(g) == 1 && (data(g)[5] & 0x0F) == 1 && ect_load_le16(data(g)) >= 36;
+}
+
+static void ads_value_is_wrong(defect_t *d, datagram_t *g)
+{
+    (void)d;
+    if (is_ads(g) && data(g)[6 + 16] == 2 && ect_load_le16(data(g)) > 40)
+        data(g)[6 + 40] ^= 1;
+}
+
+static void ads_refuses_nothing(defect_t *d, datagram_t *g)
+{
+    (void)d;
+    if (is_ads(g))
+        ect_store_le32(data(g) + 6 + 32, 0);
+}
+
 static void gateway_is_not_known(defect_t *d, datagram_t *g)
 {
     (void)d;
@@ -791,6 +811,8 @@ static const defect_row_t rows[] = {
     {"CF-097c", "the IRQ field is always 0", CUSTOM, .after = no_interrupt},
     {"CF-098", "mails have a foreign address", MAIL, .length = ANY_MAIL, .at = 2, .change = ANY(2, 0x7777)},
     {"CF-098b", "mails have channel 1", MAIL, .length = ANY_MAIL, .at = 4, .change = ANY(1, 1)},
+    {"CF-A01", "AoE reads another value than CoE (needs AoE)", CUSTOM, .after = ads_value_is_wrong},
+    {"CF-A02", "each result of AoE is 0 (needs AoE)", CUSTOM, .after = ads_refuses_nothing},
     {"CF-E01", "the gateway is not reported (needs EoE)", CUSTOM, .after = gateway_is_not_known},
     {"CF-E02", "a last fragment of whole units is not marked as the last (needs EoE)", CUSTOM,
      .after = end_is_not_marked},

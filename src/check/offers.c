@@ -5,6 +5,7 @@
 
 #include "check/internal.h"
 #include "esc/personality.h"
+#include "seams/aoe.h"
 #include "seams/eoe.h"
 #include "seams/services.h"
 #include "seams/standard.h"
@@ -92,6 +93,23 @@ static bool eoe_good(const report_t *r)
     return true;
 }
 
+/* Checks the requirements of the stack's AoE; a device may have its own AoE. */
+static bool aoe_good(const report_t *r)
+{
+    const ect_device_t *d = r->device;
+    for (const ect_protocol_t *const *p = d->protocols; p && *p; p++) {
+        if ((*p)->request != ect_aoe_request)
+            continue;
+        const ect_aoe_t *aoe = (const ect_aoe_t *)(const void *)*p;
+        if (!ect_aoe_fits(d))
+            return wrong(r, "sm: with AoE both mailboxes have at least %d bytes", ECT_AOE_MAILBOX_LEAST);
+        if (aoe->offset < sizeof(ect_standard_t) || aoe->offset > d->instance_size ||
+            sizeof(ect_aoe_state_t) > d->instance_size - aoe->offset)
+            return wrong(r, "protocols: the state of AoE is not inside the instance");
+    }
+    return true;
+}
+
 static bool protocols_good(const report_t *r)
 {
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
@@ -102,7 +120,7 @@ static bool protocols_good(const report_t *r)
     }
     if ((r->device->mailbox_protocols & ~0x3Fu) != 0)
         return wrong(r, "mailbox_protocols: there is no protocol %02Xh", r->device->mailbox_protocols & ~0x3Fu);
-    return eoe_good(r) && coe_good(r);
+    return eoe_good(r) && aoe_good(r) && coe_good(r);
 }
 
 /* --- 1018h, 1C00h: as the description, however they are made

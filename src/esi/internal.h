@@ -27,7 +27,7 @@
  *   twin.c             the description and its behaviour
  *   rack.c             twins, with a description for each set of modules
  *   behaviour.c        drives with objects of CiA 402
- *   network.c          EoE: an IP host
+ *   network.c          EoE: an IP host; AoE
  *   values.c           the values of a dictionary before the first write
  *   write_xml.c        elements and attributes; the first failure
  *   write_dictionary.c  data types and objects
@@ -53,6 +53,7 @@
 #include "esi/write.h"
 #include "esi/xml.h"
 #include "esi/xml_writer.h"
+#include "seams/aoe.h"
 #include "seams/eoe.h"
 #include "seams/standard.h"
 #include "wire/assert.h"
@@ -171,6 +172,8 @@ typedef struct ect_build {
     ect_eoe_t *network;  /**< the twin's EoE, NULL: none */
     size_t *toggles;     /**< TxPDO toggles: offsets in the instance */
     size_t toggle_count;
+    ect_aoe_t *ads; /**< the twin's AoE, NULL: none */
+    size_t start;   /**< of the data of protocols and entries in the instance */
 } ect_build_t;
 
 /**
@@ -318,6 +321,16 @@ const ect_protocol_t *ect_esi_network(ect_build_t *build, const ect_device_t *de
 
 /** network.c: places the state of EoE in the instance, from `at` on. @return the end */
 size_t ect_esi_network_place(const ect_build_t *build, size_t at);
+
+/**
+ * network.c: AoE of a twin, if the file has AoE. Its NetId is at ect_build_t::start, in each set of modules.
+ * @param device  with its SyncManagers
+ * @return the protocol; NULL: the mailboxes of the file are too short for AoE
+ */
+const ect_protocol_t *ect_esi_ads(ect_build_t *build, const ect_device_t *device);
+
+/** network.c: bytes of the NetId in the instance; 0: the file has no AoE. */
+size_t ect_esi_ads_size(const ect_esi_device_t *model);
 
 /* --- modules that change ----------------------------------------------------------------------------------------- */
 

@@ -120,7 +120,7 @@ static ect_esi_rack_t *make_rack(ect_arena_t *arena, const ect_esi_t *esi, const
                              .growth = {.image = LONGEST_IMAGE, .runs = BASE_RUNS},
                              .slots = slots,
                              .find = find};
-    rack->used = ect_esi_change_size(rack);
+    rack->used = ect_esi_change_size(rack) + ect_esi_ads_size(model);
     for (size_t i = 0; i < model->module_count && rack->room <= LARGEST; i++)
         measure(rack, &model->modules[i], slots_for(model, &model->modules[i]));
     return rack->room <= LARGEST ? rack : NULL;

@@ -203,7 +203,8 @@ static void set_protocols(ect_build_t *build, ect_device_t *device)
     add_protocol(device, list, m->coe, &ect_protocol_emergency);
     add_protocol(device, list, m->coe, &ect_protocol_sdo);
     add_protocol(device, list, m->coe && m->sdo_info, &ect_protocol_sdo_info);
-    add_protocol(device, list, m->aoe, &aoe);
+    const ect_protocol_t *ads = m->aoe ? ect_esi_ads(build, device) : NULL;
+    add_protocol(device, list, m->aoe, ads ? ads : &aoe);
     add_protocol(device, list, m->foe, &foe);
     add_protocol(device, list, m->soe, &soe);
     add_protocol(device, list, m->voe, &voe);
@@ -239,9 +240,10 @@ static void set_mailbox(ect_build_t *build, ect_device_t *device)
     }
     if (device->mailbox_protocols != 0)
         set_protocols(build, device);
-    const uint8_t served = (uint8_t)(ECT_MAILBOX_COE | (build->network ? ECT_MAILBOX_EOE : 0));
+    const uint8_t served =
+        (uint8_t)(ECT_MAILBOX_COE | (build->network ? ECT_MAILBOX_EOE : 0) | (build->ads ? ECT_MAILBOX_AOE : 0));
     if ((device->mailbox_protocols & ~served) != 0)
-        ect_build_note(build, "%s%s%s%s%sanswered with \"unsupported protocol\"", m->aoe ? "AoE " : "",
+        ect_build_note(build, "%s%s%s%s%sanswered with \"unsupported protocol\"", m->aoe && !build->ads ? "AoE " : "",
                        m->eoe && !build->network ? "EoE " : "", m->foe ? "FoE " : "", m->soe ? "SoE " : "",
                        m->voe ? "VoE " : "");
     if (*build->model->dictionary_file != '\0')
@@ -596,7 +598,7 @@ static size_t place_of(ect_esi_rack_t *rack, const ect_build_object_t *object, c
 /* Room in the instance for each entry, aligned to its size, and a terminator behind texts. */
 static size_t lay_out(ect_build_t *build)
 {
-    size_t at = sizeof(ect_esi_instance_t);
+    size_t at = build->start + ect_esi_ads_size(build->model);
     for (size_t i = 0; i < build->object_count; i++) {
         for (size_t k = 0; k < build->objects[i].count; k++) {
             ect_build_entry_t *entry = &build->objects[i].entries[k];
@@ -867,6 +869,7 @@ ect_esi_twin_t *ect_esi_twin_assemble(const ect_esi_t *esi, const ect_esi_device
         return NULL;
     }
     twin->build = (ect_build_t){.arena = &twin->arena, .model = model, .rack = rack};
+    twin->build.start = rack != NULL ? ect_esi_change_size(rack) : sizeof(ect_esi_instance_t);
     twin->esi = esi;
     twin->chosen = module_count > 0;
     build(twin, modules, module_count);

@@ -15,6 +15,7 @@
  *   mailbox.c    counters, repeat, error replies, dispatch to the protocols that the device names
  *   coe.c        the CoE header
  *   sdo.c sdo_info.c emergency.c foe.c eoe.c     protocols, linked when a device names them
+ *   aoe.c        another, which reads and writes the dictionary through sdo.c
  *   pdo_config.c diagnosis.c store.c sync.c      object services, likewise
  *   machine.c    AL control, the checks of the transitions, watchdog, drops
  *   slave.c      initialisation and the poll: the sequence of all steps
@@ -152,6 +153,15 @@ uint8_t *ect_coe_build(ect_slave_t *s, uint8_t kind);
 uint16_t ect_coe_room(const ect_slave_t *s);
 /* Sends the mail: `length` includes the CoE header. */
 void ect_coe_send(ect_slave_t *s, uint16_t length);
+
+/* --- sdo.c: the dictionary in one piece, by the rules of the SDO server; a transfer of CoE under way continues
+ * -------- */
+enum { ECT_SDO_COMPLETE = 0x0100 /* Complete Access, in a place: index << 16, sub-index in bits 0..7 */ };
+/* Reads an entry or object, at most `*length` bytes, to `to`, which is all 0. @return ECT_OK, and the bytes in `length`
+ */
+ect_reason_t ect_sdo_read_all(ect_slave_t *s, uint32_t place, uint8_t *to, uint32_t *length);
+/* Writes one; not while a download in segments is under way. */
+ect_reason_t ect_sdo_write_all(ect_slave_t *s, uint32_t place, const uint8_t *data, uint16_t length);
 
 /* --- machine.c -------------------------------------------------------------------------------------------------- */
 void ect_machine_al_control(ect_slave_t *s);

@@ -25,6 +25,10 @@ enum {
     LAST_SEGMENT = 0x01,
 };
 
+/* Functions that CoE and the accesses of other protocols share are part of each caller: a device without the latter has
+ * no code for them. */
+#define SHARED static inline __attribute__((always_inline))
+
 enum { INITIATE = 8 /* command, index, sub-index, 4 bytes */, EXPEDITED_ROOM = 4, SEGMENT_MINIMUM = 7 };
 
 /* --- the cursor -------------------------------------------------------------------------------------------------- */
@@ -259,7 +263,7 @@ static uint8_t last_of(const ect_slave_t *s)
 }
 
 /* The device may refuse, or supply other bytes. */
-static ect_reason_t call_sdo_read(ect_slave_t *s)
+SHARED ect_reason_t call_sdo_read(ect_slave_t *s)
 {
     const ect_device_t *device = s->config.device;
     ect_sdo_t *sdo = &s->sdo;
@@ -279,20 +283,31 @@ static void send_expedited(ect_slave_t *s, uint8_t last_subindex)
     ect_coe_send(s, ECT_SDO_LENGTH);
 }
 
-static void upload(ect_slave_t *s, const uint8_t *request)
+/* Opens an upload; the cursor is then at its first byte, `last` the last sub-index. */
+SHARED ect_reason_t open_upload(ect_slave_t *s, const uint8_t *request, uint8_t *last)
 {
     ect_sdo_t *sdo = &s->sdo;
     const ect_entry_t *first = NULL;
     ect_reason_t reason = open_transfer(s, request, ECT_UPLOAD, &first);
     if (reason == ECT_OK)
         reason = call_sdo_read(s);
+    if (reason != ECT_OK)
+        return reason;
+    *last = last_of(s);
+    sdo->size = sdo->complete ? packed_size(s, first, *last) : entry_size(s, first);
+    cursor_begin(s, first->subindex <= *last ? first : NULL);
+    return ECT_OK;
+}
+
+static void upload(ect_slave_t *s, const uint8_t *request)
+{
+    ect_sdo_t *sdo = &s->sdo;
+    uint8_t last = 0;
+    ect_reason_t reason = open_upload(s, request, &last);
     if (reason != ECT_OK) {
         send_abort(s, ect_load_le16(request + 1), request[3], reason);
         return;
     }
-    uint8_t last = last_of(s);
-    sdo->size = sdo->complete ? packed_size(s, first, last) : entry_size(s, first);
-    cursor_begin(s, first->subindex <= last ? first : NULL);
     if (sdo->size > 0 && sdo->size <= EXPEDITED_ROOM) {
         send_expedited(s, last);
         return;
@@ -473,7 +488,7 @@ static ect_reason_t cursor_write(ect_slave_t *s, const uint8_t *from, uint16_t l
 }
 
 /* The announced length of a download must fit; a whole object may be shorter, by whole entries. */
-static ect_reason_t check_size(ect_slave_t *s, const ect_entry_t *first)
+SHARED ect_reason_t check_size(ect_slave_t *s, const ect_entry_t *first)
 {
     ect_sdo_t *sdo = &s->sdo;
     uint32_t room = sdo->complete ? packed_size(s, first, UINT8_MAX) : (uint32_t)ect_od_bytes(first);
@@ -483,7 +498,7 @@ static ect_reason_t check_size(ect_slave_t *s, const ect_entry_t *first)
     return sdo->size < room && (!may_be_short || sdo->size == 0) ? ECT_REASON_TOO_SHORT : ECT_OK;
 }
 
-static ect_reason_t store_whole(ect_slave_t *s, const ect_entry_t *first, const uint8_t *data)
+SHARED ect_reason_t store_whole(ect_slave_t *s, const ect_entry_t *first, const uint8_t *data)
 {
     uint16_t size = (uint16_t)s->sdo.size;
     cursor_begin(s, first);
@@ -570,6 +585,50 @@ static void download_segment(ect_slave_t *s, const uint8_t *request, uint16_t le
     finish_download(s, reason, false, DOWNLOAD | (request[0] & (unsigned int)TOGGLE));
     if (last)
         sdo->state = ECT_SDO_IDLE;
+}
+
+/* --- accesses in one piece, of other protocols -------------------------------------------------------------------- */
+
+/* The address of an initiate request. */
+static void address_of(uint32_t place, uint8_t request[4])
+{
+    request[0] = (place & ECT_SDO_COMPLETE) != 0 ? COMPLETE : 0;
+    ect_store_le16(request + 1, (uint16_t)(place >> 16));
+    request[3] = (uint8_t)place;
+}
+
+ect_reason_t ect_sdo_read_all(ect_slave_t *s, uint32_t place, uint8_t *to, uint32_t *length)
+{
+    const ect_sdo_t under_way = s->sdo;
+    uint8_t request[4];
+    uint8_t last = 0;
+    address_of(place, request);
+    ect_reason_t reason = open_upload(s, request, &last);
+    if (reason == ECT_OK && s->sdo.size > *length)
+        reason = ECT_REASON_MAILBOX_SIZE;
+    if (reason == ECT_OK) {
+        *length = s->sdo.size;
+        cursor_read(s, to, (uint16_t)*length, last);
+    }
+    s->sdo = under_way;
+    return reason;
+}
+
+ect_reason_t ect_sdo_write_all(ect_slave_t *s, uint32_t place, const uint8_t *data, uint16_t length)
+{
+    const ect_sdo_t under_way = s->sdo;
+    const ect_entry_t *first = NULL;
+    uint8_t request[4];
+    ECT_ASSERT(under_way.state != ECT_SDO_DOWNLOADING);
+    address_of(place, request);
+    ect_reason_t reason = open_transfer(s, request, ECT_DOWNLOAD, &first);
+    s->sdo.size = length;
+    if (reason == ECT_OK)
+        reason = check_size(s, first);
+    if (reason == ECT_OK)
+        reason = store_whole(s, first, data);
+    s->sdo = under_way;
+    return reason;
 }
 
 /* --- entry ------------------------------------------------------------------------------------------------------- */

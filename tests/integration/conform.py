@@ -142,12 +142,14 @@ FOLLOW = {
 GATEWAY = f"esi:{ROOT}/examples/eoe/gateway.xml"
 RACK = f"esi:{ROOT}/tests/esi/rack.xml" # modules whose idents a master writes
 STATES = f"esi:{ROOT}/tests/esi/states.xml" # TxPDO toggle and state in the inputs
+ADS = f"esi:{ROOT}/tests/esi/ads.xml" # CoE and AoE
 DEFECT_TWINS = {**{id_: [RACK] for id_ in ("CF-M01", "CF-M02", "CF-M02b")}, "CF-M03": [STATES],
+                "CF-A01": [ADS], "CF-A02": [ADS],
                 **{f"CF-E{number}": [GATEWAY] for number in ("01", "02", "03", "04", "05", "06", "07", "08", "09", "10", "12")},
                 "CF-032": ["fzm1,vr-bu-ect-map7"], "CF-073": ["vr-bu-ect-map7"]}
 ALIAS = ["--alias", "5"] # without one, CF-046 waits for 2 s in each run, and is skipped
 IN_OTHERS = ["CF-072b"] # no product can have them; devices made for tests do
-DEFECTS_LEAST = 111
+DEFECTS_LEAST = 113
 
 
 def case_of(id_):
@@ -161,7 +163,7 @@ def defect(ectwin, conform, id_):
         with folder_with_a_file() as (twins, arguments):
             return find_defect(ectwin, conform, id_, ["--break", id_, *ALIAS, *twins], arguments)
     devices_ = DEFECT_TWINS.get(id_, ["fzm1"])
-    arguments = [] if devices_ in ([GATEWAY], [RACK], [STATES]) else esi_of(devices_[-1].split(",")[0])
+    arguments = [] if devices_ in ([GATEWAY], [RACK], [STATES], [ADS]) else esi_of(devices_[-1].split(",")[0])
     if id_ == "CF-096b":
         arguments += ["--plug", f"{ectwin} unplug 1 >&2 && sleep 0.1 && {ectwin} plug 1 >&2"]
     return find_defect(ectwin, conform, id_, ["--break", id_, *ALIAS, *devices_], arguments)
@@ -235,6 +237,8 @@ OTHERS = (
     (GATEWAY, ["--only", "CF-085,CF-E*"], "CF-085", []),
     (GATEWAY, ["--only", "CF-E*"], "CF-E02", []),
     (f"--eoe echo {GATEWAY}", ["--only", "CF-E*"], "CF-E03", []),
+    (ADS, ["--only", "CF-A*,CF-02[34567],CF-058,CF-07*,CF-086"], "CF-A01", []),
+    (ADS, ["--only", "CF-A*"], "CF-A02", []),
     (RACK, ["--only", "CF-M*,CF-07*"], "CF-M01", []),
     (f"--module 2=0x120 {RACK}", ["--only", "CF-M*"], "CF-M02", []),
     (f"--set modules.strict=1 {RACK}", ["--only", "CF-M*"], "CF-M02", []),

@@ -51,5 +51,9 @@ void cf_eoe_random(cf_t *c);
 void cf_eoe_described(cf_t *c);
 /** CF-E12: unknown types, ports and mails. */
 void cf_eoe_unsupported(cf_t *c);
+/** CF-A01: state, name and identity by AoE. */
+void cf_ads_reads(cf_t *c);
+/** CF-A02: unknown groups, objects, commands, and lengths. */
+void cf_ads_refusals(cf_t *c);
 
 #endif

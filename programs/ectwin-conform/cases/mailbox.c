@@ -271,6 +271,9 @@ static const cf_case_t cases[] = {
      CF_MAILBOX | CF_SII, 0, cf_eoe_described},
     {"CF-E12", "EoE: reserved types and unknown ports are refused, replies without a request are ignored", 'R',
      CF_MAILBOX | CF_EOE, 0, cf_eoe_unsupported},
+    {"CF-A01", "AoE: state, device information and identity are read", 'R', CF_MAILBOX, 0, cf_ads_reads},
+    {"CF-A02", "AoE: unknown groups, objects and commands, and wrong lengths are refused", 'R', CF_MAILBOX, 0,
+     cf_ads_refusals},
     {"CF-086", "AoE, SoE and VoE get a mailbox error if not supported", 'R', CF_MAILBOX, 0, not_offered},
 };
 

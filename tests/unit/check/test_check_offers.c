@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "check/check.h"
+#include "seams/aoe.h"
 #include "seams/services.h"
 #include "support/confdev.h"
 #include "support/copy.h"
@@ -36,6 +37,14 @@ static const ect_service_t *const rhythm_last[] = {&ect_service_sync, &ect_servi
 static const ect_protocol_t *const foe_last[] = {&ect_protocol_sdo, &ect_protocol_sdo_info, &foe, NULL};
 static const ect_protocol_t *const without_info[] = {&ect_protocol_emergency, &ect_protocol_sdo, NULL};
 static const ect_protocol_t *const nothing[] = {NULL};
+#define AOE_AT(name, at)                                                                                               \
+    static const ect_aoe_t aoe_##name = {.protocol = ECT_AOE_PROTOCOL, .offset = (at)};                                \
+    static const ect_protocol_t *const name[] = {&ect_protocol_sdo, &ect_protocol_sdo_info, &aoe_##name.protocol, NULL}
+AOE_AT(aoe_first, sizeof(ect_standard_t));
+AOE_AT(aoe_in_front, sizeof(ect_standard_t) - 1);
+AOE_AT(aoe_last, sizeof(testdev_t) - sizeof(ect_aoe_state_t));
+AOE_AT(aoe_across_the_end, sizeof(testdev_t) - sizeof(ect_aoe_state_t) + 1);
+AOE_AT(aoe_beyond, sizeof(testdev_t) + 1);
 static const ect_dc_mode_t unnamed[] = {{.name = "DC", .assign_activate = 0x300}, {.name = NULL}};
 static const ect_dc_mode_t free_run[] = {{.name = "FreeRun"}};
 static const uint16_t three_excludes[] = {0x1600, 0x1601, 0x1A01, 0};
@@ -82,6 +91,14 @@ static void writable_only(copy_t *c, uint16_t index)
 
 /* --- the rows ----------------------------------------------------------------------------------------------------- */
 
+/* AoE served from `list`, with a reply mailbox of at least `length` bytes. */
+static void serve_aoe(copy_t *c, const ect_protocol_t *const *list, uint16_t length)
+{
+    D.protocols = list;
+    D.mailbox_protocols |= ECT_MAILBOX_AOE;
+    D.sm[1].minimum = length;
+}
+
 /* X(name, device, what is done to it, a part of the line or NULL) */
 #define PROTOCOLS(X)                                                                                                   \
     X(as_they_are, testdev, (void)0, NULL)                                                                             \
@@ -89,6 +106,12 @@ static void writable_only(copy_t *c, uint16_t index)
     X(one_more_served, testdev, D.protocols = foe_last, "it has not FoE, the list 'protocols' serves it")              \
     X(one_more_named, testdev, D.mailbox_protocols |= ECT_MAILBOX_AOE, "it has AoE, the list 'protocols' does not")    \
     X(eoe_named, testdev, D.mailbox_protocols |= ECT_MAILBOX_EOE, "it has EoE, the list")                              \
+    X(aoe, testdev, serve_aoe(c, aoe_first, 62), NULL)                                                                 \
+    X(aoe_at_the_end, testdev, serve_aoe(c, aoe_last, 62), NULL)                                                       \
+    X(aoe_at_61, testdev, serve_aoe(c, aoe_first, 61), "sm: with AoE both mailboxes have at least 62 bytes")           \
+    X(aoe_in_standard, testdev, serve_aoe(c, aoe_in_front, 62), "the state of AoE is not inside the instance")         \
+    X(aoe_over_the_end, testdev, serve_aoe(c, aoe_across_the_end, 62), "the state of AoE is not inside")               \
+    X(aoe_far, testdev, serve_aoe(c, aoe_beyond, 62), "the state of AoE is not inside the instance")                   \
     X(soe_named, testdev, D.mailbox_protocols |= ECT_MAILBOX_SOE, "it has SoE, the list")                              \
     X(voe_named, testdev, D.mailbox_protocols |= ECT_MAILBOX_VOE, "it has VoE, the list")                              \
     X(an_empty_list, testdev, D.protocols = nothing, "it has CoE, the list 'protocols' does not serve it")             \

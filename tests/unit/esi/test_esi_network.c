@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* EoE of a twin of an ESI file: a master sets the address and pings it, through the mailbox. */
-#include "from_text.h"
-#include "support/wire.h"
+/* EoE of a twin of an ESI file: a master sets the address and pings it, through the mailbox. AoE of such a twin. */
+#include "rack.h"
 
 enum { SIZE = 128, MAIL_HEADER = 6, HEADER = 4, FRAME = 14 + 20 + 8 + 1400, LAST = 1 };
 
@@ -138,14 +137,121 @@ static void place_behind_any_objects(void **state)
     }
 }
 
+/* --- AoE ---------------------------------------------------------------------------------------------------------- */
+
+enum { AMS = 32, TARGET_LAST = 5, COMMAND = 16, READ = 2, WRITE = 3, COE_GROUP = 0xF302, SETUP_GROUP = 1, NET_ID = 3 };
+
+/* Sends an ADS command to the NetId 1.2.3.4.5.`id`. @return its result, or the error code of the AMS header */
+static uint32_t ads(wire_t *w, uint8_t id, uint16_t command, uint32_t group, uint32_t offset, const void *data,
+                    uint32_t length, uint8_t reply[SIZE])
+{
+    uint8_t mail[SIZE] = {1, 2, 3, 4, 5, id};
+    const uint32_t sent = command == WRITE ? length : 0;
+    ect_store_le16(mail + COMMAND, command);
+    mail[COMMAND + 2] = 4;
+    ect_store_le32(mail + COMMAND + 4, 12 + sent);
+    ect_store_le32(mail + AMS, group);
+    ect_store_le32(mail + AMS + 4, offset);
+    ect_store_le32(mail + AMS + 8, length);
+    if (sent > 0)
+        memcpy(mail + AMS + 12, data, sent);
+    assert_int_equal(wire_mail_request(w, 0, ECT_MAILBOX_TYPE_AOE, mail, (uint16_t)(AMS + 12 + sent)), 1);
+    const int got = wire_mail_receive(w, 0, reply, SIZE);
+    assert_true(got >= AMS);
+    const uint32_t error = ect_load_le32(reply + MAIL_HEADER + 24);
+    return error != 0 ? error : ect_load_le32(reply + MAIL_HEADER + AMS);
+}
+
+static uint32_t set_net_id(wire_t *w, uint8_t id)
+{
+    const uint8_t own[] = {1, 2, 3, 4, 5, id};
+    uint8_t reply[SIZE];
+    return ads(w, id, WRITE, SETUP_GROUP, NET_ID, own, sizeof own, reply);
+}
+
+static void expect_product(wire_t *w, uint8_t id, uint32_t result)
+{
+    uint8_t reply[SIZE];
+    assert_int_equal(ads(w, id, READ, COE_GROUP, 0x10180002, NULL, 4, reply), result);
+    if (result == 0)
+        assert_int_equal(ect_load_le32(reply + MAIL_HEADER + AMS + 8), 1);
+}
+
+static void dictionary_by_ads(void **state)
+{
+    made_t m = make_text("AoE", ESI_DEVICE(ESI_MAILBOX_SMS "<Mailbox><AoE/><CoE/></Mailbox>" ESI_EEPROM));
+    wire_t w;
+    (void)state;
+    power_on(&w, &m);
+    expect_product(&w, 6, 0);
+    assert_int_equal(set_net_id(&w, 7), 0);
+    expect_product(&w, 7, 0);
+    expect_product(&w, 6, 7);
+    wire_close(&w);
+    free_made(&m);
+}
+
+static void no_dictionary(void **state)
+{
+    made_t m = make_text("AoE", ESI_DEVICE(ESI_MAILBOX_SMS "<Mailbox><AoE/></Mailbox>" ESI_EEPROM));
+    wire_t w;
+    (void)state;
+    power_on(&w, &m);
+    expect_product(&w, 6, 0x702);
+    assert_int_equal(set_net_id(&w, 7), 0);
+    wire_close(&w);
+    free_made(&m);
+}
+
+static void mailbox_of_61(void **state)
+{
+    static const char text[] =
+        ESI_DEVICE("<Sm DefaultSize='128' StartAddress='#x1000' ControlByte='#x26' Enable='1'>MBoxOut</Sm>"
+                   "<Sm DefaultSize='61' StartAddress='#x1080' ControlByte='#x22' Enable='1'>MBoxIn</Sm>"
+                   "<Mailbox><AoE/></Mailbox>" ESI_EEPROM);
+    made_t m = make_text("AoE", text);
+    (void)state;
+    assert_non_null(note_of(&m, "AoE answered with \"unsupported protocol\""));
+    free_made(&m);
+}
+
+/* The NetId is neither among the objects nor among the modules that outlast a power cycle. */
+static void net_id_of_a_rack(void **state)
+{
+    static char text[20000];
+    static const char mailbox[] = "<Mailbox>", with_ads[] = "<Mailbox><AoE/>";
+    const char *before = strstr(MANY_SLOTS, mailbox);
+    rig_t r;
+    (void)state;
+    assert_in_range(snprintf(text, sizeof text, "%.*s%s%s", (int)(before - MANY_SLOTS), MANY_SLOTS, with_ads,
+                             before + strlen(mailbox)),
+                    1, sizeof text - 1);
+    open_rig(&r, text, ECT_STATE_PREOP);
+    assert_int_equal(set_net_id(&r.wire, 7), 0);
+    expect_product(&r.wire, 7, 0);
+    const uint32_t first = read_number(&r, 0xF030, 1);
+    const uint8_t idents[] = {0x20, 1, 0, 0};
+    uint8_t reply[SIZE];
+    assert_int_equal(ads(&r.wire, 7, WRITE, COE_GROUP, 0xF0300001, idents, sizeof idents, reply), 0);
+    assert_int_not_equal(first, OUT);
+    assert_int_equal(read_number(&r, 0xF030, 1), OUT);
+    expect_product(&r.wire, 7, 0);
+    expect_product(&r.wire, 6, 7);
+    close_rig(&r);
+}
+
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
+        {"AoE: a master sets the NetId and reads the dictionary of the file", dictionary_by_ads, NULL, NULL, NULL},
+        {"AoE: a file without CoE has no dictionary, and takes the NetId", no_dictionary, NULL, NULL, NULL},
+        {"AoE: with a mailbox of 61 bytes it is refused, and a note reports it", mailbox_of_61, NULL, NULL, NULL},
+        {"AoE: the NetId of a rack stays when AoE writes other modules", net_id_of_a_rack, NULL, NULL, NULL},
         {"EOE-035 EOE-041: the address that a master sets answers a ping of 1400 bytes", ping_is_answered, NULL, NULL,
          NULL},
         {"the place of the address is aligned, whatever the length of the objects", place_behind_any_objects, NULL,
          NULL, NULL},
         {"EOE-021: with a mailbox of 41 bytes EoE is refused, and a note reports it", short_mailbox, NULL, NULL, NULL},
     };
-    return cmocka_run_group_tests_name("EoE of ESI files", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("EoE and AoE of ESI files", tests, NULL, NULL);
 }
