@@ -181,6 +181,7 @@ static void names(void **state)
         {"a pipe", "pipe", 4, ECT_FOE_ACCESS, ECT_FOE_ACCESS},
         {"no file of that name", "new", 3, ECT_FOE_NOT_FOUND, ECT_FOE_OK},
         {"the longest name", longest, 128, ECT_FOE_NOT_FOUND, ECT_FOE_OK},
+        {"one character", "n", 1, ECT_FOE_NOT_FOUND, ECT_FOE_OK},
         {"a file", "data", 4, ECT_FOE_OK, ECT_FOE_OK},
     };
     (void)state;
@@ -421,8 +422,10 @@ static void closes_its_descriptors(void **state)
     const ect_foe_t *its = entry_of(ect_files_device(more));
     const ect_foe_file_t wish = {.name = "data", .length = 4, .state = ECT_STATE_PREOP};
     const char *text = NULL;
+    const int file_fd = next_descriptor();
     assert_int_equal(its->open(its, NULL, &wish, &text), ECT_FOE_OK);
     ect_files_close(more);
+    assert_int_equal(fcntl(file_fd, F_GETFD), -1);
     const int after = open("/dev/null", O_RDONLY);
     (void)close(after);
     assert_int_equal(after, before);

@@ -95,6 +95,14 @@ static void masked(void **state)
     wanted = 0x18; /* a bit outside of the mask is not printed as expected */
     actual = 0x04;
     expect_fail(bits, "bits: expected 0x08 in the bits 0x0C, got 0x04");
+    mask = 0x0F; /* the longest of the three numbers gives the digits, even beyond the mask */
+    wanted = 0x100;
+    actual = 0x01;
+    expect_fail(bits, "bits: expected 0x0000 in the bits 0x000F, got 0x0001");
+    mask = 0x0C;
+    wanted = 0x08;
+    actual = 0x10004;
+    expect_fail(bits, "bits: expected 0x00000008 in the bits 0x0000000C, got 0x00010004");
 }
 
 static void ranges(void **state)

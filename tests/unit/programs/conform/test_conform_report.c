@@ -180,6 +180,13 @@ static void frames_text(void **state)
     fill();
     cf_frames_text(&results[1], text, sizeof text);
     assert_string_equal(text, "frames 7-12, seen in 9");
+    for (size_t room = 12; room < 30; room++) { /* nothing is written behind the room */
+        memset(text, 'x', sizeof text);
+        cf_frames_text(&results[1], text, room);
+        assert_int_equal(strlen(text), room - 1 < 22 ? room - 1 : 22);
+        for (size_t at = room; at < sizeof text; at++)
+            assert_int_equal(text[at], 'x');
+    }
     results[1].verdict = CF_PASS;
     cf_frames_text(&results[1], text, sizeof text);
     assert_string_equal(text, "frames 7-12");
