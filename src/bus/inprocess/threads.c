@@ -3,7 +3,6 @@
 #include "bus/inprocess/threads.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <limits.h>
 #include <linux/futex.h>
 #include <pthread.h>
@@ -18,6 +17,7 @@
 
 #include "bus/inprocess/bus.h"
 #include "bus/inprocess/real.h"
+#include "bus/inprocess/tasks.h"
 #include "bus/inprocess/time.h"
 #include "wire/assert.h"
 
@@ -363,28 +363,6 @@ static thread_t *choose(void)
     }
 }
 
-/* Reads a file about a thread of this process. @return whether it could be read */
-static bool read_about(pid_t id, const char *file, char *text, size_t room)
-{
-    char path[64];
-    snprintf(path, sizeof path, "/proc/self/task/%d/%s", (int)id, file);
-    int fd = REAL(open)(path, O_RDONLY | O_CLOEXEC);
-    ssize_t length = fd >= 0 ? REAL(read)(fd, text, room - 1) : -1;
-    if (fd >= 0)
-        REAL(close)(fd);
-    text[length > 0 ? length : 0] = 0;
-    return length > 0;
-}
-
-static bool sleeps_in_kernel(pid_t id)
-{
-    char text[256];
-    if (!read_about(id, "stat", text, sizeof text))
-        return false;
-    const char *name_end = strrchr(text, ')');
-    return name_end && name_end[1] == ' ' && name_end[2] == 'S';
-}
-
 static void pass_turn(thread_t *thread)
 {
     running = thread;
@@ -428,41 +406,18 @@ static void release_turn(void)
 /* --- calls that the library does not replace -----------------------------------------------------------------------
  */
 
-/* Name of the system call in which a thread sleeps. */
-static const char *system_call_of(pid_t id, char name[32])
-{
-    static const struct {
-        long number;
-        const char *name;
-    } names[] = {{SYS_wait4, "wait4()"},       {SYS_waitid, "waitid()"},   {SYS_read, "read()"},
-                 {SYS_write, "write()"},       {SYS_futex, "futex()"},     {SYS_connect, "connect()"},
-                 {SYS_recvfrom, "recvfrom()"}, {SYS_recvmsg, "recvmsg()"}, {SYS_sendto, "sendto()"},
-                 {SYS_sendmsg, "sendmsg()"},   {SYS_flock, "flock()"},     {SYS_fcntl, "fcntl()"}};
-    char text[256];
-    char *end = text;
-    long number = read_about(id, "syscall", text, sizeof text) ? strtol(text, &end, 10) : -1;
-    if (end == text)
-        return "a system call";
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        if (names[i].number == number)
-            return names[i].name;
-    }
-    snprintf(name, 32, "system call %ld", number);
-    return name;
-}
-
 /* The running thread has made no call for a second and sleeps in the kernel: the turn goes to another one. */
 static void take_turn_away(void)
 {
-    char name[32];
-    report(system_call_of(running->id, name));
+    char name[ECT_TASK_CALL];
+    report(ect_task_call(running->id, name));
     running->state = OUTSIDE;
     pass_turn(choose());
 }
 
 static bool running_is_stuck(void)
 {
-    return running && running->state == RUNNING && sleeps_in_kernel(running->id);
+    return running && running->state == RUNNING && ect_task_sleeps(running->id);
 }
 
 /* Time is stopped while a thread that has the turn waits in the kernel, for a child process for instance. The child may
@@ -693,14 +648,12 @@ void ect_virtual_thread_cancel(void *record)
 
 static bool blocks(const thread_t *thread, int number)
 {
-    char text[4096];
     sigset_t mask;
     if (thread == self) {
         pthread_sigmask(SIG_BLOCK, NULL, &mask);
         return sigismember(&mask, number) == 1;
     }
-    const char *line = read_about(thread->id, "status", text, sizeof text) ? strstr(text, "\nSigBlk:") : NULL;
-    return !line || (strtoull(line + 8, NULL, 16) >> (number - 1) & 1u) != 0;
+    return ect_task_blocks(thread->id, number);
 }
 
 static thread_t *thread_of(pid_t id)
