@@ -82,15 +82,15 @@ static void each_flag(void **state)
 /* A slot for one module, then one for two of another kind. */
 #define OWN(on_slots, on_second)                                                                                       \
     ESI_HEAD                                                                                                           \
-        "\n<Device Physics='YY'><Type ProductCode='#x1' RevisionNo='#x2'>RACK</Type><Name>A rack</Name>"               \
-        "<Profile><ProfileNo>5001</ProfileNo></Profile><Fmmu>Outputs</Fmmu><Fmmu>Inputs</"                             \
-        "Fmmu>" ESI_MAILBOX_SMS ESI_PROCESS_SMS                                                                        \
-        "<Mailbox><CoE SdoInfo='1'/></Mailbox><Slots MaxSlotCount='3' " on_slots ">"                                   \
-        "<Slot MinInstances='1' MaxInstances='1'><Name>A</Name><ModuleIdent Default='1'>#x110</ModuleIdent></Slot>"    \
-        "<Slot MinInstances='2' MaxInstances='2' " on_second                                                           \
-        "><Name>B</Name><ModuleIdent Default='1'>#x120</ModuleIdent></Slot></Slots>" ESI_EEPROM                        \
-        "</Device></Devices><Modules>" MODULE("#x110", "IO", TX_PDO)                                                   \
-            MODULE("#x120", "IO", RX_PDO) "</Modules></Descriptions></EtherCATInfo>"
+    "\n<Device Physics='YY'><Type ProductCode='#x1' RevisionNo='#x2'>RACK</Type><Name>A rack</Name>"                   \
+    "<Profile><ProfileNo>5001</ProfileNo></Profile><Fmmu>Outputs</Fmmu><Fmmu>Inputs</"                                 \
+    "Fmmu>" ESI_MAILBOX_SMS ESI_PROCESS_SMS "<Mailbox><CoE SdoInfo='1'/></Mailbox><Slots MaxSlotCount='3' " on_slots   \
+    ">"                                                                                                                \
+    "<Slot MinInstances='1' MaxInstances='1'><Name>A</Name><ModuleIdent Default='1'>#x110</ModuleIdent></Slot>"        \
+    "<Slot MinInstances='2' MaxInstances='2' " on_second                                                               \
+    "><Name>B</Name><ModuleIdent Default='1'>#x120</ModuleIdent></Slot></Slots>" ESI_EEPROM                            \
+    "</Device></Devices><Modules>" MODULE("#x110", "IO", TX_PDO)                                                       \
+        MODULE("#x120", "IO", RX_PDO) "</Modules></Descriptions></EtherCATInfo>"
 
 static void own_increments(void **state)
 {
