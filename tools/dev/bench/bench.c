@@ -5,6 +5,8 @@
  *
  *   ectwin-bench frames DEVICE PRESENT TOUCHED COMMAND FRAMES
  *       in this process, without a wire: for an instruction counter
+ *   ectwin-bench axes AXES MS
+ *       CiA 402 drives with their plants in this process, for MS milliseconds of their time
  *   ectwin-bench echo IFACE
  *       sends back what comes, in blocking calls; runs until killed
  *   ectwin-bench spin IFACE
@@ -33,6 +35,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "axes.h"
 #include "bus/chain/catalogue.h"
 #include "bus/chain/chain.h"
 #include "esc/route.h"
@@ -347,6 +350,8 @@ int main(int count, char **argument)
     errno = 0;
     if (strcmp(what, "frames") == 0 && count == 7)
         return frames(argument + 2);
+    if (strcmp(what, "axes") == 0 && count == 4)
+        return axes(argument + 2);
     if (strcmp(what, "echo") == 0 && count == 3)
         echo(argument + 2, 0);
     if (strcmp(what, "spin") == 0 && count == 3)

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: MIT */
+/** @file Time of CiA 402 drives with their plants, in this process. */
+#ifndef TOOLS_BENCH_AXES_H
+#define TOOLS_BENCH_AXES_H
+
+/**
+ * Runs drives in csp, each with new outputs every millisecond, and prints a line of JSON: processor time of an axis and
+ * millisecond, axes that a core runs at 1 kHz.
+ * @param argument  AXES, MS: 1 and more each
+ * @return exit status
+ */
+int axes(char **argument);
+
+#endif
