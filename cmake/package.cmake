@@ -67,6 +67,9 @@ string(CONCAT CPACK_DEBIAN_MAIN_DESCRIPTION "ectwin puts EtherCAT slaves on a ne
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME ectwin-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 string(CONCAT depends "ectwin (= ${PROJECT_VERSION}-1), libcjson-dev, libmodbus-dev, libnl-route-3-dev, libseccomp-dev, libxml2-dev, libyaml-dev")
+if("${ECTWIN_PACKAGES}" MATCHES "libbpf") # a static library needs it: this build replies in the kernel
+  string(APPEND depends ", libbpf-dev")
+endif()
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS ${depends})
 string(CONCAT CPACK_DEBIAN_DEV_DESCRIPTION "Headers and static libraries of ectwin: dictionary, slave stack, software\n"
   "EtherCAT slave controller, devices, SOES's API, buses and the command as a\n"

@@ -180,11 +180,11 @@ static bool plan_frame(maker_t *m, ect_plan_sample_t *sample)
     return true;
 }
 
-/* Whether a datagram with outputs has other data than the sample. */
+/* Whether a datagram with outputs has other data than the sample; false for the first frame of a layout. */
 static bool outputs_differ(const ect_plan_sample_t *sample, uint8_t *frame, size_t length)
 {
     if (sample->length != length)
-        return true;
+        return false;
     for (uint8_t *d = first_datagram(frame, length); d; d = ect_datagram_next(d)) {
         const uint8_t *data = d + ECT_DATAGRAM_DATA;
         bool writes = d[ECT_DATAGRAM_COMMAND] == ECT_LWR || d[ECT_DATAGRAM_COMMAND] == ECT_LRW;

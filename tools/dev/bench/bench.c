@@ -17,8 +17,8 @@
  *       one BRD of AL status: the start of twins in this process
  *   ectwin-bench sdo IFACE DEVICE N
  *       N uploads of 1018h:1
- *   ectwin-bench cycle IFACE DEVICE PRESENT TOUCHED MS
- *       all process data of TOUCHED twins each millisecond, for MS of them
+ *   ectwin-bench cycle IFACE DEVICE PRESENT TOUCHED CYCLES [PERIOD_US]
+ *       all process data of TOUCHED twins in each of CYCLES, a millisecond or PERIOD_US long
  */
 #define _GNU_SOURCE
 #include <arpa/inet.h>
@@ -321,7 +321,8 @@ static unsigned int one_cycle(master_t *m, uint32_t bytes, unsigned int *counter
     return out - in;
 }
 
-static int cycles(char **argument)
+/* @param period_us  distance of the cycles; NULL: 1000 */
+static int cycles(char **argument, const char *period_us)
 {
     const ect_device_t *device = product_of(argument[1])->device;
     size_t present = strtoul(argument[2], NULL, 10);
@@ -330,17 +331,26 @@ static int cycles(char **argument)
     master_t m = {.exchange = over_wire, .ctx = &fd};
     unsigned int expected = 0;
     uint32_t bytes = prepare(&m, device, present, strtoul(argument[3], NULL, 10), &expected);
+    const uint64_t period_ns = (period_us ? strtoul(period_us, NULL, 10) : 1000) * 1000;
+    uint32_t *times_ns = calloc(count + 1, sizeof *times_ns);
     unsigned long lost = 0, late = 0;
-    uint64_t next = now_ns() + 1000000u;
-    for (unsigned long i = 0; i < count; i++, next += 1000000u) {
+    if (!times_ns || count == 0)
+        end("not enough memory, or no cycle");
+    uint64_t next = now_ns() + period_ns;
+    for (unsigned long i = 0; i < count; i++, next += period_ns) {
         unsigned int counter;
         sleep_until(next);
+        uint64_t sent = now_ns();
         lost += one_cycle(&m, bytes, &counter);
-        late += now_ns() > next + 1000000u;
+        times_ns[i] = (uint32_t)(now_ns() - sent);
+        late += now_ns() > next + period_ns;
     }
-    printf("{\"device\":\"%s\",\"present\":%zu,\"touched\":%s,\"bytes\":%u,\"cycles\":%lu,\"frames_lost\":%lu,"
-           "\"cycles_longer_than_1_ms\":%lu}\n",
-           argument[1], present, argument[3], bytes, count, lost, late);
+    printf("{");
+    print_times("exchange", times_ns, count);
+    printf("\"device\":\"%s\",\"present\":%zu,\"touched\":%s,\"bytes\":%u,\"cycles\":%lu,\"frames_lost\":%lu,"
+           "\"longest_ns\":%u,\"cycles_too_long\":%lu}\n",
+           argument[1], present, argument[3], bytes, count, lost, times_ns[count - 1], late);
+    free(times_ns);
     return 0;
 }
 
@@ -362,7 +372,7 @@ int main(int count, char **argument)
         return first(argument + 2);
     if (strcmp(what, "sdo") == 0 && count == 5)
         return sdos(argument + 2);
-    if (strcmp(what, "cycle") == 0 && count == 7)
-        return cycles(argument + 2);
+    if (strcmp(what, "cycle") == 0 && (count == 7 || count == 8))
+        return cycles(argument + 2, argument[7]);
     end("use tools/dev/bench/run.py");
 }

@@ -3,7 +3,7 @@
 
   --build DIR   where ectwin and ectwin-bench are (default build/release)
   --quick       a tenth of the rounds
-  --only        some of: instructions, round, spin, kernel, inprocess, rates, cycle, start (default: all)
+  --only        some of: instructions, round, spin, kernel, busy, inprocess, rates, cycle, start (default: all)
   --write       the tables of docs/PERFORMANCE.md and the picture docs/performance.svg from the results
   -o FILE       the results as JSON (default: build/bench.json)
 
@@ -25,7 +25,7 @@ import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-PARTS = ["instructions", "round", "spin", "kernel", "inprocess", "rates", "cycle", "start"]
+PARTS = ["instructions", "round", "spin", "kernel", "busy", "inprocess", "rates", "cycle", "start"]
 UNIT = "vr-bu-ect-map1"
 STANDARD = "vr-bu-ect-map7"
 BUSY_LOOPS = 8
@@ -161,6 +161,21 @@ def kernel(args):
     return {"load": load, "round": rows}
 
 
+def busy(args):
+    """Cycles of 250 us of a real-time master beside busy loops, all programs on any core; None: not as root."""
+    if os.geteuid() != 0 or os.readlink("/proc/self/ns/user") != os.environ.get("ECTWIN_BENCH_USERS"):
+        print("run.py: cycles beside busy loops are measured as root only", file=sys.stderr)
+        return None
+    rows, load = [], os.getloadavg()[0]
+    for options in [[], ["--in-kernel"]]:
+        command = [args.build / "ectwin", "run", "-i", "twin1", *options, STANDARD]
+        with Running([str(word) for word in command], True) as twin, BusyLoops(BUSY_LOOPS):
+            before, cycles = twin.ticks(), 4000 * args.busy_seconds
+            row = json.loads(run("chrt", "-f", 50, args.build / "ectwin-bench", "cycle", "twin0", STANDARD, 1, 1, cycles, 250))
+            rows.append(row | {"in_kernel": bool(options), "cpu_percent": percent(twin.ticks() - before, args.busy_seconds)})
+    return {"load": load, "cycles": rows}
+
+
 def in_process(args, devices, *words, options=(), core=()):
     """Standard output of a master with twins in its process, and the seconds of the whole command."""
     start = time.monotonic()
@@ -239,7 +254,7 @@ def cycle(args):
                 before = chain.ticks()
                 row = bench(args, "cycle", "twin0", UNIT, present, touched, args.milliseconds)
                 runs.append(row | {"cpu_percent": percent(chain.ticks() - before, args.milliseconds / 1000)})
-            row = middle(runs, lambda one: (one["frames_lost"], one["cycles_longer_than_1_ms"]))
+            row = middle(runs, lambda one: (one["frames_lost"], one["cycles_too_long"]))
             if touched == present:
                 before = chain.ticks()
                 time.sleep(args.idle)
@@ -271,6 +286,7 @@ def inside(args):
         "round": lambda a: against_echo(a, [], "echo", [1, 8, 64, 199]),
         "spin": lambda a: against_echo(a, ["--busy-poll"], "spin", [1]),
         "kernel": kernel,
+        "busy": busy,
         "inprocess": inprocess,
         "rates": rates,
         "cycle": cycle,
@@ -314,6 +330,14 @@ def kernel_table(result):
                    f"{r['ratio']:.2f}"] for r in result["round"]])
 
 
+def busy_table(result):
+    load = f"Load of the machine at the start: {result['load']:.1f}.\n\n"
+    return load + table(["replies", "frames lost", "median, µs", "p99, µs", "longest, µs", "cycles too long", "processor"],
+                        [["in the kernel" if r["in_kernel"] else "by the twin", f"{r['frames_lost']} in {r['cycles']} cycles",
+                          us(r["exchange"]), f"{r['exchange']['p99_ns'] / 1000:.1f}", f"{r['longest_ns'] / 1000:.0f}",
+                          r["cycles_too_long"], f"{r['cpu_percent']} %"] for r in result["cycles"]])
+
+
 def in_process_tables(result):
     rounds = table(["beside it", "bytes", "in process, µs", "p99, µs", "p99 : median", "echo, µs", "ratio of medians"],
                    [[f"{r['busy_loops']} busy loops" if r["busy_loops"] else "nothing", r["bytes"], us(r["twin"]),
@@ -353,10 +377,12 @@ def tables(result):
     if "cycle" in result:
         found["cycle"] = table(["twins", "exchanged each ms", "bytes", "frames lost", "cycles over 1 ms", "processor", "idle"], [
             [r["present"], r["touched"], r["bytes"], f"{r['frames_lost']} in {r['cycles']} cycles",
-             r["cycles_longer_than_1_ms"], f"{r['cpu_percent']} %",
+             r["cycles_too_long"], f"{r['cpu_percent']} %",
              f"{r['cpu_percent_idle']} %" if "cpu_percent_idle" in r else ""] for r in result["cycle"]])
     if result.get("kernel"):
         found["kernel"] = kernel_table(result["kernel"])
+    if result.get("busy"):
+        found["busy"] = busy_table(result["busy"])
     if "start" in result:
         found["start"] = table(["device", "twins", "seconds to ready", "KB each"], [
             [r["device"], r["twins"], r["seconds"], r["kilobytes_each"]] for r in result["start"]])
@@ -408,6 +434,7 @@ def main():
         parser.error("--only takes some of " + ", ".join(PARTS))
     args.rounds, args.runs, args.milliseconds, args.idle = (2000, 1, 1000, 2) if args.quick else (10000, 3, 5000, 5)
     args.cycles = 6000 if args.quick else 60000
+    args.busy_seconds = 6 if args.quick else 60
     if args.inside:
         inside(args)
         return
