@@ -109,7 +109,7 @@ function makeHistogram() {
     });
     before = answers;
   };
-  return { element: make("div", { class: "histogram" }, bars, edges, make("p", { class: "label" }, "µs, upper edges; heights are logarithmic")), show };
+  return { element: make("div", { class: "histogram" }, make("div", { class: "scale" }, bars, edges), make("p", { class: "label" }, "µs, upper edges; heights are logarithmic")), show };
 }
 
 function presetsOf(slave) {
