@@ -115,6 +115,31 @@ static inline bool ect_slave_in_transfer(const ect_slave_t *slave)
 }
 
 /**
+ * Reads an entry of the dictionary as an SDO upload of a master does: with the rights of the present AL state, which
+ * allows no access below PREOP, and with the functions of the device. Context: mainline, between polls. Cost: no PDI
+ * access; as many bytes as are read.
+ * @param[out] to    the first `room` (1..65535) bytes of the value, in wire form; the rest of `to` must be 0
+ * @param[out] size  bytes of the value; set with ECT_OK
+ * @return ECT_OK · ECT_REASON_LOCAL_CONTROL: an SDO transfer of a master is under way · another reason, or abort code
+ */
+ect_reason_t ect_slave_upload(ect_slave_t *slave, uint16_t index, uint8_t subindex, uint8_t *to, uint16_t room,
+                              uint16_t *size);
+
+/**
+ * Writes an entry of the dictionary as an SDO download of a master does. Context, cost, rights: ::ect_slave_upload.
+ * @param data  `size` bytes, in wire form
+ * @return as ::ect_slave_upload
+ */
+ect_reason_t ect_slave_download(ect_slave_t *slave, uint16_t index, uint8_t subindex, const uint8_t *data,
+                                uint16_t size);
+
+/** The dictionary of the slave, for reading; valid until the device replaces its description. */
+static inline const ect_od_t *ect_slave_dictionary(const ect_slave_t *slave)
+{
+    return &slave->od;
+}
+
+/**
  * While held, inputs that are due are not written: the master reads the former image. Held inputs are written by the
  * first poll afterwards. For a caller that polls for frames of the past, whose replies have left (bus/kernel).
  * Context: mainline. Cost: one byte.

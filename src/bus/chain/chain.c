@@ -613,6 +613,20 @@ const ect_modbus_t *ect_chain_modbus(const ect_chain_t *chain, size_t position, 
     return twin->config.plant && !twin->hung && ect_twin_on_bus(twin) ? twin->config.plant->modbus : NULL;
 }
 
+ect_slave_t *ect_chain_sdo(ect_chain_t *chain, size_t position, const char **why)
+{
+    ect_twin_t *twin = &chain->twins[position];
+    ECT_ASSERT(position < chain->cabling.count);
+    const ect_protocol_t *const *protocol = twin->config.device->protocols;
+    while (protocol && *protocol && *protocol != &ect_protocol_sdo)
+        protocol++;
+    *why = !protocol || !*protocol  ? "its device has no object dictionary"
+           : !ect_twin_on_bus(twin) ? "it is switched off"
+           : twin->hung             ? "its microcontroller hangs: 'resume' continues it"
+                                    : NULL;
+    return *why ? NULL : &twin->slave;
+}
+
 ect_bulk_t ect_chain_bulk(const ect_chain_t *chain, size_t position)
 {
     const ect_twin_t *twin = twin_at(chain, position);

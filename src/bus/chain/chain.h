@@ -203,6 +203,14 @@ bool ect_chain_signal(const ect_chain_t *chain, size_t position, const char *nam
  */
 const ect_modbus_t *ect_chain_modbus(const ect_chain_t *chain, size_t position, void **instance);
 
+/**
+ * The slave stack of a twin, for ::ect_slave_upload and ::ect_slave_download. The caller calls ::ect_chain_wake
+ * afterwards.
+ * @param[out] why  with NULL the reason, one line
+ * @return NULL: the device has no SDO, the twin is switched off, or its microcontroller hangs
+ */
+ect_slave_t *ect_chain_sdo(ect_chain_t *chain, size_t position, const char **why);
+
 /** ect_plant_t::bulk of a twin; `data` is NULL when the plant has none. */
 ect_bulk_t ect_chain_bulk(const ect_chain_t *chain, size_t position);
 

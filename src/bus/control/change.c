@@ -7,6 +7,7 @@
 
 #include "bus/chain/settings.h"
 #include "bus/control/endpoint.h"
+#include "bus/control/objects.h"
 #include "text/number.h"
 
 const char *ect_change_op(const cJSON *request)
@@ -17,7 +18,7 @@ const char *ect_change_op(const cJSON *request)
 
 bool ect_change_is(const char *op)
 {
-    return strcmp(op, "set") == 0 || strcmp(op, "fault") == 0;
+    return strcmp(op, "set") == 0 || strcmp(op, "fault") == 0 || strcmp(op, "write") == 0;
 }
 
 /* @return the slave that alias:N refers to, from 1; 0: none */
@@ -109,6 +110,8 @@ const char *ect_change_apply(ect_chain_t *chain, ect_scenario_t *scenario, const
     long slave = ect_change_slave(request, chain);
     if (slave <= 0)
         return "there is no such slave in this chain";
+    if (strcmp(ect_change_op(request), "write") == 0)
+        return ect_object_write(chain, (size_t)slave, request, message);
     return strcmp(ect_change_op(request), "set") == 0 ? set(chain, (size_t)slave, request, now_ns, message)
                                                       : set_fault(scenario, chain, request, now_ns, message);
 }

@@ -12,6 +12,7 @@
 
 #include "bus/chain/fields.h"
 #include "bus/control/change.h"
+#include "bus/control/objects.h"
 #include "wire/assert.h"
 
 bool ect_client_room(const ect_client_t *client)
@@ -480,9 +481,41 @@ static const char *list_events(ect_client_t *client, const ect_chain_t *chain, c
     return NULL;
 }
 
+/* @return the reason of a refusal; NULL: done */
+static const char *list_objects(ect_client_t *client, ect_chain_t *chain, size_t slave, const cJSON *request,
+                                char message[ECT_SIGNAL_MESSAGE])
+{
+    ect_object_place_t place;
+    ect_line_t line;
+    const char *why = ect_object_place(request, &place);
+    const ect_slave_t *stack = why ? NULL : ect_chain_sdo(chain, slave - 1, &why);
+    if (!stack) {
+        snprintf(message, ECT_SIGNAL_MESSAGE, "slave %zu: %s", slave, why);
+        return message;
+    }
+    for (size_t i = 0; i < ECT_CLIENT_LINES; i++) {
+        if (!ect_objects_next(ect_slave_dictionary(stack), slave, &place, &line))
+            break;
+        put(client, &line);
+    }
+    return NULL;
+}
+
+/* @return the reason of a refusal; NULL: done */
+static const char *read_object(ect_client_t *client, ect_chain_t *chain, size_t slave, const cJSON *request,
+                               char message[ECT_SIGNAL_MESSAGE])
+{
+    ect_line_t line;
+    const char *why = ect_object_read(chain, slave, request, &line, message);
+    if (!why)
+        put(client, &line);
+    return why;
+}
+
 static bool has_immediate_reply(const char *op)
 {
-    static const char *const names[] = {"set", "data", "stats", "fault", "about", "words", "script", "events"};
+    static const char *const names[] = {"set",    "data",   "stats",   "fault", "about", "words",
+                                        "script", "events", "objects", "read",  "write"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         if (strcmp(op, names[i]) == 0)
             return true;
@@ -510,6 +543,10 @@ static const char *answer(ect_client_t *client, ect_chain_t *chain, const char *
         return list_script(client, chain, request);
     if (strcmp(op, "events") == 0)
         return list_events(client, chain, request);
+    if (strcmp(op, "objects") == 0)
+        return list_objects(client, chain, slave, request, message);
+    if (strcmp(op, "read") == 0)
+        return read_object(client, chain, slave, request, message);
     return reply_stats(client, now_ns);
 }
 
@@ -528,7 +565,8 @@ static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request
     const char *why;
     tell_observer(client, op, request);
     if (!visit && !has_immediate_reply(op))
-        why = "a request is a line {\"op\":\"get|list|set|watch|data|stats|fault|about|words|script|events\",...}";
+        why = "a request is a line "
+              "{\"op\":\"get|list|set|watch|data|stats|fault|about|words|script|events|objects|read|write\",...}";
     else if (slave < 0 || (!visit && slave == 0))
         why = "there is no such slave in this chain";
     else if (visit)

@@ -56,9 +56,9 @@ typedef struct ect_client {
     uint32_t events; /**< events requested from epoll */
     bool readable;   /**< bytes can be received */
     bool ended;      /**< the client has ended sending */
-    bool deaf;    /**< the client has closed the connection: replies are dropped, only `set` and `fault` are executed */
-    bool blocked; /**< the socket has accepted only a part of the unsent bytes */
-    bool closing; /**< reception has ended; the connection is closed after the last reply */
+    bool deaf;       /**< the client has closed the connection: replies are dropped, only changes are executed */
+    bool blocked;    /**< the socket has accepted only a part of the unsent bytes */
+    bool closing;    /**< reception has ended; the connection is closed after the last reply */
     size_t received;
     size_t line; /**< length of the first complete request; 0: none */
     char request[ECT_ENDPOINT_REQUEST];
@@ -94,8 +94,8 @@ void ect_client_step(ect_client_t *client, ect_chain_t *chain, size_t every_room
 void ect_client_show_lamps(const ect_client_t *client, const ect_chain_t *chain);
 
 /**
- * Handles a connection closed by the client: its watches end, no reply is written, and of the received requests only
- * `set` and `fault` are executed.
+ * Handles a connection closed by the client: its watches end, no reply is written, and only received requests that
+ * change the chain (::ect_change_is) are executed.
  */
 void ect_client_end_of_input(ect_client_t *client);
 

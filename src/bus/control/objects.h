@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Requests of the control protocol to the object dictionary of a twin (docs/CONTROL.md): `objects`, `read`, `write`.
+ * Internal to bus/control.
+ *
+ * Context: the thread of the chain, between polls.
+ */
+#ifndef ECT_BUS_CONTROL_OBJECTS_H
+#define ECT_BUS_CONTROL_OBJECTS_H
+
+#include <cjson/cJSON.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "bus/chain/chain.h"
+#include "bus/control/line.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
+/** An entry of a dictionary. */
+typedef struct ect_object_place {
+    uint32_t index;
+    uint32_t subindex;
+} ect_object_place_t;
+
+/** Reads the members "index" and "sub" (default 0). @return the reason of a refusal; NULL: *place is set */
+const char *ect_object_place(const cJSON *request, ect_object_place_t *place);
+
+/**
+ * Writes the first entry at or after a place. Cost: log2 of the objects.
+ * @param slave          from 1
+ * @param[in,out] place  then the place after the entry
+ * @return false: there is none
+ */
+bool ect_objects_next(const ect_od_t *od, size_t slave, ect_object_place_t *place, ect_line_t *line);
+
+/**
+ * Reads an entry.
+ * @param[out] message  ECT_SIGNAL_MESSAGE bytes, for a reason
+ * @return the reason of a refusal; NULL: *line is complete
+ */
+const char *ect_object_read(ect_chain_t *chain, size_t slave, const cJSON *request, ect_line_t *line, char *message);
+
+/** Writes an entry. @param[out] message  as ::ect_object_read @return the reason of a refusal; NULL: done */
+const char *ect_object_write(ect_chain_t *chain, size_t slave, const cJSON *request, char *message);
+
+ECT_C_END
+
+#endif
