@@ -48,6 +48,7 @@ void bus_disconnected(buses_t *buses, bus_t *bus)
     bus->events = 0;
     bus->last_event = 0;
     bus->more_events = false;
+    bus->lines = 0;
     bus->trouble[0] = 0;
     buses->changes++;
 }
@@ -161,6 +162,25 @@ static void take_event(bus_t *bus, const char *text, const cJSON *line, bool las
     }
 }
 
+/* A line that does not fit is left out with all that follow: the reply is refused as a whole. */
+static void take_page(const taking_t *taking, const link_request_t *request, const char *text, bool last)
+{
+    static const char too_long[] = "{\"ok\":false,\"message\":\"the reply is too long for this panel\"}";
+    char whole[BUS_LINES + 32];
+    bus_t *bus = taking->bus;
+    size_t length = strlen(text);
+    if (!last) {
+        if (bus->lines + length + 1 < sizeof bus->line)
+            snprintf(bus->line + bus->lines, sizeof bus->line - bus->lines, "%s%s", bus->lines > 0 ? "," : "", text);
+        bus->lines += length + (bus->lines > 0);
+        return;
+    }
+    snprintf(whole, sizeof whole, "{\"ok\":true,\"lines\":[%s]}", bus->line);
+    const char *reply = bus->lines == 0 ? text : bus->lines + 1 < sizeof bus->line ? whole : too_long;
+    bus->lines = 0;
+    taking->buses->reply(taking->buses->ctx, bus, request, reply);
+}
+
 static void take(void *ctx, const link_request_t *request, const char *text, const cJSON *line, bool last)
 {
     const taking_t *taking = ctx;
@@ -188,8 +208,7 @@ static void take(void *ctx, const link_request_t *request, const char *text, con
         take_event(bus, text, line, last);
         return;
     case LINK_PAGE:
-        if (last)
-            taking->buses->reply(taking->buses->ctx, bus, request, text);
+        take_page(taking, request, text, last);
         return;
     case LINK_RELEASE:
         return;

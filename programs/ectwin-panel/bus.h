@@ -14,7 +14,7 @@
 #include "table.h"
 #include "trace.h"
 
-enum { BUS_MOST = 32, BUS_TEXT = 4096, BUS_TROUBLE = 256, BUS_EVENTS = 64, BUS_EVENT = 512 };
+enum { BUS_MOST = 32, BUS_TEXT = 4096, BUS_TROUBLE = 256, BUS_EVENTS = 64, BUS_EVENT = 512, BUS_LINES = 4096 };
 
 /** A text that pages get when it has changed. */
 typedef struct bus_text {
@@ -37,6 +37,8 @@ typedef struct bus {
     char event[BUS_EVENTS][BUS_EVENT]; /**< JSON */
     double last_event;                 /**< its number in the twin */
     bool more_events;                  /**< the reply that is being received has some */
+    size_t lines;         /**< bytes of the reply to a page that is being received, without its last line */
+    char line[BUS_LINES]; /**< JSON, separated by commas */
     uint32_t troubles;
     char trouble[BUS_TROUBLE]; /**< the reason why its signals are not shown */
     link_t link;
@@ -44,7 +46,7 @@ typedef struct bus {
     trace_t trace; /**< every change of some signals */
 } bus_t;
 
-/** Replies to the requests of pages go here: one line of JSON. */
+/** Replies to the requests of pages go here: one line of JSON. Lines before the last one are its member "lines". */
 typedef void (*bus_replier_t)(void *ctx, const bus_t *bus, const link_request_t *request, const char *text);
 
 /** All buses that run. */

@@ -20,7 +20,7 @@
 enum {
     PAGE_MESSAGE = 32768, /**< room for a message to a page */
     PAGE_REPLIES = 16,    /**< requests of a page without a reply; one more ends the connection */
-    PAGE_REPLY = 1024,    /**< room for the reply to a request; a longer one is replaced by a short one */
+    PAGE_REPLY = 3072,    /**< room for the reply to a request; a longer one is replaced by a short one */
     PAGE_HELD = 16,       /**< most signals that a page holds */
     PAGE_HELD_LINE = 256, /**< room for a request that releases a signal */
 };

@@ -70,7 +70,9 @@ void request_write_token(const uint8_t bits[16], char token[REQUEST_TOKEN])
 const char *request_refused(const cJSON *request, bool view)
 {
     const char *op = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(request, "op"));
-    if (!op || (strcmp(op, "set") != 0 && strcmp(op, "fault") != 0))
-        return "a page may send 'set' and 'fault' alone";
+    if (op && (strcmp(op, "objects") == 0 || strcmp(op, "read") == 0))
+        return NULL;
+    if (!op || (strcmp(op, "set") != 0 && strcmp(op, "fault") != 0 && strcmp(op, "write") != 0))
+        return "a page may send 'set', 'fault', 'objects', 'read' and 'write' alone";
     return view ? "this panel was started with --view: it changes nothing" : NULL;
 }

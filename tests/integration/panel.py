@@ -259,6 +259,10 @@ def signals():
         check("its change comes", True, page.value(index[1, "data1"], 7))
         check("a wrong value is refused with the twin's reason", (False, True),
               (lambda r: (r["ok"], "scene" in r["message"]))(page.request(bus, {"op": "set", "slave": 1, "name": "scene", "value": 999})))
+        identity = page.request(bus, {"op": "read", "slave": 1, "index": 0x1018, "sub": 1})
+        check("an object below PREOP is refused in words", (False, True), (identity["ok"], "not in this AL state" in identity["message"]))
+        check("the dictionary is listed", [[0x1018, 1], [0x1018, 2]],
+              [[o["index"], o["sub"]] for o in page.request(bus, {"op": "objects", "slave": 1, "index": 0x1018, "sub": 1})["lines"][:2]])
         check("SEC: a page may not send other requests", False, page.request(bus, {"op": "data", "offset": 0})["ok"])
         check("an emergency", {"ok": True}, page.request(bus, {"op": "fault", "fault": "emergency 0x5530 slave 1"}))
         event = page.wait("events")["events"][-1]
@@ -286,6 +290,7 @@ def signals():
         page = Page(panel, panel.token)
         bus, index = page.open("fzm1")
         check("--view: nothing is set", False, page.request(bus, {"op": "set", "name": "data1", "value": 1})["ok"])
+        check("--view: no object is written", False, page.request(bus, {"op": "write", "index": 0x1000, "value": 1})["ok"])
         check("--view: no fault is set", False, page.request(bus, {"op": "fault", "fault": "drop"})["ok"])
 
 

@@ -175,6 +175,26 @@ def events(browser):
         "return document.querySelector('.event.bad .text')?.textContent.startsWith('emergency 0x4210: device temperature')"))
 
 
+def objects(browser):
+    """The dictionary of a twin: list, read, write, and the words of an abort."""
+    browser.click('[data-select="2"]')
+    browser.wait("return document.querySelector('.dictionary') !== null")
+    browser.run("document.querySelector('.dictionary').open = true")
+    check("the dictionary is listed to its end", True, browser.wait(
+        "return /^[0-9]+ entries$/.test(document.querySelector('.dictionary [role=status]').textContent)", seconds=120))
+    value = "return document.querySelector('[data-object=\"' + arguments[0] + '\"] output').textContent"
+    write = ("const row = document.querySelector('[data-object=\"' + arguments[0] + '\"]'); row.querySelector('input').value = arguments[1];"
+             "row.querySelector('[aria-label^=Write]').click()")
+    browser.run("document.querySelector('[data-object=\"1018h:1\"] button').click()")
+    check("an entry is read", True, browser.wait(f"const text = (() => {{ {value} }})(); return Number(text) > 0", "1018h:1"))
+    browser.run(write, "6081h:0", "1234")
+    check("an entry is written", "1234", browser.wait(f"const text = (() => {{ {value} }})(); return text === '1234' && text", "6081h:0"))
+    browser.run(write, "6081h:0", "fast")
+    check("a refusal has its reason", True, browser.wait(f"return (() => {{ {value} }})().includes('no value of type UNSIGNED32')", "6081h:0"))
+    browser.click('[data-select="1"]')
+    browser.wait("return document.querySelector('[data-signal=data1]') !== null")
+
+
 def faults_and_plots(browser):
     browser.run("const kind = document.querySelector('[name=kind]'); kind.value = 0; kind.dispatchEvent(new Event('change'));"
                 "const amount = document.querySelector('[name=amount]'); amount.value = 2; amount.dispatchEvent(new Event('input'));")
@@ -452,6 +472,7 @@ def main():
                 with bus("gripper=fzm1,axis=pmctendo-dd5,fzm1", [MASTER, "{}"]):
                     with_a_master(browser, url)
                     events(browser)
+                    objects(browser)
                     faults_and_plots(browser)
                     recordings(browser, folder)
                     drives(browser)

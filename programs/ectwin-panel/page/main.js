@@ -6,6 +6,7 @@ import { makeRail } from "./rail.js";
 import { makeSignals } from "./signals.js";
 import { makeEvents } from "./events.js";
 import { makeFaults } from "./faults.js";
+import { makeObjects } from "./objects.js";
 import { makeRecorder } from "./record.js";
 import { Plot } from "./plot.js";
 import { frontsOf } from "./fronts.js";
@@ -32,6 +33,7 @@ const context = {
     if (!reply.ok) report(`${signal.name}: ${reply.message}`);
     if (!reply.ok) for (const watcher of signal.watchers) watcher(signal, performance.now());
   },
+  request: (request) => connection.request(view.shown, request),
   async fault(line) {
     const reply = await connection.request(view.shown, { op: "fault", fault: line });
     if (!reply.ok) report(reply.message);
@@ -144,7 +146,7 @@ function select(number) {
   setText(parts.twinTitle, `Signals of ${number}${twin?.name ? ` ${twin.name}` : ""}`);
   parts.end?.();
   parts.plot.forgetListeners();
-  parts.end = collect(() => parts.signals.replaceChildren(makeSignals(context, number, parts.plot)));
+  parts.end = collect(() => parts.signals.replaceChildren(makeSignals(context, number, parts.plot), makeObjects(context, number)));
   showFronts();
   parts.presets.replaceChildren(...presetsOf(number).map(([title, found]) => make("button", { type: "button", on: { click: () => parts.plot.choose(found) } }, title)));
 }

@@ -151,8 +151,8 @@ static void requests(void **state)
     bus_poll(bus, true);
     expect_requests(ABOUT "{\"op\":\"stats\"}\n{\"op\":\"fault\"}\n" EVENTS("0"));
     assert_int_equal(from_page("{\"id\":1,\"bus\":1,\"request\":{\"op\":\"watch\"}}"), PAGE_DONE);
-    expect("{\"event\":\"reply\",\"id\":1,\"reply\":{\"ok\":false,\"message\":\"a page may send 'set' and 'fault' "
-           "alone\"}}");
+    expect("{\"event\":\"reply\",\"id\":1,\"reply\":{\"ok\":false,\"message\":\"a page may send 'set', 'fault', "
+           "'objects', 'read' and 'write' alone\"}}");
     page->view = true;
     assert_int_equal(from_page("{\"id\":2,\"bus\":1,\"request\":{\"op\":\"set\"}}"), PAGE_DONE);
     expect("{\"event\":\"reply\",\"id\":2,\"reply\":{\"ok\":false,\"message\":\"this panel was started with --view: it "
@@ -307,12 +307,44 @@ static void many_events(void **state)
     expect_requests(ABOUT "{\"op\":\"stats\"}\n{\"op\":\"fault\"}\n" EVENTS("0") EVENTS("99"));
 }
 
+static void replies_of_several_lines(void **state)
+{
+    (void)state;
+    open_bus();
+    page->view = true; /* which may read */
+    assert_int_equal(from_page("{\"id\":9,\"bus\":1,\"request\":{\"op\":\"objects\"}}"), PAGE_PASS_ON);
+    assert_int_equal(from_page("{\"id\":10,\"bus\":1,\"request\":{\"op\":\"read\",\"index\":1}}"), PAGE_PASS_ON);
+    from_bus("{\"index\":1}\n{\"index\":2}\n" OK "{\"index\":1,\"value\":3}\n" OK);
+    expect("{\"event\":\"reply\",\"id\":9,\"reply\":{\"ok\":true,\"lines\":[{\"index\":1},{\"index\":2}]}}");
+    expect("{\"event\":\"reply\",\"id\":10,\"reply\":{\"ok\":true,\"lines\":[{\"index\":1,\"value\":3}]}}");
+    assert_int_equal(from_page("{\"id\":11,\"bus\":1,\"request\":{\"op\":\"write\",\"index\":1}}"), PAGE_DONE);
+    skip_message();
+    assert_non_null(strstr(message, "--view"));
+}
+
+static void too_many_lines(void **state)
+{
+    char line[1024];
+    (void)state;
+    open_bus();
+    assert_int_equal(from_page("{\"id\":9,\"bus\":1,\"request\":{\"op\":\"objects\"}}"), PAGE_PASS_ON);
+    snprintf(line, sizeof line, "{\"name\":\"%0900d\"}\n", 0);
+    for (int i = 0; i < 8; i++)
+        from_bus(line);
+    from_bus(OK);
+    expect(
+        "{\"event\":\"reply\",\"id\":9,\"reply\":{\"ok\":false,\"message\":\"the reply is too long for this panel\"}}");
+    assert_int_equal(from_page("{\"id\":9,\"bus\":1,\"request\":{\"op\":\"objects\"}}"), PAGE_PASS_ON);
+    from_bus("{}\n" OK);
+    expect("{\"event\":\"reply\",\"id\":9,\"reply\":{\"ok\":true,\"lines\":[{}]}}");
+}
+
 static void a_long_reply(void **state)
 {
     static char text[2 * PAGE_REPLY];
     (void)state;
     open_bus();
-    snprintf(text, sizeof text, "{\"ok\":false,\"message\":\"%01500d\"}\n", 0);
+    snprintf(text, sizeof text, "{\"ok\":false,\"message\":\"%03500d\"}\n", 0);
     assert_int_equal(from_page("{\"id\":9,\"bus\":1,\"request\":{\"op\":\"set\"}}"), PAGE_PASS_ON);
     from_bus(text);
     expect(
@@ -608,6 +640,8 @@ int main(int argc, char **argv)
         {"SEC: a page of --view holds no signal", a_view_holds_nothing, begin, finish, NULL},
         {"Events of the twin reach the page, each once", events, begin, finish, NULL},
         {"SEC: the last 64 events are kept, in messages of bounded size", many_events, begin, finish, NULL},
+        {"A reply of several lines reaches the page as one", replies_of_several_lines, begin, finish, NULL},
+        {"SEC: lines without end are no reply", too_many_lines, begin, finish, NULL},
         {"A reply that is too long becomes a short one", a_long_reply, begin, finish, NULL},
         {"SEC: a seventeenth request without a reply ends the connection", too_many_requests, begin, finish, NULL},
         {"SEC: a page that breaks the rules is closed", rules, begin, finish, NULL},
