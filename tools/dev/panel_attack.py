@@ -36,7 +36,7 @@ def attacks(port):
 
 
 def attack(port, content, held):
-    """One connection; the last 30 stay open, and nobody reads from them."""
+    """One connection; the last 30 stay open, and are not read."""
     one = socket.socket()
     one.setblocking(False)
     with contextlib.suppress(BlockingIOError):
