@@ -7,34 +7,6 @@ static bool is_position(int8_t mode)
     return mode == ECT_402_CSP || mode == ECT_402_IP;
 }
 
-/* --- standing still ----------------------------------------------------------------------------------------------- */
-
-void ect_402_hold_begin(ect_402_axis_t *a)
-{
-    a->reference = (ect_402_reference_t){.loop = ECT_402_LOOP_POSITION, .position = a->plant->position};
-    a->segment_steps = 0;
-}
-
-/* The integral part of an acceleration must not act against the ramp. */
-void ect_402_brake_begin(ect_402_axis_t *a)
-{
-    a->reference = (ect_402_reference_t){.loop = ECT_402_LOOP_SPEED, .speed = a->plant->speed};
-    if (a->sum * a->plant->speed > 0)
-        a->sum = 0;
-}
-
-void ect_402_brake(ect_402_axis_t *a, double deceleration)
-{
-    ect_402_reference_t *r = &a->reference;
-    if (r->loop == ECT_402_LOOP_POSITION && r->speed == 0)
-        return;
-    if (r->loop != ECT_402_LOOP_SPEED)
-        *r = (ect_402_reference_t){.loop = ECT_402_LOOP_SPEED, .speed = a->plant->speed};
-    r->speed = ect_402_towards(r->speed, 0, deceleration * ECT_402_STEP_S);
-    if (r->speed == 0 && ect_402_standing(a))
-        ect_402_hold_begin(a);
-}
-
 /* --- new set values ----------------------------------------------------------------------------------------------- */
 
 static uint16_t homing_bit(const ect_402_axis_t *a)
