@@ -147,6 +147,8 @@ void ect_402_follow(ect_402_axis_t *a)
     }
     switch (mode) {
     case ECT_402_PP:
+        if (!ect_402_task_active(a))
+            ect_402_brake(a, ect_402_deceleration(a));
         ect_402_task_follow(a);
         break;
     case ECT_402_PV:

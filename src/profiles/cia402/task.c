@@ -121,8 +121,6 @@ void ect_402_task_follow(ect_402_axis_t *a)
 {
     if (a->next.valid && (!a->task || a->next.at_once))
         begin(a);
-    if (!a->task)
-        ect_402_brake(a, ect_402_deceleration(a));
     if (!a->task || !step(a))
         return;
     a->task = false;
