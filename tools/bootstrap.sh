@@ -170,6 +170,8 @@ case "$job" in
     install_packages $run_packages $board_packages $test_packages
     install_clang_runtime
     # shellcheck disable=SC2086
+    (install_packages $kernel_packages) || say "without $kernel_packages twins are built and tested without --in-kernel"
+    # shellcheck disable=SC2086
     (install_packages $browser_packages) || say "without $browser_packages the panel's page is not tested"
     # shellcheck disable=SC2086
     (install_packages $lint_packages) || say "without $lint_packages the layout of the files and what clang-tidy says are not checked"
