@@ -23,7 +23,7 @@ sys.exit(subprocess.run([*(w for w in words if w != "-c"), "-E", "-P"], cwd=its[
 END
 }
 
-# check_file FILE [CHECKS]: what runs on a board with all checks, what runs on a host without two kinds. What runs in the kernel is built
+# check_file FILE [CHECKS]: what runs on a board with all checks, what runs on a host without two kinds. A program of the kernel is built
 # for its own processor, by a command that compile_commands.json does not have.
 check_file() {
   local code stamp target=()

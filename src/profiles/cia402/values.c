@@ -58,6 +58,7 @@ bool ect_402_links_find(const ect_od_t *od, unsigned int axis, ect_402_link_t *l
         (void)ect_od_lookup(od, index, objects[i].subindex, &object, &entry);
         links[i] = entry ? link_to(entry) : (ect_402_link_t){0};
     }
+    links[ECT_402_V_CYCLE_POWER].is_signed = true; /* never positive, and unsigned in twins of network files */
     return links[ECT_402_V_CONTROL].bytes != 0 && links[ECT_402_V_STATUS].bytes != 0;
 }
 
