@@ -433,6 +433,8 @@ void pmc_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t 
     pmctendo_t *u = instance;
     (void)subindex;
     pmc_advance(u, now_ns);
+    refresh(u);
+    (void)ect_402_take_mode(&u->axis);
     if (index == 0x20A4)
         pmc_latch_control(u);
     if (!u->fresh)

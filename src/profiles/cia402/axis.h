@@ -245,6 +245,8 @@ void ect_402_read_levels(ect_402_axis_t *a);
 /** New set values are in force; `rising`: bits of the control word that were 0 before. */
 void ect_402_set_values(ect_402_axis_t *a, uint16_t rising);
 void ect_402_follow_begin(ect_402_axis_t *a);
+/** Takes a new mode, also one by mailbox, before the set values that follow it. @return whether it is new */
+bool ect_402_take_mode(ect_402_axis_t *a);
 /** One step of set values. */
 void ect_402_follow(ect_402_axis_t *a);
 void ect_402_hold_begin(ect_402_axis_t *a);

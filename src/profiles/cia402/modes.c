@@ -28,10 +28,12 @@ void ect_402_follow_begin(ect_402_axis_t *a)
     a->set_new = true;
 }
 
-static void take_mode(ect_402_axis_t *a, int8_t mode)
+bool ect_402_take_mode(ect_402_axis_t *a)
 {
-    if (mode != a->mode_running)
-        ect_402_follow_begin(a);
+    if (a->action != ECT_402_FOLLOW || a->mode == a->mode_running)
+        return false;
+    ect_402_follow_begin(a);
+    return true;
 }
 
 /* A halt keeps tasks and reference runs, and takes new ones. */
@@ -49,10 +51,8 @@ void ect_402_set_values(ect_402_axis_t *a, uint16_t rising)
     ect_402_task_room(a);
     if (a->action != ECT_402_FOLLOW && !ect_402_halted(a))
         return;
-    if (a->action == ECT_402_FOLLOW && mode != a->mode_running) {
-        take_mode(a, mode);
+    if (ect_402_take_mode(a))
         rising &= (uint16_t)~(bit | ECT_402_START); /* a bit that is 1 at the entry of its mode is no edge (DRV-145) */
-    }
     if ((rising & bit) != 0 && a->action == ECT_402_FOLLOW)
         ect_402_homing_start(a);
     else if ((a->set.control & bit) == 0)
@@ -136,7 +136,7 @@ bool ect_402_ip_active(const ect_402_axis_t *a)
 void ect_402_follow(ect_402_axis_t *a)
 {
     int8_t mode = a->mode;
-    take_mode(a, mode);
+    (void)ect_402_take_mode(a);
     if (a->homing.active) {
         ect_402_homing_step(a);
         return;
