@@ -278,6 +278,25 @@ static void cable_is_out(rig_t *r)
     ect_chain_set_link(r->w.chain, ECT_END_IN, false);
 }
 
+/* A slave takes the address of the reference clock. */
+static void address_is_taken(rig_t *r)
+{
+    (void)wire_write16(&r->w, 1, ECT_REG_STATION_ADDRESS, WIRE_STATION);
+}
+
+/* Two windows over the outputs of the frame: the one that begins first ends last. */
+static void windows_overlap(rig_t *r)
+{
+    wire_set_fmmu(&r->w, 0, FMMU_OUT, 0xF0, 0x40, 0, 7, OUTPUTS, 0, 2);
+    wire_set_fmmu(&r->w, 1, FMMU_OUT, 0xF8, 3, 0, 7, OUTPUTS, 0, 2);
+}
+
+/* Frames turn back at the first slave: a reply has nothing of the second. */
+static void second_is_cut_off(rig_t *r)
+{
+    (void)wire_write8(&r->w, 0, ECT_REG_DL_CONTROL + 1, 0x0C); /* port 1 is closed */
+}
+
 static void goes_through(rig_t *r)
 {
     ect_chain_set_link(r->w.chain, ECT_END_OUT, true);
@@ -343,6 +362,9 @@ static void no_plan(void **state)
         {"the slave has locked a SyncManager", build_cyclic, sm_is_locked, false},
         {"an AL status is new", build_cyclic, status_is_new, false},
         {"the reference clock is fast", build_cyclic, clock_is_trimmed, false},
+        {"the address of the clock is there twice", build_cyclic, address_is_taken, false},
+        {"the second slave is cut off", build_cyclic, second_is_cut_off, true},
+        {"FMMUs overlap", build_cyclic, windows_overlap, false},
         {"no cable is plugged in", build_cyclic, cable_is_out, false},
         {"frames leave at the other end", build_cyclic, goes_through, false},
         {"a loop is closed for a second", build_cyclic, loop_for_a_second, false},
