@@ -337,12 +337,22 @@ static size_t write_trouble(page_t *page, const bus_t *bus, out_t *out)
     return end(out, "}");
 }
 
+static bool lacks_signals(const page_t *page, const bus_t *bus)
+{
+    return page->generation != bus->generation || page->described < bus->table.count;
+}
+
+static bool lacks_values(const page_t *page, const bus_t *bus)
+{
+    return page->due && (page->values != bus->table.changes || page->next > 0);
+}
+
 /* The next message about the bus that the page shows. */
 static size_t (*news_of(const page_t *page, const bus_t *bus))(page_t *, const bus_t *, out_t *)
 {
     if (bus->troubles != page->troubles && bus->trouble[0] != 0)
         return write_trouble;
-    if (bus->listed && (page->generation != bus->generation || page->described < bus->table.count))
+    if (bus->listed && lacks_signals(page, bus))
         return write_signals;
     if (bus->faults.version != page->faults)
         return write_faults;
@@ -352,7 +362,7 @@ static size_t (*news_of(const page_t *page, const bus_t *bus))(page_t *, const b
         return write_stats;
     if (bus->listed && has_changes(page, bus))
         return write_changes;
-    if (bus->listed && page->due && (page->values != bus->table.changes || page->next > 0))
+    if (bus->listed && lacks_values(page, bus))
         return write_values;
     return NULL;
 }

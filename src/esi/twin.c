@@ -227,6 +227,17 @@ static uint8_t coe_details_of(const ect_esi_mailbox_t *m)
                      (m->complete_access ? ECT_COE_COMPLETE_ACCESS : 0));
 }
 
+static void note_unserved(ect_build_t *build, const ect_device_t *device)
+{
+    const ect_esi_mailbox_t *m = &build->model->mailbox;
+    const uint8_t served =
+        (uint8_t)(ECT_MAILBOX_COE | (build->network ? ECT_MAILBOX_EOE : 0) | (build->ads ? ECT_MAILBOX_AOE : 0));
+    if ((device->mailbox_protocols & ~served) != 0)
+        ect_build_note(build, "%s%s%s%s%sanswered with \"unsupported protocol\"", m->aoe && !build->ads ? "AoE " : "",
+                       m->eoe && !build->network ? "EoE " : "", m->foe ? "FoE " : "", m->soe ? "SoE " : "",
+                       m->voe ? "VoE " : "");
+}
+
 static void set_mailbox(ect_build_t *build, ect_device_t *device)
 {
     const ect_esi_mailbox_t *m = &build->model->mailbox;
@@ -240,12 +251,7 @@ static void set_mailbox(ect_build_t *build, ect_device_t *device)
     }
     if (device->mailbox_protocols != 0)
         set_protocols(build, device);
-    const uint8_t served =
-        (uint8_t)(ECT_MAILBOX_COE | (build->network ? ECT_MAILBOX_EOE : 0) | (build->ads ? ECT_MAILBOX_AOE : 0));
-    if ((device->mailbox_protocols & ~served) != 0)
-        ect_build_note(build, "%s%s%s%s%sanswered with \"unsupported protocol\"", m->aoe && !build->ads ? "AoE " : "",
-                       m->eoe && !build->network ? "EoE " : "", m->foe ? "FoE " : "", m->soe ? "SoE " : "",
-                       m->voe ? "VoE " : "");
+    note_unserved(build, device);
     if (*build->model->dictionary_file != '\0')
         ect_build_note(build, "the dictionary in the file %s is not read", build->model->dictionary_file);
 }
