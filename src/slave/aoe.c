@@ -21,7 +21,7 @@ enum {
     DELETE_NOTIFICATION = 7,
     NOTIFICATION = 8,
     READ_WRITE = 9,
-    COMMANDS
+    COMMANDS = 10
 };
 
 /* Replies: a result, then the length and the data of a value. */

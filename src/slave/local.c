@@ -8,8 +8,8 @@
 
 #include "slave/internal.h"
 
-static ect_reason_t open(ect_slave_t *s, uint16_t index, uint8_t subindex, ect_direction_t direction,
-                         const ect_entry_t **entry)
+static ect_reason_t find_entry(ect_slave_t *s, uint16_t index, uint8_t subindex, ect_direction_t direction,
+                               const ect_entry_t **entry)
 {
     const ect_device_t *device = s->config.device;
     const ect_object_t *object = NULL;
@@ -30,7 +30,7 @@ ect_reason_t ect_slave_upload(ect_slave_t *s, uint16_t index, uint8_t subindex, 
     const ect_entry_t *entry = NULL;
     ect_span_t instead = {0};
     ECT_ASSERT(to && room > 0);
-    ect_reason_t reason = open(s, index, subindex, ECT_UPLOAD, &entry);
+    ect_reason_t reason = find_entry(s, index, subindex, ECT_UPLOAD, &entry);
     if (reason == ECT_OK && device->sdo_read)
         reason = device->sdo_read(s->config.instance, index, subindex, &instead);
     if (reason != ECT_OK)
@@ -66,7 +66,7 @@ ect_reason_t ect_slave_download(ect_slave_t *s, uint16_t index, uint8_t subindex
 {
     const ect_device_t *device = s->config.device;
     const ect_entry_t *entry = NULL;
-    ect_reason_t reason = open(s, index, subindex, ECT_DOWNLOAD, &entry);
+    ect_reason_t reason = find_entry(s, index, subindex, ECT_DOWNLOAD, &entry);
     if (reason == ECT_OK)
         reason = check_value(s, entry, index, data, size);
     if (reason == ECT_OK && (entry->access & ECT_ACCESS_COMMAND) == 0)

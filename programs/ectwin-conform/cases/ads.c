@@ -121,9 +121,9 @@ void cf_ads_refusals(cf_t *c)
     }
     cf_step(c, "a command that ADS does not have");
     cf_expect(c, "error code in the AMS header", UNKNOWN_COMMAND, ask(c, &(ads_t){NO_COMMAND, NULL, 0, 20}, &mail));
-    for (uint16_t length = 0; length < PARAMETERS; length = (uint16_t)(length + PARAMETERS - 1)) {
+    for (uint32_t length = 0; length < PARAMETERS; length += PARAMETERS - 1) {
         cf_step(c, "Write with %u bytes of parameters", length);
-        const uint32_t error = ask(c, &(ads_t){WRITE, nothing, length, 21u + length}, &mail);
+        const uint32_t error = ask(c, &(ads_t){WRITE, nothing, (uint16_t)length, 21 + length}, &mail);
         cf_expect_that(c, error != 0, "Write with %u bytes of parameters: expected an error, got 0x0000", length);
     }
     cf_step(c, "a mail of 31 bytes, shorter than an AMS header");

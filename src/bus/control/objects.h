@@ -39,13 +39,14 @@ bool ect_objects_next(const ect_od_t *od, size_t slave, ect_object_place_t *plac
 
 /**
  * Reads an entry.
+ * @param number        of the slave, from 1
  * @param[out] message  ECT_SIGNAL_MESSAGE bytes, for a reason
  * @return the reason of a refusal; NULL: *line is complete
  */
-const char *ect_object_read(ect_chain_t *chain, size_t slave, const cJSON *request, ect_line_t *line, char *message);
+const char *ect_object_read(ect_chain_t *chain, size_t number, const cJSON *request, ect_line_t *line, char *message);
 
 /** Writes an entry. @param[out] message  as ::ect_object_read @return the reason of a refusal; NULL: done */
-const char *ect_object_write(ect_chain_t *chain, size_t slave, const cJSON *request, char *message);
+const char *ect_object_write(ect_chain_t *chain, size_t number, const cJSON *request, char *message);
 
 ECT_C_END
 

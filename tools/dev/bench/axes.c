@@ -80,7 +80,7 @@ int axes(char **argument)
     }
     double ns = (processor_ns() - before) / duration / count;
     bool moves = all[0].value[ECT_402_V_POSITION] > 0 || duration < 10;
-    (void)printf("{\"axis_ms_ns\": %.0f, \"axes_at_1_khz\": %.0f}\n", ns, MS_NS / ns);
+    (void)printf("{\"axis_ms_ns\": %.0f, \"axes_at_1_khz\": %.0f}\n", ns, (double)MS_NS / ns);
     free(all);
     return moves ? 0 : 1;
 }
