@@ -66,7 +66,7 @@ static int set_up(int fd, const char *iface)
     const int on = 1;
     struct sockaddr_ll address = {.sll_family = AF_PACKET, .sll_protocol = htons(0x88A4)};
     address.sll_ifindex = (int)if_nametoindex(iface);
-    if (fd < 0 || setsockopt(fd, SOL_PACKET, PACKET_IGNORE_OUTGOING, &on, sizeof on) < 0 ||
+    if (fd < 0 || address.sll_ifindex == 0 || setsockopt(fd, SOL_PACKET, PACKET_IGNORE_OUTGOING, &on, sizeof on) < 0 ||
         setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience) < 0 ||
         bind(fd, (const struct sockaddr *)&address, sizeof address) < 0)
         end(iface);
@@ -196,6 +196,16 @@ static _Noreturn void echo(char **argument, int flags)
     }
 }
 
+static int echo_waiting(char **argument)
+{
+    echo(argument, 0);
+}
+
+static int echo_spinning(char **argument)
+{
+    echo(argument, MSG_DONTWAIT);
+}
+
 /* --- round trips -------------------------------------------------------------------------------------------------- */
 
 static int by_size(const void *a, const void *b)
@@ -321,9 +331,9 @@ static unsigned int one_cycle(master_t *m, uint32_t bytes, unsigned int *counter
     return out - in;
 }
 
-/* @param period_us  distance of the cycles; NULL: 1000 */
-static int cycles(char **argument, const char *period_us)
+static int cycles(char **argument)
 {
+    const char *period_us = argument[5]; /* NULL: 1000 */
     const ect_device_t *device = product_of(argument[1])->device;
     size_t present = strtoul(argument[2], NULL, 10);
     unsigned long count = strtoul(argument[4], NULL, 10);
@@ -354,25 +364,23 @@ static int cycles(char **argument, const char *period_us)
     return 0;
 }
 
+/* Each measurement: its name, the number of its arguments, what runs it. */
+static const struct {
+    const char *name;
+    int least, most;
+    int (*run)(char **argument);
+} MEASUREMENTS[] = {
+    {"frames", 5, 5, frames},     {"axes", 2, 2, axes},   {"echo", 1, 1, echo_waiting}, {"spin", 1, 1, echo_spinning},
+    {"round", 6, 6, round_trips}, {"first", 1, 1, first}, {"sdo", 3, 3, sdos},          {"cycle", 5, 6, cycles},
+};
+
 int main(int count, char **argument)
 {
-    const char *what = count > 1 ? argument[1] : "";
     errno = 0;
-    if (strcmp(what, "frames") == 0 && count == 7)
-        return frames(argument + 2);
-    if (strcmp(what, "axes") == 0 && count == 4)
-        return axes(argument + 2);
-    if (strcmp(what, "echo") == 0 && count == 3)
-        echo(argument + 2, 0);
-    if (strcmp(what, "spin") == 0 && count == 3)
-        echo(argument + 2, MSG_DONTWAIT);
-    if (strcmp(what, "round") == 0 && count == 8)
-        return round_trips(argument + 2);
-    if (strcmp(what, "first") == 0 && count == 3)
-        return first(argument + 2);
-    if (strcmp(what, "sdo") == 0 && count == 5)
-        return sdos(argument + 2);
-    if (strcmp(what, "cycle") == 0 && (count == 7 || count == 8))
-        return cycles(argument + 2, argument[7]);
+    for (size_t i = 0; count > 1 && i < sizeof MEASUREMENTS / sizeof *MEASUREMENTS; i++) {
+        bool fits = count - 2 >= MEASUREMENTS[i].least && count - 2 <= MEASUREMENTS[i].most;
+        if (fits && strcmp(argument[1], MEASUREMENTS[i].name) == 0)
+            return MEASUREMENTS[i].run(argument + 2);
+    }
     end("use tools/dev/bench/run.py");
 }
