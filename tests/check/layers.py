@@ -3,7 +3,8 @@
 
 A row of the table names rooms and the rooms whose headers each may include beside its own. `X` in a row stands for any one
 folder: a file of devices/fzm1 falls under devices/X and may not include devices/eclink. A room covers the folders below it
-unless a longer row names them. Every room of src/, programs/ and examples/ needs a row.
+unless a longer row names them. Every room of src/, programs/ and examples/ needs a row, and every row a room. The listing at the
+head of the page names every room, except one of X, and no folder that does not exist.
 """
 import pathlib
 import re
@@ -67,10 +68,37 @@ def may_include(folder, row, target, allowed):
     return any(target == a or target.startswith(a + "/") for a in allowed)
 
 
+def listed(page):
+    """The folders that the listing names, below the root; folders that a comment names count for the folder of their line."""
+    found, above = {}, []
+    for line in page.read_text().split("```")[1].strip().splitlines():
+        match = re.match(r"( *)([\w-]+)/ ", line + " ")
+        if match:
+            above = above[:len(match[1]) // 2] + [match[2]]
+        found["/".join(above)] = found.get("/".join(above), "") + line
+    return found
+
+
+def unlisted(root, rooms, table):
+    """A line for each folder that the listing lacks or wrongly names."""
+    names = listed(root / "docs/DESIGN.md")
+    wrong = [f"docs/DESIGN.md: the listing names {name}, which is no folder" for name in names if not (root / name).is_dir()]
+    for folder in sorted(rooms):
+        above, _, name = folder.rpartition("/")
+        is_one_of_x = (row_of(folder.removeprefix("src/"), table) or "").endswith("/X") and above == "src/devices"
+        if folder not in names and not is_one_of_x and not re.search(rf"\b{name}\b", names.get(above, "")):
+            wrong.append(f"docs/DESIGN.md: the listing does not name {folder}")
+    return wrong
+
+
 def main():
     root = pathlib.Path(sys.argv[1]).resolve()
     table = read_table(root / "docs/DESIGN.md")
-    wrong, seen = [], 0
+    folders = {str(p.parent.relative_to(root)) for p in (root / "src").rglob("*.[ch]")}
+    folders |= {str(p.relative_to(root)) for top in ("programs", "examples") for p in (root / top).iterdir() if p.is_dir()}
+    wrong, seen = unlisted(root, folders, table), 0
+    wrong += [f"docs/DESIGN.md: the row {row} is of no room" for row in table
+              if not any((root / top / row.removesuffix("/X")).is_dir() for top in ("", "src"))]
     files = [p for top in ("src", "programs", "examples", "firmware") for p in sorted((root / top).rglob("*.[ch]"))]
     for path in files:
         folder = room_name(path, root)
