@@ -14,6 +14,7 @@ typedef struct keys {
     ect_draft_t *d;
     const yaml_node_t *version, *vendor, *product, *revision, *type, *name, *group, *profile, *physics;
     const yaml_node_t *objects, *inputs, *outputs, *mailbox, *syncmanagers, *dc, *eeprom;
+    ect_draft_rack_t rack;
 } keys_t;
 
 static void take_key(void *ctx, const char *key, const yaml_node_t *name, const yaml_node_t *value)
@@ -39,6 +40,10 @@ static void take_key(void *ctx, const char *key, const yaml_node_t *name, const 
         {"syncmanagers", &k->syncmanagers},
         {"dc", &k->dc},
         {"eeprom", &k->eeprom},
+        {"slots", &k->rack.slots},
+        {"modules", &k->rack.modules},
+        {"slot-increments", &k->rack.increments},
+        {"download-idents", &k->rack.download},
     };
     for (size_t i = 0; i < sizeof nodes / sizeof nodes[0]; i++) {
         if (strcmp(nodes[i].name, key) == 0) {
@@ -49,7 +54,8 @@ static void take_key(void *ctx, const char *key, const yaml_node_t *name, const 
     ect_yaml_fail(
         &k->d->yaml, name,
         "'%.60s' is no key of a device: ectwin-device, vendor, product, revision, type, name, group, profile, "
-        "physics, objects, inputs, outputs, mailbox, syncmanagers, dc, eeprom",
+        "physics, objects, inputs, outputs, mailbox, syncmanagers, dc, eeprom, slots, modules, slot-increments, "
+        "download-idents",
         key);
 }
 
@@ -144,6 +150,8 @@ static void take_parts(const keys_t *k)
         ect_draft_clocks(d, k->dc);
     if (!d->mistake.failed && k->eeprom != NULL)
         ect_draft_eeprom(d, k->eeprom);
+    if (!d->mistake.failed)
+        ect_draft_rack(d, &k->rack);
     if (!d->mistake.failed)
         ect_draft_syncmanagers(d, k->syncmanagers);
     if (!d->mistake.failed)

@@ -22,8 +22,7 @@ ect_word_t ect_draft_word(ect_draft_t *d, const yaml_node_t *node, const char *k
 
 /* --- objects ------------------------------------------------------------------------------------------------------ */
 
-/* @return the reason why no object of a file may have an index; NULL: it may */
-static const char *why_not(uint16_t index)
+const char *ect_draft_reserved(uint16_t index)
 {
     if (index == 0x1000)
         return "the key 'profile' has the device type";
@@ -51,8 +50,9 @@ ect_draft_object_t *ect_draft_add(ect_draft_t *d, ect_word_t word, uint8_t code,
     }
     uint16_t index = (uint16_t)number;
     const ect_draft_object_t *first = ect_draft_find(d, index);
-    if (why_not(index) != NULL)
-        ect_mistake(&d->mistake, word.line, "object %04X is left out here: %s", (unsigned int)index, why_not(index));
+    if (ect_draft_reserved(index) != NULL)
+        ect_mistake(&d->mistake, word.line, "object %04X is left out here: %s", (unsigned int)index,
+                    ect_draft_reserved(index));
     if (first != NULL)
         ect_mistake(&d->mistake, word.line, "object %04X is there twice, first in line %zu: give one another index",
                     (unsigned int)index, first->line);
@@ -113,8 +113,13 @@ ect_esi_pdo_t *ect_draft_add_pdo(ect_draft_t *d, uint16_t index, bool tx, size_t
         }
     }
     ect_esi_pdo_t *pdo = ect_esi_append_pdo(d->arena, d->device);
-    *pdo = (ect_esi_pdo_t){
-        .index = index, .name = tx ? "Inputs" : "Outputs", .tx = tx, .fixed = true, .samples = 1, .line = (int)line};
+    *pdo = (ect_esi_pdo_t){.index = index,
+                           .name = tx ? "Inputs" : "Outputs",
+                           .tx = tx,
+                           .fixed = true,
+                           .samples = 1,
+                           .moves = d->moves,
+                           .line = (int)line};
     return pdo;
 }
 
@@ -151,6 +156,7 @@ static void map_entry(ect_draft_t *d, ect_esi_pdo_t *pdo, const ect_draft_object
     from->rx |= !pdo->tx;
     const char *name = ect_esi_type_name(from->type, from->bits, type, sizeof type);
     entry->index = object->index;
+    entry->moves = d->moves;
     entry->subindex = from->subindex;
     entry->bits = from->bits;
     entry->name = *from->name != '\0' ? from->name : object->name;

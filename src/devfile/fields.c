@@ -125,6 +125,8 @@ static bool begin(list_t *list, const char *key, size_t line)
 {
     if (!ect_draft_is_integer(list->entry))
         ect_mistake(&list->d->mistake, line, "'%s' is for integers: leave it out", key);
+    if (list->d->moves != 0)
+        ect_mistake(&list->d->mistake, line, "'%s' is for objects of the device: leave it out of a module", key);
     return !list->d->mistake.failed;
 }
 

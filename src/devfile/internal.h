@@ -5,7 +5,7 @@
  *
  * A draft contains the objects of a file until their PDOs are known: the mapping determines the access rights of an
  * entry. From the lowest to the highest: value.c (types and values of an entry), draft.c (objects, and the model),
- * fields.c (names of bits and values), table.c, objects.c, pdos.c, layout.c (parts of a file),
+ * fields.c (names of bits and values), table.c, objects.c, pdos.c, modules.c, layout.c (parts of a file),
  * generator.c (another format), devfile.c (the file).
  */
 #ifndef ECT_DEVFILE_INTERNAL_H
@@ -75,7 +75,9 @@ typedef struct ect_draft {
     uint32_t *positions; /**< by index: position + 1; 0: none */
     ect_field_t *fields; /**< of the model; grows */
     size_t field_count;
-    uint16_t mailbox_bytes; /**< size of each mailbox in the standard layout; 0: no mailbox */
+    uint16_t mailbox_bytes;     /**< size of each mailbox in the standard layout; 0: no mailbox */
+    uint8_t moves;              /**< of each index: ECT_ESI_BY_SLOT while a module is read */
+    uint32_t *module_positions; /**< `positions` of a module, all 0 between two modules; NULL: before the first */
 } ect_draft_t;
 
 /* --- value.c ------------------------------------------------------------------------------------------------------ */
@@ -139,11 +141,22 @@ void ect_draft_table(ect_draft_t *d, ect_word_t word);
 /** objects.c: reads `objects`, a mapping or the name of a table. */
 void ect_draft_objects(ect_draft_t *d, const yaml_node_t *objects);
 
+/** draft.c: @return the reason why no object of a file may have an index; NULL: it may */
+const char *ect_draft_reserved(uint16_t index);
+
 /** draft.c: adds a PDO. @return NULL: the index is in use, a mistake */
 ect_esi_pdo_t *ect_draft_add_pdo(ect_draft_t *d, uint16_t index, bool tx, size_t line);
 
 /** pdos.c: reads `inputs` or `outputs`. */
 void ect_draft_pdos(ect_draft_t *d, const yaml_node_t *list, bool tx);
+
+/** Keys of a device with slots; NULL: not given. */
+typedef struct ect_draft_rack {
+    const yaml_node_t *slots, *modules, *increments, *download;
+} ect_draft_rack_t;
+
+/** modules.c: reads `slots`, `modules`, `slot-increments` and `download-idents`, after the objects and PDOs. */
+void ect_draft_rack(ect_draft_t *d, const ect_draft_rack_t *rack);
 
 /** layout.c: adds a SyncManager. @param bytes  size of a mailbox */
 ect_esi_sm_t *ect_draft_sm(ect_draft_t *d, const char *type, uint8_t control, uint16_t bytes);

@@ -4,6 +4,8 @@
 
 #include <string.h>
 
+#include "esi/modules.h"
+
 enum {
     MAILBOX = 128,      /* bytes, the standard */
     MAILBOX_LEAST = 34, /* with SDO information */
@@ -110,15 +112,34 @@ ect_esi_sm_t *ect_draft_sm(ect_draft_t *d, const char *type, uint8_t control, ui
     return sm;
 }
 
-/* @return the bytes of all PDOs of a direction */
-static uint32_t bytes_of(const ect_draft_t *d, bool tx)
+static uint32_t bits_of(const ect_esi_pdo_t *pdos, size_t count, bool tx)
 {
     uint32_t bits = 0;
-    for (size_t i = 0; i < d->device->pdo_count; i++) {
-        const ect_esi_pdo_t *pdo = &d->device->pdos[i];
-        for (size_t k = 0; k < pdo->entry_count; k++)
-            bits += pdo->tx == tx ? pdo->entries[k].bits : 0u;
+    for (size_t i = 0; i < count; i++) {
+        for (size_t k = 0; k < pdos[i].entry_count; k++)
+            bits += pdos[i].tx == tx ? pdos[i].entries[k].bits : 0u;
     }
+    return bits;
+}
+
+/* @return the bits of the longest module of a slot */
+static uint32_t longest_of(const ect_draft_t *d, const ect_esi_slot_t *slot, bool tx)
+{
+    uint32_t longest = 0;
+    for (size_t i = 0; i < d->device->module_count; i++) {
+        const ect_esi_module_t *module = &d->device->modules[i];
+        const uint32_t bits = bits_of(module->pdos, module->pdo_count, tx);
+        longest = ect_esi_slot_takes(slot, module) && bits > longest ? bits : longest;
+    }
+    return longest;
+}
+
+/* @return the bytes of all PDOs of a direction, with the longest modules in all places */
+static uint32_t bytes_of(const ect_draft_t *d, bool tx)
+{
+    uint32_t bits = bits_of(d->device->pdos, d->device->pdo_count, tx);
+    for (size_t i = 0; i < d->device->slot_count; i++)
+        bits += d->device->slots[i].instances_max * longest_of(d, &d->device->slots[i], tx);
     return (bits + 7) / 8;
 }
 
@@ -235,17 +256,24 @@ static int sm_for(const ect_draft_t *d, bool tx)
     return -1;
 }
 
-void ect_draft_assign(ect_draft_t *d)
+static void assign(ect_draft_t *d, const ect_esi_pdo_t *constant, size_t count)
 {
-    ect_esi_pdo_t *pdos = (ect_esi_pdo_t *)(uintptr_t)d->device->pdos; /* ours */
-    add_fmmus(d);
-    for (size_t i = 0; i < d->device->pdo_count; i++) {
+    ect_esi_pdo_t *pdos = (ect_esi_pdo_t *)(uintptr_t)constant; /* ours */
+    for (size_t i = 0; i < count; i++) {
         int sm = sm_for(d, pdos[i].tx);
         if (sm < 0)
             ect_mistake(&d->mistake, (size_t)pdos[i].line, "no SyncManager has the %s: add one to 'syncmanagers'",
                         pdos[i].tx ? "inputs" : "outputs");
         pdos[i].sm = pdos[i].sm < 0 ? -1 : sm;
     }
+}
+
+void ect_draft_assign(ect_draft_t *d)
+{
+    add_fmmus(d);
+    assign(d, d->device->pdos, d->device->pdo_count);
+    for (size_t i = 0; i < d->device->module_count; i++)
+        assign(d, d->device->modules[i].pdos, d->device->modules[i].pdo_count);
 }
 
 void ect_draft_syncmanagers(ect_draft_t *d, const yaml_node_t *list)

@@ -70,7 +70,8 @@ static void take_excluded(ect_draft_t *d, ect_esi_pdo_t *pdo, const yaml_node_t 
     }
     ect_esi_exclude_t *exclude = ect_arena_alloc(d->arena, (length_of(list) + 1) * sizeof *exclude);
     for (size_t i = 0; i < length_of(list); i++)
-        exclude[pdo->exclude_count++].index = number_of(d, "exclude", item(d, list, i), pdo->tx);
+        exclude[pdo->exclude_count++] =
+            (ect_esi_exclude_t){.index = number_of(d, "exclude", item(d, list, i), pdo->tx), .moves = d->moves};
     pdo->exclude = exclude;
 }
 

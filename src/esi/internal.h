@@ -31,7 +31,9 @@
  *   values.c           the values of a dictionary before the first write
  *   write_xml.c        elements and attributes; the first failure
  *   write_dictionary.c  data types and objects
+ *   write_slots.c      slots
  *   write_device.c     a device
+ *   write_modules.c    modules
  *   write.c            a file
  *
  * After a mistake, reading continues with zeros and empty texts, so that readers need no error paths; the caller of the
@@ -422,7 +424,16 @@ void ect_xml_enum_types(ect_xml_writer_t *xml, const ect_od_t *od);
 /** Writes `<Comment>` with the named bits of an entry, if there are any. */
 void ect_xml_bits(ect_xml_writer_t *xml, uint16_t index, uint8_t subindex);
 
-/** Writes `<Device>`. @param slots  true: copies the slots of its file */
+/** write_slots.c: writes `<Slots>` of a device whose file is not an ESI. */
+void ect_xml_slots(ect_xml_writer_t *xml, const ect_esi_device_t *model);
+
+/**
+ * write_modules.c: writes a `<Module>` for each module of such a device. All its indices move with the slot.
+ * @return false: a module cannot be built
+ */
+bool ect_xml_modules(ect_xml_writer_t *xml, const ect_esi_device_t *model);
+
+/** Writes `<Device>`. @param slots  true: writes its slots, those of an ESI file as a copy */
 void ect_xml_device(ect_xml_writer_t *xml, const ect_esi_part_t *part, bool slots);
 
 #endif

@@ -221,6 +221,7 @@ typedef struct ect_esi_module {
     ect_esi_dictionary_t dictionary;
     const ect_esi_init_t *inits;
     size_t init_count;
+    int line;
 } ect_esi_module_t;
 
 /** Mailbox protocols and abilities, `<Mailbox>`. */

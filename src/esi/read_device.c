@@ -365,6 +365,7 @@ static void read_modules(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device
         const xmlNode *profile = ect_esi_child(child, "Profile");
         module->profile = profile != NULL ? read_profile(xml, profile) : 0;
         module->name = ect_esi_name(xml, child, "Name");
+        module->line = ect_esi_line(child);
         module->pdos = ect_esi_read_pdos(xml, child, &module->pdo_count);
         module->inits = read_inits(xml, ect_esi_child(ect_esi_child(child, "Mailbox"), "CoE"), &module->init_count);
         ect_esi_read_dictionary(xml, profile, &module->dictionary);

@@ -74,13 +74,19 @@ static void write_modules(ect_xml_writer_t *xml, const ect_esi_part_t *parts, si
     for (size_t i = 0; i < count; i++) {
         const xmlNode *device = ect_xml_source(&parts[i]);
         const xmlNode *descriptions = device != NULL ? device->parent->parent : NULL;
-        if (ect_esi_child(device, "Slots") == NULL || descriptions == written)
+        const ect_esi_device_t *model =
+            parts[i].twin != NULL && device == NULL ? ect_esi_twin_model(parts[i].twin) : NULL;
+        const bool own = model != NULL && model->slot_count > 0;
+        if (!own && (ect_esi_child(device, "Slots") == NULL || descriptions == written))
             continue;
         if (!open)
             ect_xml_open(xml, "Modules");
         open = true;
         written = descriptions;
-        ect_xml_copy_children(xml, ect_esi_child(descriptions, "Modules"), "Module");
+        if (own)
+            xml->failed |= !ect_xml_modules(xml, model);
+        else
+            ect_xml_copy_children(xml, ect_esi_child(descriptions, "Modules"), "Module");
     }
     if (open)
         ect_xml_close(xml);

@@ -123,9 +123,12 @@ static void write_entry(ect_xml_writer_t *xml, const ect_od_t *od, uint32_t mapp
     const ect_entry_t *entry = ect_od_mapped(od, mapping);
     uint32_t bits = mapping & 0xFF;
     ect_xml_open(xml, "Entry");
-    ect_xml_hex(xml, "Index", entry != NULL ? mapping >> 16 : 0, entry != NULL ? 4 : 1);
-    if (entry != NULL)
+    if (entry != NULL) {
+        ect_xml_index(xml, "Index", (uint16_t)(mapping >> 16));
         ect_xml_number(xml, "SubIndex", mapping >> 8 & 0xFF);
+    } else {
+        ect_xml_hex(xml, "Index", 0, 1);
+    }
     ect_xml_number(xml, "BitLen", bits);
     if (entry != NULL) {
         const char *type = ect_esi_type_of(xml->arena, entry->data_type, bits);
@@ -158,10 +161,10 @@ static void write_pdo(ect_xml_writer_t *xml, const ect_device_t *device, const e
     ect_xml_flag(xml, "Virtual", (flags & ECT_PDO_VIRTUAL) != 0);
     if (sm < ECT_SMS)
         ect_xml_attribute(xml, "Sm", "%u", (unsigned int)sm);
-    ect_xml_hex(xml, "Index", pdo->index, 4);
+    ect_xml_index(xml, "Index", pdo->index);
     ect_xml_text(xml, "Name", pdo->name != NULL ? pdo->name : "");
     for (const uint16_t *other = excludes_of(device, pdo->index); *other != 0; other++)
-        ect_xml_hex(xml, "Exclude", *other, 4);
+        ect_xml_index(xml, "Exclude", *other);
     for (uint32_t n = 1; n <= ect_od_element(pdo, 0); n++)
         write_entry(xml, &od, ect_od_element(pdo, n));
     ect_xml_close(xml);
@@ -363,8 +366,10 @@ void ect_xml_device(ect_xml_writer_t *xml, const ect_esi_part_t *part, bool slot
     ect_xml_pdos(xml, device, false);
     write_mailbox(xml, device, ect_esi_child(source, "Mailbox"));
     write_dc(xml, device, ect_esi_child(source, "Dc"));
-    if (slots)
+    if (slots && source != NULL)
         ect_xml_copy_children(xml, source, "Slots");
+    else if (slots)
+        ect_xml_slots(xml, ect_esi_twin_model(part->twin));
     write_eeprom(xml, device, identity);
     ect_xml_close(xml);
 }

@@ -287,7 +287,7 @@ static void write_object(list_t *list, const ect_object_t *object)
     ect_xml_writer_t *xml = list->xml;
     bool record = !is_var(object);
     ect_xml_open(xml, "Object");
-    ect_xml_hex(xml, "Index", object->index, 4);
+    ect_xml_index(xml, "Index", object->index);
     ect_xml_text(xml, "Name", object->name != NULL ? object->name : "");
     ect_xml_text(xml, "Type", record ? record_type(object, "").text : type_of_item(list, object, object->entries));
     ect_xml_number(xml, "BitSize", ect_esi_object_bits(&list->od, object));

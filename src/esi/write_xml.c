@@ -94,6 +94,16 @@ void ect_xml_hex(ect_xml_writer_t *xml, const char *element, uint32_t value, int
     ect_xml_text(xml, element, text);
 }
 
+void ect_xml_index(ect_xml_writer_t *xml, const char *element, uint16_t index)
+{
+    char text[16];
+    (void)snprintf(text, sizeof text, "#x%04X", (unsigned int)index);
+    ect_xml_open(xml, element);
+    ect_xml_flag(xml, "DependOnSlot", xml->by_slot);
+    ect_xml_content(xml, text);
+    ect_xml_close(xml);
+}
+
 void ect_xml_bytes(ect_xml_writer_t *xml, const char *element, const uint8_t *bytes, size_t length)
 {
     ect_xml_open(xml, element);

@@ -25,6 +25,7 @@ typedef struct ect_xml_writer {
     struct _xmlTextWriter *writer;
     ect_arena_t *arena;
     const ect_plant_t *plant; /* of the present device; NULL: none */
+    bool by_slot;             /* indices are those of a module in the first slot: `DependOnSlot` */
     bool failed;
 } ect_xml_writer_t;
 
@@ -58,6 +59,9 @@ void ect_xml_text(ect_xml_writer_t *xml, const char *element, const char *text);
 void ect_xml_number(ect_xml_writer_t *xml, const char *element, int64_t value);
 void ect_xml_hex(ect_xml_writer_t *xml, const char *element, uint32_t value, int digits);
 void ect_xml_bytes(ect_xml_writer_t *xml, const char *element, const uint8_t *bytes, size_t length);
+
+/** Writes an index of an object or a PDO, which moves with the slot in a module. */
+void ect_xml_index(ect_xml_writer_t *xml, const char *element, uint16_t index);
 
 /** Writes the `<RxPdo>` (outputs) or `<TxPdo>` of a device, assigned PDOs first, in the order of the assignment. */
 void ect_xml_pdos(ect_xml_writer_t *xml, const ect_device_t *device, bool outputs);

@@ -17,7 +17,7 @@ with() { "$ectwin" with --in-process --virtual-time "$@"; }
 # shellcheck source=tests/support/check.sh
 . "$root/tests/support/check.sh"
 
-for file in examples/new/gauge.yaml examples/new/pump.yaml tests/fuzz/seeds/devfile/{syncmanagers,project}; do
+for file in examples/new/gauge.yaml examples/new/pump.yaml examples/new/rack.yaml tests/fuzz/seeds/devfile/{syncmanagers,project}; do
   device=yaml:$root/$file
   "$ectwin" esi "$device" -o "$work/d.xml" && "$ectwin" sii "$device" -o "$work/d.bin"
   check "$file: ESI, EEPROM and device agree" "0 " "$("$ectwin" verify "$work/d.xml" "$work/d.bin" "$device" 2>&1 >"$work/out"; echo $? "$(cat "$work/out")")"
