@@ -3,7 +3,7 @@
  * @file
  * Declarations that the files of eni/ share. No other room includes this header.
  *
- * From the lowest to the highest: read_command.c (datagrams and CoE commands), read_slave.c (a slave), read.c (a file),
+ * From the lowest to the highest: read_command.c (datagrams and mails), read_slave.c (a slave), read.c (a file),
  * bus.c (the tree), device.c (the device model of a slave), check.c (contradictions). The player (player.h) and the
  * writer (write_slave.h) have their own orders.
  */
@@ -27,6 +27,9 @@ const ect_eni_command_t *ect_eni_read_inits(ect_esi_xml_t *xml, const xmlNode *p
 
 /** Reads one InitCmd of CoE. */
 void ect_eni_read_coe(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_coe_t *command);
+
+/** Reads one InitCmd of AoE or EoE; `mail` has its protocol. @return false: it contains no mail of the protocol */
+bool ect_eni_read_mail(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_mail_t *mail);
 
 /** Reads a `<Slave>`. */
 void ect_eni_read_slave(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_slave_t *slave);

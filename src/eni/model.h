@@ -91,6 +91,21 @@ typedef struct ect_eni_coe {
     int line;
 } ect_eni_coe_t;
 
+/** Types of mailboxes, of ::ect_eni_mail_t. */
+enum { ECT_ENI_AOE = 1, ECT_ENI_EOE = 2 };
+
+/** `<InitCmd>` of AoE or EoE. */
+typedef struct ect_eni_mail {
+    unsigned int transitions; /**< ECT_ENI_II … */
+    const char *comment;
+    uint32_t timeout_ms;
+    uint8_t protocol; /**< ECT_ENI_AOE, ECT_ENI_EOE */
+    uint8_t type;     /**< of an EoE mail: 2 sets the IP parameters */
+    bool disabled;
+    ect_esi_bytes_t data; /**< behind the header of the mailbox, and behind that of EoE */
+    int line;
+} ect_eni_mail_t;
+
 /** `<Sm0>` to `<Sm15>`. */
 typedef struct ect_eni_sm {
     bool given;
@@ -125,7 +140,9 @@ typedef struct ect_eni_mailbox {
     bool aoe, eoe, coe, foe, soe, voe;
     const ect_eni_coe_t *commands;
     size_t command_count;
-    size_t others; /**< number of start-up commands of SoE, AoE, EoE, FoE, which are not read */
+    const ect_eni_mail_t *mails; /**< of AoE, then of EoE */
+    size_t mail_count;
+    size_t others; /**< number of other start-up commands: of SoE and FoE, or without a mail */
 } ect_eni_mailbox_t;
 
 /** The selected `<PreviousPort>`, or the only one. */

@@ -132,6 +132,10 @@ static void play_mails(ect_eni_player_t *p, size_t slave, unsigned int transitio
         if ((mailbox->commands[i].transitions & transition) != 0 && !mailbox->commands[i].disabled)
             eni_play_coe(p, slave, &mailbox->commands[i]);
     }
+    for (size_t i = 0; i < mailbox->mail_count; i++) {
+        if ((mailbox->mails[i].transitions & transition) != 0 && !mailbox->mails[i].disabled)
+            eni_play_mail(p, slave, &mailbox->mails[i]);
+    }
 }
 
 /* --- slaves without register commands ------------------------------------------------------------------------------
@@ -204,8 +208,8 @@ static void start_slaves(ect_eni_player_t *p)
     const ect_eni_network_t *network = ect_eni_network(p->eni);
     for (size_t i = 0; i < network->slave_count; i++) {
         const ect_eni_slave_t *slave = &network->slaves[i];
-        if (slave->command_count == 0 && slave->mailbox.command_count > 0 && slave->mailbox.send.length > 0 &&
-            slave->mailbox.receive.length > 0)
+        if (slave->command_count == 0 && slave->mailbox.command_count + slave->mailbox.mail_count > 0 &&
+            slave->mailbox.send.length > 0 && slave->mailbox.receive.length > 0)
             start_slave(p, i);
     }
 }

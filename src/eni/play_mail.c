@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Start-up commands of CoE: an SDO transfer through the mailbox that the file names. */
+/* Mails through the mailbox that the file names: start-up commands of AoE and EoE, and the way of all others. */
 #include <stdio.h>
 #include <string.h>
 
@@ -7,39 +7,39 @@
 #include "esc/route.h"
 #include "wire/bytes.h"
 
-enum { MAIL_HEADER = 6, COE_HEADER = 2, SDO = MAIL_HEADER + COE_HEADER, SDO_HEADER = 4, SIZE = 4 };
-enum { TYPE_ERROR = 0, TYPE_COE = 3, SDO_REQUEST = 2, SDO_RESPONSE = 3, COUNTERS = 7, NUMBER = 12 };
-/* Command specifiers and their bits. */
-enum {
-    DOWNLOAD = 0x21,
-    EXPEDITED = 0x02,
-    COMPLETE = 0x10,
-    UPLOAD = 0x40,
-    SEGMENT_LAST = 0x01,
-    TOGGLE = 0x10,
-    SEGMENT_MOST_UNUSED = 7,
-    ABORT = 0x80
-};
-enum { TIMEOUT_MS = 1000, SHORTEST = SDO + SDO_HEADER + SIZE, SKIPS = 64 };
+enum { TYPE_ERROR = 0, COUNTERS = 7, TIMEOUT_MS = 1000, SKIPS = 64 };
+/* The AMS header; EoE: its header, and the word with the result of a reply. */
+enum { AMS_COMMAND = 16, AMS_FLAGS = 18, AMS_LENGTH = 20, AMS_ERROR = 24, AMS_INVOKE = 28, AMS_HEADER = 32 };
+enum { IS_RESPONSE = 1, EOE_HEADER = 4, EOE_LAST = 1, EOE_RESULT = 2, EOE_TYPE = 0x0F, EOE_FRAGMENT = 0 };
 
-typedef struct transfer {
-    ect_eni_player_t *p;
-    const ect_eni_slave_t *slave;
-    const ect_eni_coe_t *command;
-    size_t number; /* of the slave, from 1 */
-    bool failed;
-} transfer_t;
+/* --- the way ------------------------------------------------------------------------------------------------------ */
 
-static void fail(transfer_t *t, const char *why)
+void eni_talk_fail(eni_talk_t *t, const char *why)
 {
     if (!t->failed)
-        eni_report(t->p, t->command->line, "slave %zu, %04X:%u: %s", t->number, t->command->index, t->command->subindex,
-                   why);
+        eni_report(t->p, t->line, "slave %zu, %s: %s", t->number, t->name, why);
     t->failed = true;
 }
 
-/* Sends a mail of `length` bytes behind the mailbox header. */
-static void send_mail(transfer_t *t, size_t length)
+bool eni_talk_begin(eni_talk_t *t, ect_eni_player_t *p, size_t slave, size_t bytes)
+{
+    char why[120];
+    t->p = p;
+    t->slave = &ect_eni_network(p->eni)->slaves[slave];
+    t->number = slave + 1;
+    const ect_eni_box_t *send = &t->slave->mailbox.send, *receive = &t->slave->mailbox.receive;
+    const size_t least = bytes + ENI_MAIL_HEADER;
+    const size_t shortest = send->length < receive->length ? send->length : receive->length;
+    const bool fits = shortest >= least && send->length <= ECT_ENI_DATA && receive->length <= ECT_ENI_DATA;
+    if (!fits) {
+        (void)snprintf(why, sizeof why, "the file has no mailbox of %zu to %d bytes for this start-up command", least,
+                       (int)ECT_ENI_DATA);
+        eni_talk_fail(t, why);
+    }
+    return fits;
+}
+
+void eni_talk_send(eni_talk_t *t, size_t length)
 {
     ect_eni_player_t *p = t->p;
     const ect_eni_box_t *box = &t->slave->mailbox.send;
@@ -52,18 +52,17 @@ static void send_mail(transfer_t *t, size_t length)
     *counter = (uint8_t)(*counter % COUNTERS + 1);
     ect_store_le16(p->mail, (uint16_t)length);
     ect_store_le32(p->mail + 2, 0);
-    p->mail[5] = (uint8_t)(TYPE_COE | *counter << 4);
-    ect_store_le16(p->mail + MAIL_HEADER, SDO_REQUEST << NUMBER);
+    p->mail[5] = (uint8_t)(t->protocol | *counter << 4);
     for (unsigned int i = 0; i < TIMEOUT_MS; i++) {
         if (eni_exchange(p, &write, &reply) == 1)
             return;
         eni_wait(p);
     }
-    fail(t, "its mailbox takes no mail");
+    eni_talk_fail(t, "its mailbox takes no mail");
 }
 
 /* @return the next mail; NULL: none came */
-static const uint8_t *receive_mail(transfer_t *t)
+static const uint8_t *receive_mail(const eni_talk_t *t)
 {
     static const uint8_t zeros[ECT_ENI_DATA];
     const ect_eni_box_t *box = &t->slave->mailbox.receive;
@@ -71,7 +70,7 @@ static const uint8_t *receive_mail(transfer_t *t)
                                  .address = eni_station(t->slave, t->number - 1) | (uint32_t)box->start << 16,
                                  .length = box->length,
                                  .data = zeros};
-    const uint32_t most = t->command->timeout_ms > 0 ? eni_bounded_timeout(t->command->timeout_ms) : TIMEOUT_MS;
+    const uint32_t most = t->timeout_ms > 0 ? eni_bounded_timeout(t->timeout_ms) : TIMEOUT_MS;
     const uint8_t *reply;
     for (uint32_t i = 0; i <= most; i++) {
         if (eni_exchange(t->p, &read, &reply) == 1)
@@ -81,94 +80,82 @@ static const uint8_t *receive_mail(transfer_t *t)
     return NULL;
 }
 
-static bool is_answer(const uint8_t *mail)
+const uint8_t *eni_talk_receive(eni_talk_t *t, bool (*is_reply)(const eni_talk_t *t, const uint8_t *mail))
 {
-    const unsigned int type = mail[5] & 0x0F, service = ect_load_le16(mail + MAIL_HEADER) >> NUMBER;
-    return type == TYPE_ERROR || (type == TYPE_COE && (service == SDO_RESPONSE || mail[SDO] == ABORT));
+    for (unsigned int i = 0; i <= SKIPS && !t->failed; i++) {
+        const uint8_t *mail = receive_mail(t);
+        const unsigned int type = mail != NULL ? mail[5] & 0x0Fu : TYPE_ERROR;
+        if (mail != NULL && type == t->protocol && is_reply(t, mail))
+            return mail;
+        if (type == TYPE_ERROR)
+            eni_talk_fail(t, mail == NULL ? "no reply comes" : "a mailbox error comes");
+    }
+    eni_talk_fail(t, "no reply comes");
+    return NULL;
 }
 
-/* Receives the reply to a request; emergencies before it are skipped. */
-static void expect(transfer_t *t)
+/* --- AoE and EoE -------------------------------------------------------------------------------------------------- */
+
+/* The reply has the command and the number of the request. */
+static bool is_ads_reply(const eni_talk_t *t, const uint8_t *mail)
+{
+    const uint8_t *ams = mail + ENI_MAIL_HEADER, *sent = t->p->mail + ENI_MAIL_HEADER;
+    return ect_load_le16(mail) >= AMS_HEADER && (ams[AMS_FLAGS] & IS_RESPONSE) != 0 &&
+           memcmp(ams + AMS_COMMAND, sent + AMS_COMMAND, 2) == 0 && memcmp(ams + AMS_INVOKE, sent + AMS_INVOKE, 4) == 0;
+}
+
+static bool is_eoe_reply(const eni_talk_t *t, const uint8_t *mail)
+{
+    const unsigned int type = t->p->mail[ENI_MAIL_HEADER] & EOE_TYPE;
+    return (mail[ENI_MAIL_HEADER] & EOE_TYPE) == type + 1u;
+}
+
+static void play_aoe(eni_talk_t *t, const ect_eni_mail_t *mail)
 {
     char why[64];
-    const uint8_t *mail = receive_mail(t);
-    for (unsigned int i = 0; mail != NULL && !is_answer(mail) && i < SKIPS; i++)
-        mail = receive_mail(t);
-    if (mail == NULL)
-        fail(t, "no reply comes");
-    else if ((mail[5] & 0x0F) == TYPE_ERROR)
-        fail(t, "a mailbox error comes");
-    else if (mail[SDO] == ABORT) {
-        (void)snprintf(why, sizeof why, "abort code 0x%08lX", (unsigned long)ect_load_le32(mail + SDO + SDO_HEADER));
-        fail(t, why);
-    }
+    eni_talk_send(t, mail->data.length);
+    const uint8_t *reply = eni_talk_receive(t, is_ads_reply);
+    if (reply == NULL)
+        return;
+    const uint8_t *ams = reply + ENI_MAIL_HEADER;
+    const uint32_t error = ect_load_le32(ams + AMS_ERROR);
+    const uint32_t result = ect_load_le16(reply) >= AMS_HEADER + 4 ? ect_load_le32(ams + AMS_HEADER) : 0;
+    if (error == 0 && result == 0)
+        return;
+    (void)snprintf(why, sizeof why, "ADS error 0x%04lX", (unsigned long)(error != 0 ? error : result));
+    eni_talk_fail(t, why);
 }
 
-/* Starts a request: command specifier, index and sub-index. @return the place of its data */
-static uint8_t *begin(transfer_t *t, unsigned int specifier)
+static void play_eoe(eni_talk_t *t, const ect_eni_mail_t *mail)
 {
-    uint8_t *sdo = t->p->mail + SDO;
-    memset(t->p->mail, 0, sizeof t->p->mail);
-    sdo[0] = (uint8_t)(specifier | (t->command->complete ? COMPLETE : 0));
-    ect_store_le16(sdo + 1, t->command->index);
-    sdo[3] = t->command->subindex;
-    return sdo + SDO_HEADER;
+    char why[64];
+    eni_talk_send(t, EOE_HEADER + mail->data.length);
+    if (mail->type == EOE_FRAGMENT)
+        return;
+    const uint8_t *reply = eni_talk_receive(t, is_eoe_reply);
+    const uint16_t result = reply != NULL ? ect_load_le16(reply + ENI_MAIL_HEADER + EOE_RESULT) : 0;
+    if (result == 0)
+        return;
+    (void)snprintf(why, sizeof why, "EoE result 0x%04X", (unsigned int)result);
+    eni_talk_fail(t, why);
 }
 
-static void send_segments(transfer_t *t, size_t at)
+void eni_play_mail(ect_eni_player_t *p, size_t slave, const ect_eni_mail_t *mail)
 {
-    const ect_esi_bytes_t *data = &t->command->data;
-    const size_t room = (size_t)t->slave->mailbox.send.length - SDO - 1;
-    unsigned int toggle = 0;
-    for (; at < data->length && !t->failed; toggle ^= TOGGLE) {
-        const size_t count = data->length - at < room ? data->length - at : room;
-        const size_t unused = count < SEGMENT_MOST_UNUSED ? SEGMENT_MOST_UNUSED - count : 0;
-        memset(t->p->mail, 0, sizeof t->p->mail);
-        t->p->mail[SDO] = (uint8_t)(toggle | unused << 1 | (at + count == data->length ? SEGMENT_LAST : 0));
-        memcpy(t->p->mail + SDO + 1, data->bytes + at, count);
-        send_mail(t, COE_HEADER + 1 + (count < SEGMENT_MOST_UNUSED ? SEGMENT_MOST_UNUSED : count));
-        if (!t->failed)
-            expect(t);
-        at += count;
-    }
-}
-
-static void download(transfer_t *t)
-{
-    const ect_esi_bytes_t *data = &t->command->data;
-    const size_t room = (size_t)t->slave->mailbox.send.length - SDO - SDO_HEADER - SIZE;
-    const bool expedited = data->length <= SIZE && !t->command->complete;
-    const size_t first = data->length < room ? data->length : room;
-    if (expedited) {
-        memcpy(begin(t, DOWNLOAD | EXPEDITED | (unsigned int)(SIZE - data->length) << 2), data->bytes, data->length);
-        send_mail(t, COE_HEADER + SDO_HEADER + SIZE);
-    } else {
-        uint8_t *at = begin(t, DOWNLOAD);
-        ect_store_le32(at, (uint32_t)data->length);
-        memcpy(at + SIZE, data->bytes, first);
-        send_mail(t, COE_HEADER + SDO_HEADER + SIZE + first);
-    }
-    if (!t->failed)
-        expect(t);
-    if (!t->failed && !expedited)
-        send_segments(t, first);
-}
-
-void eni_play_coe(ect_eni_player_t *p, size_t slave, const ect_eni_coe_t *command)
-{
-    transfer_t t = {.p = p, .slave = &ect_eni_network(p->eni)->slaves[slave], .command = command, .number = slave + 1};
-    const ect_eni_mailbox_t *mailbox = &t.slave->mailbox;
-    if (mailbox->send.length < SHORTEST || mailbox->receive.length < SHORTEST || mailbox->send.length > ECT_ENI_DATA ||
-        mailbox->receive.length > ECT_ENI_DATA) {
-        fail(&t, "the file has a start-up command of CoE and no mailbox of 16 to 1486 bytes for it");
+    const bool ads = mail->protocol == ECT_ENI_AOE;
+    const size_t header = ads ? 0 : EOE_HEADER;
+    eni_talk_t t = {.line = mail->line, .timeout_ms = mail->timeout_ms, .protocol = mail->protocol};
+    (void)snprintf(t.name, sizeof t.name, ads ? "AoE" : "EoE type %u", (unsigned int)mail->type);
+    if (!eni_talk_begin(&t, p, slave, header + mail->data.length))
+        return;
+    memset(p->mail, 0, sizeof p->mail);
+    if (mail->data.length > 0)
+        memcpy(p->mail + ENI_MAIL_HEADER + header, mail->data.bytes, mail->data.length);
+    if (ads) {
+        play_aoe(&t, mail);
         return;
     }
-    if (command->download) {
-        download(&t);
-        return;
-    }
-    (void)begin(&t, UPLOAD);
-    send_mail(&t, COE_HEADER + SDO_HEADER + SIZE);
-    if (!t.failed)
-        expect(&t);
+    p->mail[ENI_MAIL_HEADER] = mail->type;
+    p->mail[ENI_MAIL_HEADER + 1] = EOE_LAST;
+    play_eoe(&t, mail);
 }

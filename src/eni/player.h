@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Declarations that the files of the player share: play_wire.c (datagrams, cyclic frames), play_mail.c (SDO transfers),
- * play.c (transitions).
+ * Declarations that the files of the player share: play_wire.c (datagrams, cyclic frames), play_mail.c (mails of AoE
+ * and EoE), play_coe.c (SDO transfers), play.c (transitions).
  */
 #ifndef ECT_ENI_PLAYER_H
 #define ECT_ENI_PLAYER_H
@@ -62,7 +62,40 @@ int eni_exchange(ect_eni_player_t *p, const eni_datagram_t *datagram, const uint
 /** Waits a millisecond and sends the cyclic frames of the present state that are due. */
 void eni_wait(ect_eni_player_t *p);
 
-/** Plays a start-up command of CoE (play_mail.c). */
+/** A start-up command of a mailbox that is under way. */
+typedef struct eni_talk {
+    ect_eni_player_t *p;
+    const ect_eni_slave_t *slave;
+    size_t number; /**< of the slave, from 1 */
+    int line;      /**< of the command */
+    uint32_t timeout_ms;
+    uint8_t protocol; /**< type of the mail */
+    char name[16];    /**< of the command in reports: "8000:1" */
+    bool failed;
+} eni_talk_t;
+
+enum { ENI_MAIL_HEADER = 6 };
+
+/** Begins a command with mails of up to `bytes` bytes behind the header. @return false: no mailbox for it, reported */
+bool eni_talk_begin(eni_talk_t *t, ect_eni_player_t *p, size_t slave, size_t bytes);
+
+/** Reports the failure of the command, once. */
+void eni_talk_fail(eni_talk_t *t, const char *why);
+
+/** Sends the mail in ect_eni_player_t::mail. @param length  behind the header, which this function writes */
+void eni_talk_send(eni_talk_t *t, size_t length);
+
+/**
+ * Receives the reply to a mail; other mails before it are skipped.
+ * @param is_reply  whether a mail of the protocol is the reply
+ * @return NULL: none, or a mailbox error, which is reported
+ */
+const uint8_t *eni_talk_receive(eni_talk_t *t, bool (*is_reply)(const eni_talk_t *t, const uint8_t *mail));
+
+/** Plays a start-up command of AoE or EoE (play_mail.c). */
+void eni_play_mail(ect_eni_player_t *p, size_t slave, const ect_eni_mail_t *mail);
+
+/** Plays a start-up command of CoE (play_coe.c). */
 void eni_play_coe(ect_eni_player_t *p, size_t slave, const ect_eni_coe_t *command);
 
 ECT_C_END

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Commands of an ENI: datagrams, and SDO transfers at the start. */
+/* Commands of an ENI: datagrams, and mails at the start. */
 #include "eni/internal.h"
 
 #include <string.h>
@@ -135,6 +135,19 @@ const ect_eni_command_t *ect_eni_read_inits(ect_esi_xml_t *xml, const xmlNode *p
         ect_eni_read_command(xml, node, command);
     }
     return commands;
+}
+
+bool ect_eni_read_mail(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_mail_t *mail)
+{
+    enum { AMS_HEADER = 32, EOE_TYPES = 15 };
+    mail->transitions = ect_eni_transitions(xml, node);
+    mail->comment = ect_esi_name(xml, node, "Comment");
+    mail->timeout_ms = (uint32_t)ect_esi_number(xml, node, "Timeout", 0, UINT32_MAX, 0);
+    mail->type = (uint8_t)ect_esi_number(xml, node, "Type", 0, EOE_TYPES, 0);
+    mail->data = ect_esi_hex(xml, node, "Data");
+    mail->disabled = says_true(xml, node, "Disabled");
+    mail->line = ect_esi_line(node);
+    return mail->protocol == ECT_ENI_AOE ? mail->data.length >= AMS_HEADER : ect_esi_child(node, "Type") != NULL;
 }
 
 void ect_eni_read_coe(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_coe_t *command)

@@ -120,9 +120,32 @@ static const xmlNode *commands_of(const xmlNode *mailbox, const char *protocol)
     return ect_esi_child(node, "InitCmds") != NULL ? ect_esi_child(node, "InitCmds") : node;
 }
 
+/* A command without a mail of its protocol is only counted. */
+static void read_mails(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_mailbox_t *mailbox)
+{
+    static const struct {
+        const char *name;
+        uint8_t protocol;
+    } protocols[] = {{"AoE", ECT_ENI_AOE}, {"EoE", ECT_ENI_EOE}};
+    ect_eni_mail_t *mails = NULL;
+    ect_eni_mail_t *mail;
+    for (size_t i = 0; i < sizeof protocols / sizeof protocols[0]; i++) {
+        ECT_ESI_EACH(init, commands_of(node, protocols[i].name), "InitCmd")
+        {
+            ECT_APPEND(xml, mails, mailbox->mail_count, mail);
+            mail->protocol = protocols[i].protocol;
+            if (ect_eni_read_mail(xml, init, mail))
+                continue;
+            mailbox->mail_count--;
+            mailbox->others++;
+        }
+    }
+    mailbox->mails = mails;
+}
+
 static void read_mailbox(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_mailbox_t *mailbox)
 {
-    static const char *const others[] = {"SoE", "AoE", "EoE", "FoE"};
+    static const char *const others[] = {"SoE", "FoE"};
     ect_eni_coe_t *commands = NULL;
     ect_eni_coe_t *command;
     const xmlNode *receive = receive_of(node), *boot = ect_esi_child(node, "BootStrap");
@@ -145,6 +168,7 @@ static void read_mailbox(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_mailbo
         ect_eni_read_coe(xml, init, command);
     }
     mailbox->commands = commands;
+    read_mails(xml, node, mailbox);
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
         ECT_ESI_EACH(init, commands_of(node, others[i]), "InitCmd")
         mailbox->others++;

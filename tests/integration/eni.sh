@@ -25,11 +25,15 @@ check "ENI-008: another place in AutoIncAddr" "its AutoIncAddr is 65533, its pla
 
 sed '0,\|</Mailbox>|s||<EoE><InitCmd><Transition>IP</Transition></InitCmd></EoE><SoE><InitCmds><InitCmd/><InitCmd/></InitCmds></SoE></Mailbox>|' \
   "$eni/machine.xml" >"$work/protocols.xml"
-check "ENI-025: commands of other protocols are counted at the start" "its 3 start-up commands of SoE, AoE, EoE and FoE have no effect on the twin" \
+check "ENI-025: commands of other protocols are counted at the start" "its 3 start-up commands of SoE and FoE, or without a mail, have no effect on the twin" \
   "$("$ectwin" check "eni:$work/protocols.xml" 2>&1 | grep -o 'its 3 .*')"
 check "ENI-025: commands of other protocols are counted by verify, and are no difference" \
-  "0 slave 2, Drive 2 (AX1): 3 start-up commands of SoE, AoE, EoE and FoE are not sent" \
+  "0 slave 2, Drive 2 (AX1): 3 start-up commands of SoE and FoE, or without a mail, are not sent" \
   "$("$ectwin" verify "eni:$work/protocols.xml" >"$work/out" 2>"$work/err"; echo "$? $(grep -o 'slave 2.*' "$work/err")")"
+
+sed 's|02f30000 00000010|02f30000 00000020|' "$eni/mails.xml" >"$work/mails.xml"
+check "ENI-025: mails of AoE and EoE are sent by verify" "0 19: slave 1, AoE: ADS error 0x0703" \
+  "$("$ectwin" verify "eni:$eni/mails.xml" >"$work/out" 2>"$work/err"; echo "$? $("$ectwin" verify "eni:$work/mails.xml" 2>"$work/err" | grep -o '[0-9]*: slave 1, AoE.*')")"
 
 # Devices in place of ESI files.
 "$ectwin" eni --quiet fzm1,vr-bu-ect-map3 -o "$work/own.xml"

@@ -159,7 +159,7 @@ static bool fake_exchange(void *ctx, uint8_t *frame, size_t length)
     (void)length;
     fake->frames++;
     memcpy(frame + 26, fake->value, sizeof fake->value);
-    frame[28] = 1;
+    frame[26 + frame[22]] = 1; /* behind the data */
     return !fake->silent;
 }
 
@@ -265,19 +265,32 @@ static void a_wire_without_replies_is_named(void **state)
     ect_eni_close(eni);
 }
 
-static void a_mailbox_that_is_too_short_for_CoE_is_named(void **state)
+static void a_mailbox_that_is_too_short_for_a_command_is_named(void **state)
 {
-    static const char text[] =
-        ENI_COE("<Transition>PS</Transition><Index>4096</Index><SubIndex>0</SubIndex><Data>00</Data>");
-    fake_t fake = {.silent = false};
-    const ect_eni_wire_t wire = {.ctx = &fake, .exchange = fake_exchange, .wait = fake_wait, .report = fake_report};
+#define EOE_OF(length)                                                                                                 \
+    ENI_ONE("", "<Mailbox><Send><Start>4096</Start><Length>" length "</Length></Send><Recv><Start>4160</Start>"        \
+                "<Length>64</Length></Recv><EoE><InitCmd><Transition>PS</Transition><Type>0</Type>"                    \
+                "<Data>0000000000000000</Data></InitCmd></EoE></Mailbox>")
+    static const struct {
+        const char *text;
+        unsigned int lines;
+    } rows[] = {
+        {ENI_COE("<Transition>PS</Transition><Index>4096</Index><SubIndex>0</SubIndex><Data>00</Data>"), 1},
+        {EOE_OF("17"), 1},
+        {EOE_OF("18"), 0},
+        {EOE_OF("1487"), 1},
+    };
     (void)state;
-    ect_eni_t *eni = eni_of("short", text);
-    ect_eni_player_t player = {.eni = eni, .wire = &wire};
-    assert_false(ect_eni_play(&player, ECT_ENI_SAFEOP));
-    assert_int_equal(fake.lines, 1);
-    assert_int_equal(fake.frames, 0);
-    ect_eni_close(eni);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        fake_t fake = {.silent = false};
+        const ect_eni_wire_t wire = {.ctx = &fake, .exchange = fake_exchange, .wait = fake_wait, .report = fake_report};
+        ect_eni_t *eni = eni_of("short", rows[i].text);
+        ect_eni_player_t player = {.eni = eni, .wire = &wire, .state = ECT_ENI_PREOP};
+        assert_int_equal(ect_eni_play(&player, ECT_ENI_SAFEOP), rows[i].lines == 0);
+        assert_int_equal(fake.lines, rows[i].lines);
+        assert_int_equal(fake.frames > 0, rows[i].lines == 0);
+        ect_eni_close(eni);
+    }
 }
 
 /* --- mails -------------------------------------------------------------------------------------------------------- */
@@ -349,12 +362,12 @@ static void each_slave_gets_mails_with_counters_of_its_own(void **state)
     ect_eni_close(eni);
 }
 
-/* 64 are skipped; the next mail counts as the reply, whatever its content. */
+/* 64 are skipped. */
 static void emergencies_before_a_reply_are_skipped(void **state)
 {
     static const char text[] =
         ENI_HEAD ENI_SLAVE("<PhysAddr>1001</PhysAddr>", BOXES(UPLOAD("IP") UPLOAD("IP"))) ENI_TAIL;
-    static const unsigned int rows[][2] = {{0, 0}, {1, 0}, {64, 0}, {66, 1}}; /* emergencies, those left in the box */
+    static const unsigned int rows[][3] = {{0, 2, 0}, {1, 2, 0}, {64, 2, 0}, {65, 2, 2}}; /* mails, reports */
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         postbox_t postbox = {.emergencies = rows[i][0]};
@@ -362,9 +375,9 @@ static void emergencies_before_a_reply_are_skipped(void **state)
             .ctx = &postbox, .exchange = postbox_exchange, .wait = fake_wait, .report = fake_report};
         ect_eni_t *eni = eni_of("emergencies", text);
         ect_eni_player_t player = {.eni = eni, .wire = &wire};
-        assert_true(ect_eni_play(&player, ECT_ENI_PREOP));
-        assert_int_equal(postbox.mails, 2);
-        assert_int_equal(postbox.left, rows[i][1]);
+        assert_int_equal(ect_eni_play(&player, ECT_ENI_PREOP), rows[i][2] == 0);
+        assert_int_equal(postbox.mails, rows[i][1]);
+        assert_int_equal(player.reported, rows[i][2]);
         ect_eni_close(eni);
     }
 }
@@ -432,6 +445,52 @@ static void ENI_024_a_slave_with_CoE_commands_alone_is_brought_to_PREOP_by_the_p
     }
 }
 
+/* The first AoE command sets the NetId to which the others are addressed. */
+static const struct {
+    const char *title, *from, *to;
+    unsigned int reached;
+    const char *line; /* NULL: OP is reached without a line */
+} talks[] = {
+    {"as it is", NULL, NULL, ECT_ENI_OPERATIONAL, NULL},
+    {"AoE: another NetId",
+     "<Transition>PS</Transition><Comment>read 1000h</Comment><Timeout>0</Timeout><Data>0a00000502",
+     "<Transition>PS</Transition><Comment>read 1000h</Comment><Timeout>0</Timeout><Data>0a00000503", ECT_ENI_PREOP,
+     "slave 1, AoE: ADS error 0x0007\n"},
+    {"AoE: another index group", "02f30000 00000010", "03f30000 00000010", ECT_ENI_PREOP,
+     "slave 1, AoE: ADS error 0x0702\n"},
+    {"AoE: an object that does not exist", "02f30000 00000010", "02f30000 00000020", ECT_ENI_PREOP,
+     "slave 1, AoE: ADS error 0x0703\n"},
+    {"AoE: no ADS command", "0200 0400 0c000000 00000000 02", "0b00 0400 0c000000 00000000 02", ECT_ENI_PREOP,
+     "slave 1, AoE: ADS error 0x0008\n"},
+    {"AoE: a length beyond the mail", "0c000000 00000000 02", "ff000000 00000000 02", ECT_ENI_PREOP,
+     "slave 1, AoE: a mailbox error comes\n"},
+    {"AoE: a command that is no longer disabled", "<Disabled>1</Disabled>", "<Disabled>0</Disabled>", ECT_ENI_SAFEOP,
+     "slave 1, AoE: ADS error 0x0703\n"},
+    {"EoE: an address that is cut", "00ffffff010aa8c0<", "00ffffff<", 0, "slave 1, EoE type 2: EoE result 0x0001\n"},
+    {"EoE: a filter", "<Type>6</Type>", "<Type>4</Type>", ECT_ENI_PREOP, "slave 1, EoE type 4: EoE result 0x0401\n"},
+    {"EoE: a response in place of a request", "<Type>6</Type>", "<Type>7</Type><Timeout>5</Timeout>", ECT_ENI_PREOP,
+     "slave 1, EoE type 7: no reply comes\n"},
+};
+
+static void ENI_025_mails_of_AoE_and_EoE_get_the_reply_of_the_twin(void **state)
+{
+    static const char *const words[] = {"--quiet", "eni:" ENI_FILES "/mails.xml"};
+    (void)state;
+    for (size_t i = 0; i < sizeof talks / sizeof talks[0]; i++) {
+        bus_of_twins_t b;
+        bus_open(&b, 2, words);
+        ect_eni_t *eni = file_with(ENI_FILES "/mails.xml", talks[i].from, talks[i].to);
+        ect_eni_player_t player = {.eni = eni, .wire = &b.wire};
+        const bool fine = ect_eni_play(&player, ECT_ENI_OPERATIONAL);
+        if (fine != (talks[i].line == NULL) || player.state != talks[i].reached ||
+            (talks[i].line != NULL && strstr(b.lines, talks[i].line) == NULL))
+            fail_msg("%s: expected \"%s\" behind state %u, got state %u and \"%s\"", talks[i].title,
+                     talks[i].line != NULL ? talks[i].line : "", talks[i].reached, player.state, b.lines);
+        ect_eni_close(eni);
+        ectwin_bus_close(b.bus);
+    }
+}
+
 static void ENI_024_a_slave_that_is_not_there_is_named(void **state)
 {
     static const char *const words[] = {"--quiet", "fzm1"};
@@ -457,11 +516,12 @@ int main(void)
         cmocka_unit_test(ENI_022_a_command_is_repeated_until_its_Timeout_and_a_minute_at_most),
         cmocka_unit_test(ENI_024_a_slave_with_CoE_commands_alone_is_brought_to_PREOP_by_the_player),
         cmocka_unit_test(ENI_024_a_slave_that_is_not_there_is_named),
+        cmocka_unit_test(ENI_025_mails_of_AoE_and_EoE_get_the_reply_of_the_twin),
         cmocka_unit_test(each_slave_gets_mails_with_counters_of_its_own),
         cmocka_unit_test(emergencies_before_a_reply_are_skipped),
         cmocka_unit_test(ENI_015_a_long_value_is_sent_in_mails_that_fit_the_mailbox),
         cmocka_unit_test(a_wire_without_replies_is_named),
-        cmocka_unit_test(a_mailbox_that_is_too_short_for_CoE_is_named),
+        cmocka_unit_test(a_mailbox_that_is_too_short_for_a_command_is_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

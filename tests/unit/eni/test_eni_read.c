@@ -212,15 +212,46 @@ static void ENI_006_007_data_makes_a_download_whatever_Ccs_and_a_disabled_comman
     }
 }
 
+static void ENI_025_mails_of_AoE_and_EoE_have_their_data(void **state)
+{
+#define AMS "00112233445566778899aabbccddeeff00112233445566778899aabbccddeeff"
+    (void)state;
+    ect_eni_t *eni =
+        eni_of("mails", ENI_ONE("", "<Mailbox><EoE><InitCmd><Transition>IP</Transition><Type>2</Type><Data>01</Data>"
+                                    "<Timeout>7</Timeout></InitCmd></EoE><AoE><InitCmds><InitCmd><Data>" AMS "</Data>"
+                                    "<Comment>C</Comment><Disabled>1</Disabled></InitCmd><InitCmd><Data>" AMS
+                                    "</Data></InitCmd></InitCmds></AoE></Mailbox>"));
+    const ect_eni_mailbox_t *mailbox = &slave_of(eni, 0)->mailbox;
+    const ect_eni_mail_t *ads = &mailbox->mails[0], *address = &mailbox->mails[2];
+    assert_int_equal(mailbox->mail_count, 3);
+    assert_int_equal(mailbox->others, 0);
+    assert_true(ads->protocol == ECT_ENI_AOE && ads->disabled && ads->data.length == 32);
+    assert_string_equal(ads->comment, "C");
+    assert_true(address->protocol == ECT_ENI_EOE && address->type == 2 && !address->disabled);
+    assert_true(address->transitions == ECT_ENI_IP && address->timeout_ms == 7 && address->data.length == 1);
+    free_eni(eni);
+}
+
 static void ENI_025_commands_of_other_protocols_are_counted(void **state)
 {
     (void)state;
     ect_eni_t *eni = eni_of(
         "others", ENI_ONE("", "<Mailbox><Protocol>AoE</Protocol><SoE><InitCmds><InitCmd/><InitCmd/></InitCmds></SoE>"
-                              "<EoE><InitCmds><InitCmd/></InitCmds></EoE></Mailbox>"));
+                              "<FoE><InitCmds><InitCmd/></InitCmds></FoE></Mailbox>"));
     const ect_eni_mailbox_t *mailbox = &slave_of(eni, 0)->mailbox;
     assert_int_equal(mailbox->others, 3);
-    assert_true(mailbox->soe && mailbox->eoe && mailbox->aoe && !mailbox->coe && !mailbox->foe && !mailbox->voe);
+    assert_true(mailbox->soe && mailbox->foe && mailbox->aoe && !mailbox->coe && !mailbox->eoe && !mailbox->voe);
+    free_eni(eni);
+}
+
+static void ENI_025_a_command_without_a_mail_is_counted(void **state)
+{
+    (void)state;
+    ect_eni_t *eni = eni_of(
+        "short", ENI_ONE("", "<Mailbox><EoE><InitCmd><Data>00</Data></InitCmd></EoE><AoE><InitCmd><Data>00</Data>"
+                             "</InitCmd><InitCmd/></AoE></Mailbox>"));
+    assert_int_equal(slave_of(eni, 0)->mailbox.mail_count, 0);
+    assert_int_equal(slave_of(eni, 0)->mailbox.others, 3);
     free_eni(eni);
 }
 
@@ -298,7 +329,9 @@ int main(void)
         CASE(ENI_003_bytes_are_read_across_blanks_and_comments_in_either_case),
         CASE(ENI_005_a_validate_has_data_mask_and_comparison),
         CASE(ENI_006_007_data_makes_a_download_whatever_Ccs_and_a_disabled_command_is_kept),
+        CASE(ENI_025_mails_of_AoE_and_EoE_have_their_data),
         CASE(ENI_025_commands_of_other_protocols_are_counted),
+        CASE(ENI_025_a_command_without_a_mail_is_counted),
         CASE(a_file_gives_its_slaves_in_order_with_process_data_and_mailbox),
         CASE(a_file_gives_its_cyclic_frames_and_its_process_image),
     };
