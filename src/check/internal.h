@@ -8,6 +8,7 @@
  *   objects.c  objects and entries
  *   details.c  units, limits, defaults
  *   pdos.c     assignments and mappings
+ *   drives.c   SoE
  *   offers.c   names, protocols, object services, clocks, SII
  *   plant.c    signals
  *   check.c    all checks, in an order in which each relies on the previous ones
@@ -42,6 +43,8 @@ bool is_signed_type(uint16_t type);
 bool check_details(const report_t *r);
 bool check_pdos(const report_t *r);
 bool check_names(const report_t *r);
+/* Checks the stack's SoE, where the device has it: its tables of IDNs. */
+bool check_soe(const report_t *r);
 bool check_offers(const report_t *r);
 bool check_sii(const report_t *r);
 

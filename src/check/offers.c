@@ -120,7 +120,7 @@ static bool protocols_good(const report_t *r)
     }
     if ((r->device->mailbox_protocols & ~0x3Fu) != 0)
         return wrong(r, "mailbox_protocols: there is no protocol %02Xh", r->device->mailbox_protocols & ~0x3Fu);
-    return eoe_good(r) && aoe_good(r) && coe_good(r);
+    return eoe_good(r) && aoe_good(r) && check_soe(r) && coe_good(r);
 }
 
 /* --- 1018h, 1C00h: as the description, however they are made

@@ -14,7 +14,7 @@
  *   cycle.c      the cyclic exchange, from an interrupt or from the poll
  *   mailbox.c    counters, repeat, error replies, dispatch to the protocols that the device names
  *   coe.c        the CoE header
- *   sdo.c sdo_info.c emergency.c foe.c eoe.c     protocols, linked when a device names them
+ *   sdo.c sdo_info.c emergency.c foe.c eoe.c soe.c     protocols, linked when a device names them
  *   aoe.c        another, which reads and writes the dictionary through sdo.c
  *   pdo_config.c diagnosis.c store.c sync.c      object services, likewise
  *   machine.c    AL control, the checks of the transitions, watchdog, drops
