@@ -739,7 +739,7 @@ static void read_request(const ect_soe_t *soe, ect_slave_t *s, const uint8_t *da
     send_piece(soe, s);
 }
 
-/* A piece of a value; another drive or other elements begin anew. */
+/* A piece of a value; another drive or other elements start another value. */
 static void collect(const ect_soe_t *soe, ect_slave_t *s, const uint8_t *data, uint16_t length)
 {
     ect_soe_state_t *st = state_of(soe, s->config.instance);

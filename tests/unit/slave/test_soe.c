@@ -372,7 +372,7 @@ static void refused_by_the_device(void **state)
     device()->write_code = ECT_SOE_PASSWORD;
     expect("a number", "03 40 0180 0F00", "14 40 0180 0970");
     expect("a list", "03 40 0580 0000 0000", "14 40 0580 0970");
-    expect("too low is told first", "03 40 0180 0900", "14 40 0180 0670");
+    expect("the limit is checked first", "03 40 0180 0900", "14 40 0180 0670");
     assert_int_equal(device()->written, 0);
     assert_int_equal(device()->drive[0].limit, 100);
     device()->write_code = ECT_SOE_OK;
@@ -460,7 +460,7 @@ static void write_interrupted(void **state)
     expect("other elements in between", "03 02 0100 03", "14 02 0100 0420");
     send("0B 40 0100 9999");
     expect("a read in between", "01 40 0180", "02 40 0180 6400");
-    expect("what came before it is forgotten", "03 40 0180 1000", "04 40 0180");
+    expect("the piece before it is dropped", "03 40 0180 1000", "04 40 0180");
     send("0B 40 0100 11");
     expect("two pieces of a number", "03 40 0180 00", "04 40 0180");
     assert_int_equal(device()->drive[0].limit, 17);
@@ -769,7 +769,7 @@ static void check_commands(void **state)
     expect("an error", "01 01 8000", "02 01 8000 0F00");
 }
 
-/* A device without functions: limits alone decide, and the end of a command waits for nobody. */
+/* A device without functions: limits alone decide, and a command ends at once. */
 static void no_functions(void **state)
 {
     uint16_t code = 0;
