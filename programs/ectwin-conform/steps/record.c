@@ -11,6 +11,7 @@
 #include "steps/case.h"
 
 enum { COMMENT = 600, SOURCE = 6, MAC = 6, MULTICAST = 1, DATAGRAM_INDEX = 17, FRAME_MOST = ECT_PCAPNG_FRAME_MOST };
+enum { ROOM_LEAST = 64 }; /* bytes of an item: most frames are as short as Ethernet allows */
 
 /* One record for the process: the wrapped send and recv have no parameter for it. */
 static struct {
@@ -57,16 +58,29 @@ static void write_packet(const cf_item_t *item)
 
 /* --- the ring buffer ---------------------------------------------------------------------------------------------- */
 
+static void make_room(cf_item_t *item, size_t length)
+{
+    if (item->bytes && item->room >= length)
+        return;
+    item->room = (uint32_t)(length < ROOM_LEAST ? (size_t)ROOM_LEAST : length);
+    free(item->bytes);
+    item->bytes = malloc(item->room);
+    if (!item->bytes)
+        abort(); /* a run without evidence is worthless */
+}
+
+/* The memory of a displaced item serves the new one: a run records a hundred thousand frames and more. */
 static cf_item_t *new_item(cf_item_kind_t kind, const void *bytes, size_t length)
 {
     cf_item_t *item = &record.items[record.next];
     record.next = (record.next + 1) % CF_EVIDENCE_MAX;
     record.count += record.count < CF_EVIDENCE_MAX;
-    free(item->bytes);
-    *item = (cf_item_t){.kind = kind, .time_ns = cf_now_ns() - record.start_ns, .length = (uint32_t)length};
-    item->bytes = malloc(length == 0 ? 1 : length);
-    if (!item->bytes)
-        abort(); /* a run without evidence is worthless */
+    make_room(item, length);
+    *item = (cf_item_t){.kind = kind,
+                        .time_ns = cf_now_ns() - record.start_ns,
+                        .length = (uint32_t)length,
+                        .room = item->room,
+                        .bytes = item->bytes};
     memcpy(item->bytes, bytes, length);
     return item;
 }
@@ -84,6 +98,13 @@ static bool same_frame(const cf_item_t *a, const cf_item_t *b)
            memcmp(a->bytes + DATAGRAM_INDEX + 1, b->bytes + DATAGRAM_INDEX + 1, a->length - DATAGRAM_INDEX - 1) == 0;
 }
 
+static void swap(cf_item_t *a, cf_item_t *b)
+{
+    const cf_item_t before = *a;
+    *a = *b;
+    *b = before;
+}
+
 /* Polling for seconds must not displace the request from the evidence. */
 static void fold_poll(void)
 {
@@ -95,11 +116,8 @@ static void fold_poll(void)
         !same_frame(received, received_again))
         return;
     sent_again->folded = received_again->folded = received->folded + 1;
-    free(sent->bytes);
-    free(received->bytes);
-    *sent = *sent_again;
-    *received = *received_again;
-    sent_again->bytes = received_again->bytes = NULL;
+    swap(sent, sent_again);
+    swap(received, received_again);
     record.count -= 2;
     record.next = (record.next + CF_EVIDENCE_MAX - 2) % CF_EVIDENCE_MAX;
 }
@@ -163,10 +181,9 @@ cf_evidence_t cf_record_end(size_t most)
         abort();
     for (size_t i = 0; i < record.count; i++) {
         cf_item_t *item = &record.items[at(i)];
-        if (i >= record.count - e.count)
-            e.items[i - (record.count - e.count)] = *item;
-        else
-            free(item->bytes);
+        if (i < record.count - e.count)
+            continue;
+        e.items[i - (record.count - e.count)] = *item;
         item->bytes = NULL;
     }
     record.count = 0;

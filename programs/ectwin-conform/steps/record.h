@@ -21,6 +21,7 @@ typedef struct cf_item {
     uint32_t folded;  /**< number of equal exchanges directly before this one, which only the capture contains */
     uint64_t time_ns; /**< since the start of the run */
     uint32_t length;
+    uint32_t room;  /**< bytes of memory at `bytes` */
     uint8_t *bytes; /**< a frame from the destination MAC on, or a text with its zero; owned by the item */
 } cf_item_t;
 
