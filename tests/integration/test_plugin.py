@@ -34,7 +34,7 @@ def run(pytester, monkeypatch, tmp_path):
 
     def run_text(text, *args):
         pytester.makepyfile(test_it=BROADCAST + "import pytest\nimport subprocess\n" + text)
-        return pytester.runpytest_subprocess("-p", "ectwin.pytest_plugin", "-p", "no:cacheprovider", *args)
+        return pytester.runpytest_inprocess("-p", "ectwin.pytest_plugin", "-p", "no:cacheprovider", *args)
 
     return run_text
 
