@@ -165,10 +165,10 @@ every_change_is_reported() {
 run_leaves_the_interface_as_found() {
   for signal in TERM INT HUP; do
     rm -f "$work/ready"
-    unshare -Urn sh -c '
+    env --default-signal=HUP unshare -Urn sh -c '
       ip link add name tw0 type veth peer name tw1 && ip link set tw1 up || exit 9
       "$1" run -i tw0 vr-bu-ect-map7 >"$2" & pid=$!
-      for i in 1 2 3 4 5 6 7 8 9 10; do [ -s "$2" ] && break; sleep 0.1; done
+      for _ in $(seq 1200); do [ -s "$2" ] && break; sleep 0.1; done
       ip -br link show tw0 | grep -q "UP" && echo up
       kill -'$signal' $pid; wait $pid; echo $?
       ip -br link show tw0 | grep -q "<.*UP.*>" || echo down' sh "$ectwin" "$work/ready" >"$work/out"
@@ -181,7 +181,7 @@ one_twin_an_interface() {
   unshare -Urn sh -c '
     ip link add name tw0 type veth peer name tw1 && ip link set tw1 up || exit 9
     "$1" run -i tw0 vr-bu-ect-map7 >"$2" 2>/dev/null & pid=$!
-    for i in 1 2 3 4 5 6 7 8 9 10; do [ -s "$2" ] && break; sleep 0.1; done
+    for _ in $(seq 1200); do [ -s "$2" ] && break; sleep 0.1; done
     "$1" run -i tw0 vr-bu-ect-map1 2>"$3"; echo $?
     ip -br link show tw0 | grep -q "<.*UP.*>" && echo up
     kill $pid; wait $pid' sh "$ectwin" "$work/ready2" "$work/err" >"$work/out"
