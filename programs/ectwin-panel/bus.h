@@ -14,7 +14,7 @@
 #include "table.h"
 #include "trace.h"
 
-enum { BUS_MOST = 32, BUS_TEXT = 4096, BUS_TROUBLE = 256, BUS_EVENTS = 64, BUS_EVENT = 512, BUS_LINES = 4096 };
+enum { BUS_MOST = 32, BUS_TEXT = 4096, BUS_TROUBLE = 256, BUS_EVENTS = 64, BUS_EVENT = 512, BUS_LINES = 8 * 1024 + 16 };
 
 /** A text that pages get when it has changed. */
 typedef struct bus_text {

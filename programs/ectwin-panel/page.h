@@ -18,11 +18,11 @@
 #include "trace.h"
 
 enum {
-    PAGE_MESSAGE = 32768, /**< room for a message to a page */
-    PAGE_REPLIES = 16,    /**< requests of a page without a reply; one more ends the connection */
-    PAGE_REPLY = 3072,    /**< room for the reply to a request; a longer one is replaced by a short one */
-    PAGE_HELD = 16,       /**< most signals that a page holds */
-    PAGE_HELD_LINE = 256, /**< room for a request that releases a signal */
+    PAGE_MESSAGE = 32768,       /**< room for a message to a page */
+    PAGE_REPLIES = 16,          /**< requests of a page without a reply; one more ends the connection */
+    PAGE_REPLY = 8 * 1024 + 64, /**< room for the reply to a request; a longer one is replaced by a short one */
+    PAGE_HELD = 16,             /**< most signals that a page holds */
+    PAGE_HELD_LINE = 256,       /**< room for a request that releases a signal */
 };
 
 typedef struct page {

@@ -70,9 +70,16 @@ void request_write_token(const uint8_t bits[16], char token[REQUEST_TOKEN])
 const char *request_refused(const cJSON *request, bool view)
 {
     const char *op = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(request, "op"));
-    if (op && (strcmp(op, "objects") == 0 || strcmp(op, "read") == 0))
-        return NULL;
-    if (!op || (strcmp(op, "set") != 0 && strcmp(op, "fault") != 0 && strcmp(op, "write") != 0))
-        return "a page may send 'set', 'fault', 'objects', 'read' and 'write' alone";
-    return view ? "this panel was started with --view: it changes nothing" : NULL;
+    static const struct {
+        const char *op;
+        bool changes;
+    } taken[] = {
+        {"set", true},   {"fault", true}, {"write", true},  {"objects", false},
+        {"read", false}, {"pdos", false}, {"wires", false}, {"counters", false},
+    };
+    for (size_t i = 0; op && i < sizeof taken / sizeof taken[0]; i++) {
+        if (strcmp(op, taken[i].op) == 0)
+            return taken[i].changes && view ? "this panel was started with --view: it changes nothing" : NULL;
+    }
+    return "the panel does not pass this request on";
 }

@@ -51,6 +51,8 @@ uint64_t ect_exchange_touch(ect_exchange_t *x)
 static uint64_t emit(ect_exchange_t *x, ect_end_t end, const uint8_t *frame, size_t length)
 {
     x->send(x->ctx, end, frame, length);
+    if (x->datagrams.until_ns != 0)
+        ect_datagrams_count(&x->datagrams, frame, length, x->polled_ns);
     if (!x->trace)
         return 0;
     uint64_t now_ns = now(x);
@@ -234,6 +236,8 @@ void ect_exchange_replied(ect_exchange_t *x, uint8_t *frame, size_t length, uint
         poll_devices(x, came_ns, ect_chain_catch_up);
     touch(x, came_ns);
     (void)ect_chain_pass(x->chain, ECT_END_IN, frame, length, came_ns);
+    if (x->datagrams.until_ns != 0)
+        ect_datagrams_count(&x->datagrams, frame, length, came_ns);
     x->stats.frames++;
     x->stats.answered++;
     x->stats.in_kernel++;
@@ -342,6 +346,7 @@ void ect_exchange_show(ect_exchange_t *x)
 {
     ect_control_show(x->control, &x->stats, x->scenario);
     ect_control_follow(x->control, x->chain);
+    ect_control_count(x->control, &x->datagrams);
     if (x->trace)
         ect_control_observe(x->control, note_request, x);
 }

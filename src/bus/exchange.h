@@ -22,6 +22,7 @@
 #include <stdint.h>
 
 #include "bus/chain/chain.h"
+#include "bus/chain/datagrams.h"
 #include "bus/chain/stats.h"
 #include "bus/control/control.h"
 #include "bus/faults/late.h"
@@ -65,6 +66,7 @@ typedef struct ect_exchange {
     uint64_t polled_ns;          /* latest time that the chain has seen */
     uint64_t touched_ns;         /* last frame or client since the devices have run; ECT_NEVER: none */
     uint64_t answered_ns;        /* a reply has left at this time, just now; 0: the clock has to be read */
+    ect_datagrams_t datagrams;   /* of the replies, for clients of the control socket */
     bool linked[ECT_ENDS];       /* what ect_exchange_link has set */
 } ect_exchange_t;
 

@@ -4,141 +4,12 @@
 
 usage: panel_browser.py ECTWIN MASTER [FOLDER]      FOLDER: screenshots are written there. Exits with 77 without Chromium.
 """
-import base64
-import contextlib
-import json
-import os
 import pathlib
-import shutil
-import signal
 import subprocess
 import sys
-import tempfile
 import time
-import urllib.error
-import urllib.request
 
-ECTWIN, MASTER = sys.argv[1:3]
-SHOTS = sys.argv[3] if len(sys.argv) > 3 else None
-ELEMENT = "element-6066-11e4-a52e-4f735466cecf"  # the key of an element in WebDriver
-failed = False
-
-
-def check(title, expected, actual):
-    global failed
-    if expected != actual:
-        failed = True
-        print(f"FAILED {title}\n  expected: {expected!r}\n  got:      {actual!r}")
-
-
-class Browser:
-    """A session of chromedriver."""
-
-    def __init__(self, profile):
-        self.driver = subprocess.Popen(["chromedriver", "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-        self.session = None
-        for line in self.driver.stdout:
-            if "successfully on port " in line:
-                self.base = "http://127.0.0.1:" + line.rsplit("on port ", 1)[1].strip().rstrip(".")
-                break
-        options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--window-size=1400,1000",
-                   "--force-device-scale-factor=1", "--no-proxy-server", f"--user-data-dir={profile}"]
-        wanted = {"browserName": "chrome", "goog:chromeOptions": {"args": options}, "goog:loggingPrefs": {"browser": "ALL"}}
-        self.session = self.call("POST", "/session", {"capabilities": {"alwaysMatch": wanted}}, bare=True)["sessionId"]
-
-    def call(self, method, path, body=None, bare=False):
-        url = self.base + ("" if bare else f"/session/{self.session}") + path
-        data = json.dumps(body).encode() if body is not None else None
-        request = urllib.request.Request(url, data, {"Content-Type": "application/json"}, method=method)
-        with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(request, timeout=300) as reply:
-            return json.load(reply)["value"]
-
-    def open(self, url):
-        self.call("POST", "/url", {"url": url})
-
-    def run(self, script, *arguments):
-        return self.call("POST", "/execute/sync", {"script": script, "args": list(arguments)})
-
-    def wait(self, script, *arguments, seconds=30):
-        """Waits until a script returns something true; returns it."""
-        deadline = time.monotonic() + seconds
-        while not (value := self.run(script, *arguments)) and time.monotonic() < deadline:
-            time.sleep(0.05)
-        return value
-
-    def click(self, selector):
-        self.wait("return document.querySelector(arguments[0])", selector)
-        element = self.call("POST", "/element", {"using": "css selector", "value": selector})[ELEMENT]
-        self.call("POST", f"/element/{element}/click", {})
-
-    def type(self, selector, text):
-        element = self.call("POST", "/element", {"using": "css selector", "value": selector})[ELEMENT]
-        self.call("POST", f"/element/{element}/clear", {})
-        self.call("POST", f"/element/{element}/value", {"text": text})
-
-    def pointer(self, actions):
-        """Actions of the mouse; its position and buttons stay between calls."""
-        self.call("POST", "/actions", {"actions": [{"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"}, "actions": actions}]})
-
-    def keys(self, action, key):
-        self.call("POST", "/actions", {"actions": [{"type": "key", "id": "keyboard", "actions": [{"type": action, "value": key}]}]})
-
-    def upload(self, selector, path):
-        element = self.call("POST", "/element", {"using": "css selector", "value": selector})[ELEMENT]
-        self.call("POST", f"/element/{element}/value", {"text": str(path)})
-
-    def picture(self, name, scheme=None):
-        if not SHOTS:
-            return
-        if scheme:
-            self.command("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
-            time.sleep(0.3)
-        pathlib.Path(SHOTS, name).write_bytes(base64.b64decode(self.call("GET", "/screenshot")))
-
-    def command(self, name, **parameters):
-        return self.call("POST", "/goog/cdp/execute", {"cmd": name, "params": parameters})
-
-    def errors(self):
-        return [line["message"] for line in self.call("POST", "/se/log", {"type": "browser"}) if line["level"] == "SEVERE"]
-
-    def close(self):
-        with contextlib.suppress(OSError, urllib.error.URLError):
-            if self.session:
-                self.call("DELETE", "")
-        self.driver.terminate()
-        self.driver.wait(120)
-
-
-@contextlib.contextmanager
-def panel(*options):
-    process = subprocess.Popen([ECTWIN, "panel", *options], stdout=subprocess.PIPE, text=True)
-    try:
-        yield json.loads(process.stdout.readline())["url"]
-    finally:
-        process.send_signal(signal.SIGTERM)
-        process.communicate(timeout=120)
-
-
-@contextlib.contextmanager
-def bus(devices, master, *options, output=subprocess.DEVNULL):
-    process = subprocess.Popen([ECTWIN, "with", "--quiet", *options, devices, "--", *master], stdout=output, stderr=subprocess.DEVNULL)
-    try:
-        yield
-    finally:
-        process.terminate()
-        process.wait(120)
-
-
-STATES = "return [...document.querySelectorAll('.module')].map((m) => m.dataset.state).join()"
-
-
-def reaches(browser, states, seconds=60):
-    return browser.wait(f"return {STATES.removeprefix('return ')} === arguments[0]", states, seconds=seconds) or browser.run(STATES)
-
-
-def value(name):
-    return subprocess.run([ECTWIN, "get", name], capture_output=True, text=True).stdout.strip()
-
+from panel_page import ECTWIN, MASTER, SHOTS, accessible, bus, check, panel, reaches, run, until, value
 
 def with_a_master(browser, url):
     browser.open(url)
@@ -256,27 +127,6 @@ def recordings(browser, folder):
     browser.click('[data-signal="data1"] .trace')
 
 
-# Rules of WCAG 2.1 and ARIA that a script can check, each with the elements that break it.
-RULES = {
-    "4.1.2 a control has a name": "[...document.querySelectorAll('button, input, select, a, [role=slider]')].filter((e) => !(e.getAttribute('aria-label') || "
-                                  "e.getAttribute('aria-labelledby') || e.closest('label') || e.textContent.trim()))",
-    "4.1.2 aria-labelledby refers to an element": "[...document.querySelectorAll('[aria-labelledby]')].filter((e) => !document.getElementById(e.getAttribute("
-                                                  "'aria-labelledby'))?.textContent)",
-    "4.1.1 ids are unique": "[...document.querySelectorAll('[id]')].filter((e, i, all) => all.findIndex((o) => o.id === e.id) !== i)",
-    "1.1.1 a picture has a text": "[...document.querySelectorAll('[role=img], canvas')].filter((e) => !e.getAttribute('aria-label'))",
-    "1.1.1 a picture has a role": "[...document.querySelectorAll('svg')].filter((e) => e.getAttribute('role') !== 'img')",
-    "4.1.2 a slider has a value": "[...document.querySelectorAll('[role=slider]')].filter((e) => !e.getAttribute('aria-valuenow') || e.tabIndex < 0)",
-    "1.3.1 levels of headings are not skipped": "[...document.querySelectorAll('h1, h2, h3')].filter((e, i, all) => i > 0 && e.tagName[1] - all[i - 1].tagName[1] > 1)",
-    "3.1.1 the page has a language": "[document.documentElement].filter((e) => !e.lang)",
-    "2.1.1 what can be clicked can be focused": "[...document.querySelectorAll('main button:not(:disabled), main a, main select')].filter((e) => e.tabIndex < 0)",
-}
-
-
-def accessible(browser):
-    for title, broken in RULES.items():
-        check(f"WCAG {title}", [], browser.run(f"return {broken}.map((e) => e.outerHTML.slice(0, 200))"))
-
-
 def machine(browser, url):
     """A bus file with `panel:` opens as one page of fronts."""
     file = pathlib.Path(__file__).resolve().parents[2] / "examples" / "machine" / "machine.yaml"
@@ -349,14 +199,6 @@ def widths(browser):
     named = browser.run("return [...document.querySelectorAll('button, input, select')].filter((e) => !(e.getAttribute('aria-label') || "
                         "e.getAttribute('aria-labelledby') || e.closest('label') || e.textContent.trim())).map((e) => e.outerHTML)")
     check("every control has a name for screen readers", [], named)
-
-
-def until(condition, seconds=60):
-    """Waits until a function returns something true; returns it."""
-    deadline = time.monotonic() + seconds
-    while not (result := condition()) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    return result
 
 
 def remotes(browser, url, folder):
@@ -459,35 +301,22 @@ def view_only(browser):
                                                               "[...document.querySelectorAll('.plug')].every((p) => p.disabled)]"))
 
 
-def main():
-    if not shutil.which("chromium") or not shutil.which("chromedriver"):
-        print("skipped: no Chromium with chromedriver here; tools/bootstrap.sh test installs them")
-        return 77
-    with tempfile.TemporaryDirectory() as folder:
-        os.environ["XDG_RUNTIME_DIR"] = folder
-        os.environ["HOME"] = folder
-        browser = Browser(folder + "/profile")
-        try:
-            with panel() as url:
-                with bus("gripper=fzm1,axis=pmctendo-dd5,fzm1", [MASTER, "{}"]):
-                    with_a_master(browser, url)
-                    events(browser)
-                    objects(browser)
-                    faults_and_plots(browser)
-                    recordings(browser, folder)
-                    drives(browser)
-                    widths(browser)
-                remotes(browser, url, folder)
-                sensor(browser, url)
-                machine(browser, url)
-                scenario(browser, url, folder)
-                hostile_names(browser, url, folder)
-            view_only(browser)
-            check("nothing is refused by the policy, and no script fails", [],
-                  [line for line in browser.errors() if "WebSocket" not in line])
-        finally:
-            browser.close()
-    return 1 if failed else 0
+def cases(browser, folder):
+    with panel() as url:
+        with bus("gripper=fzm1,axis=pmctendo-dd5,fzm1", [MASTER, "{}"]):
+            with_a_master(browser, url)
+            events(browser)
+            objects(browser)
+            faults_and_plots(browser)
+            recordings(browser, folder)
+            drives(browser)
+            widths(browser)
+        remotes(browser, url, folder)
+        sensor(browser, url)
+        machine(browser, url)
+        scenario(browser, url, folder)
+        hostile_names(browser, url, folder)
+    view_only(browser)
 
 
-sys.exit(main())
+sys.exit(run(cases))

@@ -56,6 +56,7 @@ export class Connection {
 
   closed() {
     for (const done of this.waiting.values()) done({ ok: false, message: "the connection has ended" });
+    for (const { resolve } of this.queue) resolve({ ok: false, message: "the connection has ended" });
     this.waiting.clear();
     this.queue = [];
     this.failures++;
@@ -71,6 +72,7 @@ export class Connection {
    * @return a promise of the reply
    */
   request(bus, request, rest) {
+    if (this.socket.readyState !== WebSocket.OPEN) return Promise.resolve({ ok: false, message: "the connection has ended" });
     return new Promise((resolve) => {
       this.queue.push({ bus, request, rest, resolve });
       this.next();

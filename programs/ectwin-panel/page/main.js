@@ -7,6 +7,9 @@ import { makeSignals } from "./signals.js";
 import { makeEvents } from "./events.js";
 import { makeFaults } from "./faults.js";
 import { makeObjects } from "./objects.js";
+import { makePdos } from "./pdos.js";
+import { makeCounters } from "./counters.js";
+import { readAll } from "./poll.js";
 import { makeRecorder } from "./record.js";
 import { Plot } from "./plot.js";
 import { frontsOf } from "./fronts.js";
@@ -146,9 +149,15 @@ function select(number) {
   setText(parts.twinTitle, `Signals of ${number}${twin?.name ? ` ${twin.name}` : ""}`);
   parts.end?.();
   parts.plot.forgetListeners();
-  parts.end = collect(() => parts.signals.replaceChildren(makeSignals(context, number, parts.plot), makeObjects(context, number)));
+  parts.end = collect(() => parts.signals.replaceChildren(makePdos(context, number), makeSignals(context, number, parts.plot), makeObjects(context, number)));
   showFronts();
   parts.presets.replaceChildren(...presetsOf(number).map(([title, found]) => make("button", { type: "button", on: { click: () => parts.plot.choose(found) } }, title)));
+}
+
+/** @return a promise of the wire at port 0 of each twin, NULL: the twins do not report it */
+async function readWires(slaves) {
+  const lines = await readAll(context, { op: "wires" }, (last) => (last.slave < slaves.length ? { op: "wires", slave: last.slave + 1 } : null));
+  return lines?.length === slaves.length ? lines : null;
 }
 
 function showBus() {
@@ -158,7 +167,7 @@ function showBus() {
   const devices = names.length === slaves.length ? names : [];
   const figures = Object.fromEntries(["Frames/s", "Replied", "Dropped", "Median", "99 %", "Longest", "Scenario"].map((label) => [label, makeFigure(label)]));
   const parts = {
-    rail: makeRail(context, devices, select), events: makeEvents(), plot: new Plot(context.tracer), faults: makeFaults(context), histogram: makeHistogram(), figures,
+    rail: makeRail(context, devices, select, readWires(slaves), Boolean(about.iface2)), events: makeEvents(), plot: new Plot(context.tracer), faults: makeFaults(context), histogram: makeHistogram(), figures,
     signals: make("div"), presets: make("span", { class: "presets" }), twinTitle: make("h2", {}, "Signals"), about: make("p", { class: "about" }),
   };
   parts.fronts = make("div", { class: "fronts" });
@@ -166,19 +175,24 @@ function showBus() {
   parts.all = parts.arranged !== null;
   view.endRecorder?.();
   let recorder = null;
-  view.endRecorder = collect(() => { recorder = makeRecorder(context, parts.plot); });
+  let counters = null;
+  view.endRecorder = collect(() => {
+    recorder = makeRecorder(context, parts.plot);
+    counters = makeCounters(context);
+  });
   parts.allButton = make("button", { type: "button", "aria-pressed": "false", on: { click: () => { parts.all = !parts.all; showFronts(); } } }, parts.arranged ? "Fronts of the machine" : "Fronts of all twins");
   figures.Scenario.element.hidden = true;
   view.parts = parts;
   view.last = null;
   main.replaceChildren(
     make("section", { class: "overview" }, parts.about, make("div", { class: "figures" }, ...Object.values(figures).map((figure) => figure.element))),
-    make("section", { class: "wide" }, make("header", {}, make("h2", {}, "Bus"), parts.allButton), make("div", { class: "rail-frame", tabindex: "0", role: "group", "aria-label": "Twins in the order of the chain" }, parts.rail)),
+    make("section", { class: "wide" }, make("header", {}, make("h2", {}, "Bus"), parts.allButton), make("div", { class: "rail-frame", tabindex: "0", role: "group", "aria-label": "Twins as they are wired" }, parts.rail)),
     parts.fronts,
     make("div", { class: "columns" },
       make("section", { class: "panel-signals" }, make("header", {}, parts.twinTitle), parts.signals),
       make("div", { class: "side" },
         make("section", {}, make("header", {}, make("h2", {}, "Plot"), parts.presets), parts.plot.element, recorder),
+        section("Working counters", "", counters),
         section("Events", "", parts.events.element),
         section("Faults", "", parts.faults),
         section("Response time", "", parts.histogram.element))));

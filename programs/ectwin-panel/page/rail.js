@@ -4,7 +4,9 @@ import { make, setText } from "./dom.js";
 import { watch } from "./bus.js";
 
 const states = { 0: "off the bus", 1: "INIT", 2: "PREOP", 3: "BOOT", 4: "SAFEOP", 8: "OP" };
-const ports = [["ecat.plug_in", "ecat.link_in", "input"], ["ecat.plug_out", "ecat.link_out", "output"]];
+// Plugs of the ports, with the words for them. The lamp of a junction is that of the input at the other end: a wire has one link.
+const ports = [["ecat.plug_in", "input"], ["ecat.plug_out", "output"], ["ecat.plug_2", "port 2"], ["ecat.plug_3", "port 3"]];
+const junctions = [3, 2]; // in the order of the frames
 
 /** A lamp that blinks as the twin reports: "off", "on", "blinking", "flickering", "single flash", "double flash". */
 export function makeLamp(label, colour) {
@@ -17,10 +19,12 @@ export function makeLamp(label, colour) {
   return lamp;
 }
 
-function makePlug(context, slave, [plugName, linkName, label]) {
+/** @param link  the signal of the lamp */
+function makePlug(context, slave, port, link) {
+  const [plugName, label] = ports[port];
   const plug = context.signals.find(slave.number, plugName);
   const lamp = makeLamp(`link at the ${label}`, "green small");
-  const button = make("button", { type: "button", class: `plug ${label}`, "data-slave": slave.number, "data-port": label }, make("span", { class: "jack" }), lamp);
+  const button = make("button", { type: "button", class: `plug ${label.split(" ")[0]}`, "data-slave": slave.number, "data-port": label }, make("span", { class: "jack" }), lamp);
   watch(plug, () => {
     const isIn = plug.value === 1;
     button.setAttribute("aria-pressed", String(isIn));
@@ -29,7 +33,7 @@ function makePlug(context, slave, [plugName, linkName, label]) {
   });
   button.addEventListener("click", () => context.set(plug, plug.value === 1 ? 0 : 1));
   button.disabled = context.view;
-  watch(context.signals.find(slave.number, linkName), (signal) => lamp.show(String(signal.value)));
+  watch(link, (signal) => lamp.show(String(signal.value)));
   return button;
 }
 
@@ -61,25 +65,73 @@ function makeModule(context, slave, device, select) {
   return { module, front };
 }
 
-/** The cable between two plugs, whole if both are in. */
-function makeCable(context, before, behind) {
+/** A cable, whole if the plugs at its ends are in. */
+function makeCable(context, ...ends) {
   const cable = make("span", { class: "cable", "aria-hidden": "true" });
-  const plugs = [before && context.signals.find(before.number, "ecat.plug_out"), context.signals.find(behind.number, "ecat.plug_in")];
+  const plugs = ends.map(({ slave, port }) => context.signals.find(slave.number, ports[port][0]));
   const update = () => cable.classList.toggle("cut", plugs.some((plug) => plug && plug.value === 0));
   for (const plug of plugs) watch(plug, update);
   return cable;
 }
 
-/** @param select  called with the number of the twin whose front is clicked */
-export function makeRail(context, devices, select) {
+/** The twins below each twin, by port. @param wires  lines of `wires`; without them the twins are a line */
+function treeOf(slaves, wires) {
+  const nodes = new Map(slaves.map((slave) => [slave.number, { slave, down: {} }]));
+  slaves.forEach((slave, i) => {
+    const { up, port } = wires?.[i] ?? { up: slaves[i - 1]?.number ?? 0, port: 1 };
+    if (up > 0) nodes.get(up).down[port] = nodes.get(slave.number);
+  });
+  return nodes.get(slaves[0].number);
+}
+
+/** The twins of a line: from port 1 to port 0 of the next one. */
+function lineFrom(node) {
+  const line = [];
+  for (let at = node; at; at = at.down[1]) line.push(at);
+  return line;
+}
+
+function makeSlot(context, modules, { slave, down }) {
+  const link = (number, name) => context.signals.find(number, name);
+  const wired = junctions.filter((port) => down[port]);
+  const row = [makePlug(context, slave, 0, link(slave.number, "ecat.link_in")), modules.get(slave.number), makePlug(context, slave, 1, link(slave.number, "ecat.link_out"))];
+  const below = wired.map((port) => make("div", { class: "junction" }, makePlug(context, slave, port, link(down[port].slave.number, "ecat.link_in")), make("span", { class: "label" }, `port ${port}`)));
+  return make("div", { class: "slot" }, ...row, below.length > 0 ? make("div", { class: "junctions" }, ...below) : null);
+}
+
+/** A line with the branches at its junctions. @param start  the label before it; `from`: the port at which it begins */
+function makeLine(context, modules, node, { start, label, from, last, ring }) {
+  const line = lineFrom(node);
+  const parts = line.flatMap((one, i) => {
+    const before = i > 0 ? { slave: line[i - 1].slave, port: 1 } : from;
+    return [makeCable(context, ...(before ? [before] : []), { slave: one.slave, port: 0 }), makeSlot(context, modules, one)];
+  });
+  const end = line.at(-1).slave;
+  if (ring && end.number === last) parts.push(makeCable(context, { slave: end, port: 1 }), make("span", { class: "master" }, "Master, second interface"));
+  const branches = line.flatMap((one) => junctions.filter((port) => one.down[port]).map((port) => makeLine(context, modules, one.down[port], {
+    start: `${one.slave.number}, port ${port}`, label: `Branch at port ${port} of twin ${one.slave.number}`, from: { slave: one.slave, port }, last, ring,
+  })));
+  return make("div", { class: from ? "branch" : "trunk", role: "group", "aria-label": label }, make("div", { class: branches.length > 0 ? "rail junctioned" : "rail" }, make("span", { class: "master" }, start), ...parts), ...branches);
+}
+
+/**
+ * The twins as they are wired.
+ * @param select  called with the number of the twin whose front is clicked
+ * @param wires   a promise of the lines of the request `wires`
+ * @param ring    the last twin leads to a second interface of the master
+ */
+export function makeRail(context, devices, select, wires, ring) {
   const fronts = new Map();
+  const modules = new Map();
   const slaves = context.signals.slaves();
-  const rail = make("div", { class: "rail" }, make("span", { class: "master" }, "Master"));
   slaves.forEach((slave, position) => {
     const { module, front } = makeModule(context, slave, devices[position] ?? "", select);
     fronts.set(slave.number, front);
-    const [input, output] = ports.map((port) => makePlug(context, slave, port));
-    rail.append(makeCable(context, slaves[position - 1], slave), make("div", { class: "slot" }, input, module, output));
+    modules.set(slave.number, module);
+  });
+  const rail = make("div", { class: "wiring" });
+  wires.then((lines) => {
+    if (slaves.length > 0) rail.append(makeLine(context, modules, treeOf(slaves, lines), { start: "Master", label: "Line at the master", from: null, last: slaves.at(-1).number, ring }));
   });
   rail.mark = (number) => fronts.forEach((front, own) => front.setAttribute("aria-pressed", String(own === number)));
   return rail;

@@ -135,6 +135,14 @@ size_t ect_chain_check_wires(const ect_twin_config_t *twins, size_t count)
     return ect_cabling_check(twins, count);
 }
 
+size_t ect_chain_wire(const ect_chain_t *chain, size_t position, unsigned int *port)
+{
+    ECT_ASSERT(position < chain->cabling.count);
+    const ect_topology_node_t *node = &chain->cabling.nodes[position];
+    *port = position == 0 ? 0 : node->up_port;
+    return position == 0 ? 0 : node->up + 1;
+}
+
 ect_chain_t *ect_chain_new(const ect_twin_config_t *twins, size_t count, uint64_t now_ns)
 {
     ECT_ASSERT(count >= 1 && count <= UINT16_MAX);

@@ -56,6 +56,13 @@ void ect_chain_free(ect_chain_t *chain);
  */
 size_t ect_chain_check_wires(const ect_twin_config_t *twins, size_t count);
 
+/**
+ * The wire at port 0 of a twin.
+ * @param[out] port  port of the twin before at which the wire begins, 1..3; 0: at the master
+ * @return number of the twin before, from 1; 0: the master
+ */
+size_t ect_chain_wire(const ect_chain_t *chain, size_t position, unsigned int *port);
+
 /** Switches all twins off and on: only their surroundings (ect_plant_t::outside_size) keep their state. */
 void ect_chain_power_cycle(ect_chain_t *chain, uint64_t now_ns);
 

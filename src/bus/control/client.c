@@ -13,6 +13,7 @@
 #include "bus/chain/fields.h"
 #include "bus/control/change.h"
 #include "bus/control/objects.h"
+#include "bus/control/pdos.h"
 #include "wire/assert.h"
 
 bool ect_client_room(const ect_client_t *client)
@@ -200,6 +201,15 @@ static const char *begin(ect_client_t *client, const ect_chain_t *chain, size_t 
     return v->op == ECT_VISIT_WATCH ? begin_watch(client, request) : NULL;
 }
 
+/* A request with an immediate reply. */
+typedef struct call {
+    ect_chain_t *chain;
+    size_t slave; /* from 1 */
+    const cJSON *request;
+    uint64_t now_ns;
+    char *message; /* ECT_SIGNAL_MESSAGE bytes, for a reason */
+} call_t;
+
 /* --- requests with a time ----------------------------------------------------------------------------------------- */
 
 static bool is_planned(const char *op, const cJSON *request)
@@ -208,23 +218,22 @@ static bool is_planned(const char *op, const cJSON *request)
 }
 
 /* @return the reason of a refusal; NULL: done */
-static const char *plan(ect_client_t *client, const ect_chain_t *chain, const cJSON *request, size_t slave,
-                        uint64_t now_ns, char message[ECT_SIGNAL_MESSAGE])
+static const char *plan(ect_client_t *client, const call_t *call)
 {
     const double most_s = 1e9;
-    double at_s = cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(request, "at"));
+    double at_s = cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(call->request, "at"));
     if (!client->stats || !client->plans)
         return "\"at\" needs a bus that runs";
     if (!(at_s >= 0 && at_s <= most_s))
         return "\"at\" is a time of the bus, in seconds since its start";
     uint64_t due_ns = client->stats->start_ns + (uint64_t)(at_s * 1e9 + 0.5);
-    if (due_ns < now_ns) {
-        snprintf(message, ECT_SIGNAL_MESSAGE, "%g s is over: the bus is at %.6f s", at_s,
-                 (double)(now_ns - client->stats->start_ns) / 1e9);
-        return message;
+    if (due_ns < call->now_ns) {
+        snprintf(call->message, ECT_SIGNAL_MESSAGE, "%g s is over: the bus is at %.6f s", at_s,
+                 (double)(call->now_ns - client->stats->start_ns) / 1e9);
+        return call->message;
     }
-    const char *why = ect_change_check(chain, slave, request, message);
-    return why ? why : ect_plans_add(client->plans, due_ns, request);
+    const char *why = ect_change_check(call->chain, call->slave, call->request, call->message);
+    return why ? why : ect_plans_add(client->plans, due_ns, call->request);
 }
 
 /* --- data --------------------------------------------------------------------------------------------------------- */
@@ -256,12 +265,12 @@ static void put_bytes(ect_line_t *line, const uint8_t *bytes, size_t size, size_
 }
 
 /* Replies with a piece of the command line. @return the reason of a refusal; NULL: done */
-static const char *reply_words(ect_client_t *client, const cJSON *request)
+static const char *reply_words(ect_client_t *client, const call_t *call)
 {
     size_t at;
     if (!client->about || !client->about->words)
         return "this chain has no command line";
-    const char *why = read_offset(request, client->about->words_length, &at);
+    const char *why = read_offset(call->request, client->about->words_length, &at);
     if (why)
         return why;
     ect_line_t line;
@@ -274,18 +283,18 @@ static const char *reply_words(ect_client_t *client, const cJSON *request)
 
 /* Replies with a piece of data too large for a signal; pieces with the same serial belong together. @return the reason
  * of a refusal; NULL: done */
-static const char *reply_piece(ect_client_t *client, const ect_chain_t *chain, size_t slave, const cJSON *request)
+static const char *reply_piece(ect_client_t *client, const call_t *call)
 {
-    ect_bulk_t bulk = ect_chain_bulk(chain, slave - 1);
+    ect_bulk_t bulk = ect_chain_bulk(call->chain, call->slave - 1);
     size_t at;
     if (!bulk.data)
         return "this slave has no data for this request; a base unit with periodic data has";
-    const char *why = read_offset(request, bulk.size, &at);
+    const char *why = read_offset(call->request, bulk.size, &at);
     if (why)
         return why;
     ect_line_t line;
     ect_line_begin(&line);
-    ect_line_number(&line, "slave", slave);
+    ect_line_number(&line, "slave", call->slave);
     ect_line_number(&line, "serial", bulk.serial);
     put_bytes(&line, bulk.data, bulk.size, at);
     ect_line_end(&line);
@@ -363,11 +372,11 @@ static void put_histogram(ect_client_t *client)
 }
 
 /* @return the reason of a refusal; NULL: done */
-static const char *reply_stats(ect_client_t *client, uint64_t now_ns)
+static const char *reply_stats(ect_client_t *client, const call_t *call)
 {
     if (!client->stats)
         return "nothing is counted here";
-    put_counters(client, now_ns);
+    put_counters(client, call->now_ns);
     put_histogram(client);
     return NULL;
 }
@@ -395,7 +404,7 @@ static void put_states(ect_line_t *line, const ect_chain_t *chain)
 }
 
 /* @return the reason of a refusal; NULL: done */
-static const char *reply_about(ect_client_t *client, const ect_chain_t *chain)
+static const char *reply_about(ect_client_t *client, const call_t *call)
 {
     ect_line_t line;
     if (!client->about)
@@ -406,14 +415,12 @@ static const char *reply_about(ect_client_t *client, const ect_chain_t *chain)
     put_text(&line, "panel", client->about->panel);
     put_text(&line, "iface", client->about->ifaces[ECT_END_IN]);
     put_text(&line, "iface2", client->about->ifaces[ECT_END_OUT]);
-    ect_line_number(&line, "slaves", ect_chain_count(chain));
-    put_states(&line, chain);
+    ect_line_number(&line, "slaves", ect_chain_count(call->chain));
+    put_states(&line, call->chain);
     ect_line_end(&line);
     put(client, &line);
     return NULL;
 }
-
-/* --- requests ----------------------------------------------------------------------------------------------------- */
 
 static bool is_visit(ect_visit_t *v, const char *op)
 {
@@ -427,7 +434,7 @@ static bool is_visit(ect_visit_t *v, const char *op)
 }
 
 /* Lists the active faults, at most as many as fit in a step. @return the reason of a refusal; NULL: done */
-static const char *list_faults(ect_client_t *client, const ect_chain_t *chain)
+static const char *list_faults(ect_client_t *client, const call_t *call)
 {
     /* The room of a step is for lines of maximum length; lines of faults are shorter. */
     enum { FAULTS = ECT_CLIENT_LINES * ECT_LINE_ROOM / (ECT_FAULT_TEXT + 32) };
@@ -435,7 +442,7 @@ static const char *list_faults(ect_client_t *client, const ect_chain_t *chain)
     char room[ECT_FAULT_TEXT];
     if (!client->scenario)
         return "no faults can be set here";
-    for (size_t i = 0; i < FAULTS && ect_scenario_show(client->scenario, chain, i, room); i++) {
+    for (size_t i = 0; i < FAULTS && ect_scenario_show(client->scenario, call->chain, i, room); i++) {
         ect_line_t line;
         ect_line_begin(&line);
         ect_line_string(&line, "fault", room);
@@ -446,14 +453,15 @@ static const char *list_faults(ect_client_t *client, const ect_chain_t *chain)
 }
 
 /* Lists the faults as lines of a script, from a number on. @return the reason of a refusal; NULL: done */
-static const char *list_script(ect_client_t *client, const ect_chain_t *chain, const cJSON *request)
+static const char *list_script(ect_client_t *client, const call_t *call)
 {
     size_t at = 0;
     char text[ECT_STEP_LINE];
     if (!client->scenario)
         return "no faults can be set here";
-    const char *why = read_offset(request, SIZE_MAX / 2, &at);
-    for (size_t i = 0; !why && i < ECT_CLIENT_LINES && ect_scenario_left(client->scenario, chain, at + i, text); i++) {
+    const char *why = read_offset(call->request, SIZE_MAX / 2, &at);
+    for (size_t i = 0; !why && i < ECT_CLIENT_LINES && ect_scenario_left(client->scenario, call->chain, at + i, text);
+         i++) {
         ect_line_t line;
         ect_line_begin(&line);
         ect_line_string(&line, "line", text);
@@ -464,9 +472,9 @@ static const char *list_script(ect_client_t *client, const ect_chain_t *chain, c
 }
 
 /* @return the reason of a refusal; NULL: done */
-static const char *list_events(ect_client_t *client, const ect_chain_t *chain, const cJSON *request)
+static const char *list_events(ect_client_t *client, const call_t *call)
 {
-    const cJSON *json = cJSON_GetObjectItemCaseSensitive(request, "after");
+    const cJSON *json = cJSON_GetObjectItemCaseSensitive(call->request, "after");
     const double after = json ? json->valuedouble : 0;
     if (!client->events_of_chain)
         return "no events are recorded here";
@@ -474,7 +482,7 @@ static const char *list_events(ect_client_t *client, const ect_chain_t *chain, c
         return "\"after\" is the number of an event, 0 for the first one";
     uint64_t number = (uint64_t)after;
     ect_line_t line;
-    for (size_t i = 0; i < ECT_CLIENT_LINES && ect_events_next(client->events_of_chain, chain, &number,
+    for (size_t i = 0; i < ECT_CLIENT_LINES && ect_events_next(client->events_of_chain, call->chain, &number,
                                                                client->stats ? client->stats->start_ns : 0, &line);
          i++)
         put(client, &line);
@@ -482,19 +490,18 @@ static const char *list_events(ect_client_t *client, const ect_chain_t *chain, c
 }
 
 /* @return the reason of a refusal; NULL: done */
-static const char *list_objects(ect_client_t *client, ect_chain_t *chain, size_t slave, const cJSON *request,
-                                char message[ECT_SIGNAL_MESSAGE])
+static const char *list_objects(ect_client_t *client, const call_t *call)
 {
     ect_object_place_t place;
     ect_line_t line;
-    const char *why = ect_object_place(request, &place);
-    const ect_slave_t *stack = why ? NULL : ect_chain_sdo(chain, slave - 1, &why);
+    const char *why = ect_object_place(call->request, &place);
+    const ect_slave_t *stack = why ? NULL : ect_chain_sdo(call->chain, call->slave - 1, &why);
     if (!stack) {
-        snprintf(message, ECT_SIGNAL_MESSAGE, "slave %zu: %s", slave, why);
-        return message;
+        snprintf(call->message, ECT_SIGNAL_MESSAGE, "slave %zu: %s", call->slave, why);
+        return call->message;
     }
     for (size_t i = 0; i < ECT_CLIENT_LINES; i++) {
-        if (!ect_objects_next(ect_slave_dictionary(stack), slave, &place, &line))
+        if (!ect_objects_next(ect_slave_dictionary(stack), call->slave, &place, &line))
             break;
         put(client, &line);
     }
@@ -502,52 +509,107 @@ static const char *list_objects(ect_client_t *client, ect_chain_t *chain, size_t
 }
 
 /* @return the reason of a refusal; NULL: done */
-static const char *read_object(ect_client_t *client, ect_chain_t *chain, size_t slave, const cJSON *request,
-                               char message[ECT_SIGNAL_MESSAGE])
+static const char *read_object(ect_client_t *client, const call_t *call)
 {
     ect_line_t line;
-    const char *why = ect_object_read(chain, slave, request, &line, message);
+    const char *why = ect_object_read(call->chain, call->slave, call->request, &line, call->message);
     if (!why)
         put(client, &line);
     return why;
 }
 
-static bool has_immediate_reply(const char *op)
+/* @return the reason of a refusal; NULL: done */
+static const char *list_pdos(ect_client_t *client, const call_t *call)
 {
-    static const char *const names[] = {"set",    "data",   "stats",   "fault", "about", "words",
-                                        "script", "events", "objects", "read",  "write"};
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        if (strcmp(op, names[i]) == 0)
-            return true;
+    uint32_t place;
+    ect_line_t line;
+    const char *why = ect_pdos_place(call->request, &place);
+    const ect_slave_t *slave = ect_chain_slave(call->chain, call->slave - 1);
+    for (size_t i = 0; !why && i < ECT_CLIENT_LINES && ect_pdos_next(slave, call->slave, &place, &line); i++)
+        put(client, &line);
+    return why;
+}
+
+static const char *list_wires(ect_client_t *client, const call_t *call)
+{
+    const size_t end = ect_chain_count(call->chain);
+    for (size_t i = call->slave - 1; i < end && i + 1 < call->slave + ECT_CLIENT_LINES; i++) {
+        unsigned int port;
+        ect_line_t line;
+        const size_t up = ect_chain_wire(call->chain, i, &port);
+        ect_line_begin(&line);
+        ect_line_number(&line, "slave", i + 1);
+        ect_line_number(&line, "up", up);
+        ect_line_number(&line, "port", port);
+        ect_line_end(&line);
+        put(client, &line);
     }
-    return false;
+    return NULL;
 }
 
 /* @return the reason of a refusal; NULL: done */
-static const char *answer(ect_client_t *client, ect_chain_t *chain, const char *op, size_t slave, const cJSON *request,
-                          uint64_t now_ns, char message[ECT_SIGNAL_MESSAGE])
+static const char *list_counters(ect_client_t *client, const call_t *call)
 {
-    if (strcmp(op, "fault") == 0 && !cJSON_GetObjectItemCaseSensitive(request, "fault"))
-        return list_faults(client, chain);
-    if (is_planned(op, request))
-        return plan(client, chain, request, slave, now_ns, message);
-    if (ect_change_is(op))
-        return ect_change_apply(chain, client->scenario, request, now_ns, message);
-    if (strcmp(op, "data") == 0)
-        return reply_piece(client, chain, slave, request);
-    if (strcmp(op, "about") == 0)
-        return reply_about(client, chain);
-    if (strcmp(op, "words") == 0)
-        return reply_words(client, request);
-    if (strcmp(op, "script") == 0)
-        return list_script(client, chain, request);
-    if (strcmp(op, "events") == 0)
-        return list_events(client, chain, request);
-    if (strcmp(op, "objects") == 0)
-        return list_objects(client, chain, slave, request, message);
-    if (strcmp(op, "read") == 0)
-        return read_object(client, chain, slave, request, message);
-    return reply_stats(client, now_ns);
+    enum { SECONDS = 5 };
+    ect_datagrams_t *datagrams = client->datagrams;
+    _Static_assert((int)ECT_DATAGRAMS <= (int)ECT_CLIENT_LINES, "one step lists all of them");
+    if (!datagrams)
+        return "no working counters are counted here";
+    ect_datagrams_want(datagrams, call->now_ns, call->now_ns + SECONDS * 1000000000ull);
+    for (size_t i = 0; i < datagrams->count; i++) {
+        const ect_datagram_t *one = &datagrams->all[i];
+        ect_line_t line;
+        ect_line_begin(&line);
+        ect_line_string(&line, "command", ect_datagrams_name(one->command));
+        ect_line_number(&line, "address", one->address);
+        ect_line_number(&line, "length", one->length);
+        ect_line_number(&line, "counter", one->counter);
+        ect_line_number(&line, "highest", one->highest);
+        ect_line_number(&line, "replies", one->replies);
+        ect_line_number(&line, "lower", one->lower);
+        ect_line_time(&line, call->now_ns > one->seen_ns ? call->now_ns - one->seen_ns : 0);
+        ect_line_end(&line);
+        put(client, &line);
+    }
+    return NULL;
+}
+
+/* --- requests ----------------------------------------------------------------------------------------------------- */
+
+/* @return the reason of a refusal; NULL: done */
+static const char *change(ect_client_t *client, const call_t *call)
+{
+    if (is_planned(ect_change_op(call->request), call->request))
+        return plan(client, call);
+    return ect_change_apply(call->chain, client->scenario, call->request, call->now_ns, call->message);
+}
+
+/* Without a fault the request lists them. */
+static const char *fault(ect_client_t *client, const call_t *call)
+{
+    return cJSON_GetObjectItemCaseSensitive(call->request, "fault") ? change(client, call) : list_faults(client, call);
+}
+
+/* Requests with an immediate reply. Each function returns the reason of a refusal; NULL: done. */
+static const struct {
+    const char *op;
+    const char *(*reply)(ect_client_t *client, const call_t *call);
+} replies[] = {
+    {"set", change},           {"data", reply_piece},       {"stats", reply_stats},  {"fault", fault},
+    {"about", reply_about},    {"words", reply_words},      {"script", list_script}, {"events", list_events},
+    {"objects", list_objects}, {"read", read_object},       {"write", change},       {"pdos", list_pdos},
+    {"wires", list_wires},     {"counters", list_counters},
+};
+
+enum { REPLIES = sizeof replies / sizeof replies[0] };
+
+/* @return position in `replies`; REPLIES: none */
+static size_t find_reply(const char *op)
+{
+    size_t i = 0;
+    while (i < REPLIES && strcmp(op, replies[i].op) != 0)
+        i++;
+    return i;
 }
 
 static void tell_observer(const ect_client_t *client, const char *op, const cJSON *request)
@@ -562,17 +624,22 @@ static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request
     const char *op = ect_change_op(request);
     long slave = ect_change_slave(request, chain);
     bool visit = is_visit(&client->visit, op);
+    const size_t reply = find_reply(op);
     const char *why;
     tell_observer(client, op, request);
-    if (!visit && !has_immediate_reply(op))
+    if (!visit && reply == REPLIES)
         why = "a request is a line "
-              "{\"op\":\"get|list|set|watch|data|stats|fault|about|words|script|events|objects|read|write\",...}";
+              "{\"op\":\"get|list|set|watch|data|stats|fault|about|words|script|events|objects|read|write|pdos|wires|"
+              "counters\",...}";
     else if (slave < 0 || (!visit && slave == 0))
         why = "there is no such slave in this chain";
     else if (visit)
         why = begin(client, chain, (size_t)slave, request);
     else
-        why = answer(client, chain, op, (size_t)slave, request, now_ns, message);
+        why = replies[reply].reply(
+            client,
+            &(call_t){
+                .chain = chain, .slave = (size_t)slave, .request = request, .now_ns = now_ns, .message = message});
     if (!visit || why)
         end_visit(client, why);
 }

@@ -14,6 +14,7 @@
 #include <stdint.h>
 
 #include "bus/chain/chain.h"
+#include "bus/chain/datagrams.h"
 #include "bus/chain/stats.h"
 #include "bus/control/about.h"
 #include "bus/control/endpoint.h"
@@ -67,6 +68,7 @@ typedef struct ect_client {
     const ect_stats_t *stats;            /**< NULL: none */
     ect_scenario_t *scenario;            /**< NULL: none */
     const ect_about_t *about;            /**< NULL: none */
+    ect_datagrams_t *datagrams;          /**< NULL: none */
     const ect_observer_t *observer;      /**< NULL: none */
     ect_plans_t *plans;                  /**< requests with a future time */
     const ect_events_t *events_of_chain; /**< NULL: none */

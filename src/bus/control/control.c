@@ -29,6 +29,7 @@ struct ect_control {
     const ect_stats_t *stats;
     ect_scenario_t *scenario;
     const ect_about_t *about;
+    ect_datagrams_t *datagrams;
     ect_observer_t observer;
     ect_plans_t plans;
     ect_events_t *events;  /* NULL: none are recorded */
@@ -105,6 +106,11 @@ void ect_control_show(ect_control_t *c, const ect_stats_t *stats, ect_scenario_t
 {
     c->scenario = scenario;
     c->stats = stats;
+}
+
+void ect_control_count(ect_control_t *c, ect_datagrams_t *datagrams)
+{
+    c->datagrams = datagrams;
 }
 
 void ect_control_describe(ect_control_t *c, const ect_about_t *about)
@@ -193,6 +199,7 @@ static void accept_client(ect_control_t *c, uint64_t now_ns)
         client->stats = c->stats;
         client->scenario = c->scenario;
         client->about = c->about;
+        client->datagrams = c->datagrams;
         client->observer = &c->observer;
         client->events_of_chain = c->events;
         client->plans = &c->plans;

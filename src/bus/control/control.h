@@ -17,6 +17,7 @@
 #include <stdint.h>
 
 #include "bus/chain/chain.h"
+#include "bus/chain/datagrams.h"
 #include "bus/chain/stats.h"
 #include "bus/control/about.h"
 #include "bus/control/endpoint.h"
@@ -46,6 +47,10 @@ void ect_control_close(ect_control_t *control);
  * @param stats, scenario  must outlive the control; NULL, the initial value: the request is refused
  */
 void ect_control_show(ect_control_t *control, const ect_stats_t *stats, ect_scenario_t *scenario);
+
+/** Sets the datagrams that the request `counters` reads. @param datagrams  must outlive the control; NULL, the initial
+ * value: the request is refused */
+void ect_control_count(ect_control_t *control, ect_datagrams_t *datagrams);
 
 /** Sets the contents of `about`. @param about  must outlive the control; NULL, the initial value: `about` is refused */
 void ect_control_describe(ect_control_t *control, const ect_about_t *about);

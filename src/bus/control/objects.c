@@ -11,7 +11,7 @@
 #include "text/number.h"
 #include "wire/bytes.h"
 
-enum { ROOM = 200 /* bytes of a value that a line shows, and that a request writes */ };
+enum { ROOM = ECT_OBJECT_BYTES };
 
 /* Types of numbers. `bytes` 0: no number. */
 typedef struct type {
@@ -50,7 +50,12 @@ static const type_t *find_type(uint16_t type)
     return type >= ECT_TYPE_BIT1 && type <= ECT_TYPE_BIT8 ? &bits : &other;
 }
 
-static bool read_number(const cJSON *request, const char *member, uint32_t maximum, uint32_t *value)
+const char *ect_object_type(uint16_t type)
+{
+    return find_type(type)->name;
+}
+
+bool ect_object_number(const cJSON *request, const char *member, uint32_t maximum, uint32_t *value)
 {
     const cJSON *json = cJSON_GetObjectItemCaseSensitive(request, member);
     double number = json ? json->valuedouble : 0;
@@ -61,9 +66,9 @@ static bool read_number(const cJSON *request, const char *member, uint32_t maxim
 
 const char *ect_object_place(const cJSON *request, ect_object_place_t *place)
 {
-    if (!read_number(request, "index", UINT16_MAX, &place->index))
+    if (!ect_object_number(request, "index", UINT16_MAX, &place->index))
         return "\"index\" is a number from 0 to 65535";
-    return read_number(request, "sub", UINT8_MAX, &place->subindex) ? NULL : "\"sub\" is a number from 0 to 255";
+    return ect_object_number(request, "sub", UINT8_MAX, &place->subindex) ? NULL : "\"sub\" is a number from 0 to 255";
 }
 
 /* --- the list ----------------------------------------------------------------------------------------------------- */
@@ -196,10 +201,22 @@ static void put_number(ect_line_t *line, const type_t *type, const uint8_t *byte
     ect_line_plain(line, "value", type->kind == REAL && !isfinite(real) ? "null" : text);
 }
 
+void ect_object_put_value(ect_line_t *line, uint16_t data_type, const uint8_t *bytes, size_t size)
+{
+    char digits[2 * ECT_OBJECT_BYTES + 1] = "";
+    const type_t *type = find_type(data_type);
+    for (size_t i = 0; i < size && i < ECT_OBJECT_BYTES; i++)
+        snprintf(digits + 2 * i, 3, "%02x", bytes[i]);
+    ect_line_string(line, "data", digits);
+    if (type->bytes > 0 && type->bytes == size)
+        put_number(line, type, bytes);
+    else if (type->type == ECT_TYPE_VISIBLE_STRING)
+        ect_line_string(line, "value", (const char *)bytes);
+}
+
 const char *ect_object_read(ect_chain_t *chain, size_t number, const cJSON *request, ect_line_t *line, char *message)
 {
     uint8_t bytes[ROOM + 1] = {0};
-    char digits[2 * ROOM + 1] = "";
     ect_object_place_t place;
     ect_slave_t *slave;
     uint16_t size = 0;
@@ -211,16 +228,9 @@ const char *ect_object_read(ect_chain_t *chain, size_t number, const cJSON *requ
     if (reason != ECT_OK)
         return aborted(&place, reason, message);
     const ect_entry_t *entry = find_entry(slave, &place);
-    const type_t *type = find_type(entry ? entry->data_type : (uint16_t)ECT_TYPE_NONE);
-    for (size_t i = 0; i < size && i < ROOM; i++)
-        snprintf(digits + 2 * i, 3, "%02x", bytes[i]);
     put_place(line, number, &place);
     ect_line_number(line, "size", size);
-    ect_line_string(line, "data", digits);
-    if (type->bytes > 0 && type->bytes == size)
-        put_number(line, type, bytes);
-    else if (type->type == ECT_TYPE_VISIBLE_STRING)
-        ect_line_string(line, "value", (const char *)bytes);
+    ect_object_put_value(line, entry ? entry->data_type : (uint16_t)ECT_TYPE_NONE, bytes, size);
     ect_line_end(line);
     return NULL;
 }

@@ -20,11 +20,26 @@
 
 ECT_C_BEGIN
 
+/** Most bytes of a value that a line shows, and that a request writes. */
+enum { ECT_OBJECT_BYTES = 200 };
+
 /** An entry of a dictionary. */
 typedef struct ect_object_place {
     uint32_t index;
     uint32_t subindex;
 } ect_object_place_t;
+
+/** Reads a member, a number from 0 to `maximum`; 0 without it. @return whether it is one */
+bool ect_object_number(const cJSON *request, const char *member, uint32_t maximum, uint32_t *value);
+
+/** Name of a data type of the dictionary; "OTHER": a type without a name here. */
+const char *ect_object_type(uint16_t type);
+
+/**
+ * Adds "data", the first ECT_OBJECT_BYTES bytes, and for numbers and texts "value".
+ * @param bytes  `size` bytes in wire form; a text has a zero byte behind them
+ */
+void ect_object_put_value(ect_line_t *line, uint16_t data_type, const uint8_t *bytes, size_t size);
 
 /** Reads the members "index" and "sub" (default 0). @return the reason of a refusal; NULL: *place is set */
 const char *ect_object_place(const cJSON *request, ect_object_place_t *place);

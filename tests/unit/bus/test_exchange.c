@@ -744,6 +744,26 @@ static void plain(void **state)
     assert_true(ect_exchange_is_plain(&r->x));
 }
 
+/* The master gets what a fault has changed. */
+static void working_counters(void **state)
+{
+    rig_t *r = *state;
+    pass(r, ECT_END_IN, 1);
+    assert_int_equal(r->x.datagrams.count, 0);
+    ect_datagrams_want(&r->x.datagrams, r->clock_ns, r->clock_ns + 1000 * MS);
+    pass(r, ECT_END_IN, 2);
+    set_fault(r, "counter -1");
+    pass(r, ECT_END_IN, 3);
+    set_fault(r, "off");
+    wire_build(&r->w, BRD, 0, 0x0130, "\0", 1);
+    ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, r->clock_ns);
+    assert_int_equal(r->x.datagrams.count, 1);
+    assert_int_equal(r->x.datagrams.all[0].replies, 3);
+    assert_int_equal(r->x.datagrams.all[0].highest, TWINS);
+    assert_int_equal(r->x.datagrams.all[0].lower, 1);
+    assert_int_equal(r->x.datagrams.all[0].counter, TWINS);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -753,6 +773,7 @@ int main(int argc, char **argv)
         TEST("its inputs leave with the next run of the devices", held_inputs),
         TEST("a reply from the kernel before the cable was pulled has no effect on the devices", left_meanwhile),
         TEST("with a filter, a fault or a late reply frames do not pass the chain alone", plain),
+        TEST("working counters are those of the replies that leave, also from the kernel", working_counters),
         TABLE("each fault of a frame: the frames sent at once, and the counter that counts it", fates),
         TEST("without a scenario a frame gets its reply, and its devices alone ask for a run", without_a_scenario),
         TABLE("a lost request reaches neither filter nor chain; a lost reply has passed both", lost_on_both_ways),

@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""The wire on the page of `ectwin panel` in headless Chromium: process data, topology, working counters.
+
+usage: panel_wire.py ECTWIN MASTER [FOLDER]      FOLDER: screenshots are written there. Exits with 77 without Chromium.
+"""
+import pathlib
+import subprocess
+import sys
+
+from panel_page import ECTWIN, MASTER, accessible, bus, check, panel, reaches, run
+
+OPEN = "const d = document.querySelector('.process-data'); d.open = true; d.scrollIntoView()"
+ENTRY = "return document.querySelector('[data-entry=\"' + arguments[0] + '\"] ' + arguments[1])?.textContent"
+
+
+def shows(browser, entry, value):
+    """Waits for the value of an entry of the process data; returns what is shown in the end."""
+    browser.wait(f"const text = (() => {{ {ENTRY} }})(); return text === arguments[2]", entry, "output", value, seconds=120)
+    return browser.run(ENTRY, entry, "output")
+
+
+def process_data(browser, url):
+    """Entries of PDOs by name, of a device of our own and of a twin from an ESI file."""
+    terminal = pathlib.Path(__file__).resolve().parents[1] / "esi" / "digital.xml"
+    with bus(f"camera=fzm1,inputs=esi:{terminal}#DI4", [MASTER, "{}"]):
+        browser.open("about:blank")
+        browser.open(url)
+        check("the twins are in OP", True, reaches(browser, "OP,OP", seconds=120))
+        browser.run(OPEN)
+        check("FZM: an entry has the name of its object", "0.0", browser.wait(
+            "return document.querySelector('.pdos tbody tr[data-entry] td') && '0.0'", seconds=120))
+        names = "return [...document.querySelectorAll('.pdos th[scope=row]')].map((name) => name.textContent)"
+        check("outputs and inputs have tables", 2, browser.run("return document.querySelectorAll('.pdos').length"))
+        check("FZM: a name is that of the manual", True, "Output area: Data 1" in browser.run(names))
+        place = "return [...document.querySelectorAll('[data-entry=\"2300h:1\"] td')].map((cell) => cell.textContent)"
+        check("its place, address and type", ["16", "2300h:1", "INTEGER32, 32"], [cell for i, cell in enumerate(browser.run(place)) if i != 2])
+        subprocess.run([ECTWIN, "set", "camera.data1=-12.5", "camera.trigger=1"], check=True)
+        check("a measurement is in the process data", "-12500", shows(browser, "2300h:1", "-12500"))
+        browser.picture("pdos.png", "light")
+        accessible(browser)
+        browser.click("[data-select='2']")
+        browser.wait("return document.querySelector('.process-data:not([open])') !== null")
+        browser.run(OPEN)
+        check("ESI: bits have byte and bit, behind a gap as well", ["0", "0.1", "0.3", "0.4"], browser.wait(
+            "const cells = [...document.querySelectorAll('.pdos [data-entry] td:first-child')].map((cell) => cell.textContent); return cells.length === 4 && cells",
+            seconds=120))
+        contact = browser.run("return document.querySelector('.terminal [data-bit]').dataset.bit")
+        subprocess.run([ECTWIN, "set", f"inputs.{contact}=1"], check=True)
+        check("ESI: a contact is in the process data", True, browser.wait(
+            "return document.querySelector('.pdos [data-entry] output').textContent === '1'", seconds=120))
+
+
+def counters(browser, url):
+    """Working counters of a master, whole and with a slave less."""
+    with bus("gripper=fzm1,fzm1", [MASTER, "{}"]):
+        browser.open("about:blank")
+        browser.open(url)
+        check("the slaves are in OP", True, reaches(browser, "OP,OP", seconds=120))
+        counter = "return document.querySelector('[data-datagram=LRW] output')?.textContent"
+        browser.wait(f"return (() => {{ {counter} }})() === '6'", seconds=120)
+        check("two slaves with outputs and inputs add 6 to LRW", "6", browser.run(counter))
+        browser.click('.plug[data-slave="2"][data-port="input"]')
+        check("one that is cut off adds nothing", True, browser.wait(f"return (() => {{ {counter} }})() === '3 of 6'", seconds=120))
+        browser.picture("counters.png", "light")
+        browser.click('.plug[data-slave="2"][data-port="input"]')
+        check("and again when it is back", True, browser.wait(f"return (() => {{ {counter} }})() === '6'", seconds=120))
+
+
+def tree(browser, url):
+    """A junction with two branches, one of which has a line of two."""
+    with bus("hub=fzm1,left=fzm1,tip=fzm1,right=fzm1", [MASTER, "{}"], "--wire", "2:1.3", "--wire", "4:1.1"):
+        browser.open("about:blank")
+        browser.open(url)
+        check("the tree is in OP", True, reaches(browser, "OP,OP,OP,OP", seconds=120))
+        lines = ("return [...document.querySelectorAll('.trunk, .branch')].map((line) => [...line.querySelector(':scope > .rail').children]"
+                 ".map((part) => part.querySelector('.title')?.textContent ?? (part.className === 'master' ? part.textContent : null)).filter(Boolean))")
+        check("the line and its branch are drawn as they are wired", [["Master", "hub", "right"], ["1, port 3", "left", "tip"]], browser.run(lines))
+        cut = "return [...document.querySelectorAll('.cable.cut')].length"
+        browser.picture("tree.png", "light")
+        browser.click('.plug[data-slave="1"][data-port="port 3"]')
+        check("a click on the plug of the junction cuts off the branch alone", "OP,OP", browser.wait(
+            "const s = [...document.querySelectorAll('.module')].filter((m) => !['left', 'tip'].includes(m.querySelector('.title').textContent));"
+            "return document.querySelectorAll('.cable.cut').length === 1 && s.map((m) => m.dataset.state).join()", seconds=120))
+        check("the lamp of that port is off", "link at the port 3: off", browser.wait(
+            "const label = document.querySelector('.plug[data-slave=\"1\"][data-port=\"port 3\"] .lamp').ariaLabel; return label.endsWith('off') && label", seconds=120))
+        browser.click('.plug[data-slave="1"][data-port="port 3"]')
+        check("again, and the branch returns to OP", True, reaches(browser, "OP,OP,OP,OP", seconds=120))
+        check("no cable is cut", 0, browser.run(cut))
+
+
+def ring(browser, url):
+    """The second interface of the master is at the far end."""
+    with bus("fzm1,fzm1", [MASTER, "{}"], "--iface", "ecat0,ecat1"):
+        browser.open("about:blank")
+        browser.open(url)
+        browser.wait("return document.querySelectorAll('.module').length === 2", seconds=120)
+        check("the ring is closed at the master", ["Master", "Master, second interface"], browser.run(
+            "return [...document.querySelectorAll('.master')].map((end) => end.textContent)"))
+        browser.click('.plug[data-slave="2"][data-port="output"]')
+        check("its last cable can be cut", True, browser.wait(
+            "return document.querySelector('.rail > .cable:nth-last-child(2)').classList.contains('cut')", seconds=120))
+
+
+def cases(browser, folder):
+    with panel() as url:
+        process_data(browser, url)
+        counters(browser, url)
+        tree(browser, url)
+        ring(browser, url)
+
+
+sys.exit(run(cases))
