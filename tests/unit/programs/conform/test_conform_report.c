@@ -432,6 +432,41 @@ static void evidence_is_bounded(void **state)
     close(wire[1]);
 }
 
+static void ring_of_evidence(void **state)
+{
+    (void)state;
+    cf_record_open(NULL);
+    for (unsigned int i = 0; i < CF_EVIDENCE_MAX + 3; i++)
+        cf_record_step(i == 3 ? "the oldest that is kept" : i == CF_EVIDENCE_MAX + 2 ? "the newest" : "a step");
+    cf_evidence_t e = cf_record_end(CF_EVIDENCE_MAX + 3);
+    assert_int_equal(e.count, CF_EVIDENCE_MAX);
+    assert_string_equal((const char *)e.items[0].bytes, "the oldest that is kept");
+    assert_string_equal((const char *)e.items[CF_EVIDENCE_MAX - 1].bytes, "the newest");
+    cf_evidence_free(&e);
+    cf_record_close();
+}
+
+static void receptions_without_a_frame(void **state)
+{
+    uint8_t room[60];
+    (void)state;
+    assert_int_equal(socketpair(AF_UNIX, SOCK_DGRAM, 0, wire), 0);
+    cf_record_open(NULL);
+    assert_int_equal(recv(wire[1], room, sizeof room, MSG_DONTWAIT), -1); /* nothing has come */
+    struct msghdr empty = {0};
+    assert_int_equal(sendmsg(wire[0], &empty, 0), 0);
+    assert_int_equal(recv(wire[1], room, sizeof room, 0), 0);
+    assert_int_equal(cf_record_frame(), 0);
+    exchange(0, 1);
+    assert_int_equal(cf_record_frame(), 2);
+    cf_evidence_t e = cf_record_end(10);
+    assert_int_equal(e.count, 2);
+    cf_evidence_free(&e);
+    cf_record_close();
+    close(wire[0]);
+    close(wire[1]);
+}
+
 /* No station has a multicast address as its source. */
 static void unicast_source(void **state)
 {
@@ -616,14 +651,38 @@ static void hashes(void **state)
     expect_hash("a", 64, "ffe054fe7ae0cb6dc65c3af9b61d5209f439851db43d0ba5997337df154668eb");
 }
 
+static void no_hash(void **state)
+{
+    char hex[65] = "another";
+    (void)state;
+    FILE *file = fopen("/dev/null", "w"); /* which takes no reads */
+    assert_non_null(file);
+    cf_sha256(file, hex);
+    fclose(file);
+    assert_string_equal(hex, "");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cleaning),   cmocka_unit_test(times_of_frames),     cmocka_unit_test(recorded_frames),
-        cmocka_unit_test(escaping),   cmocka_unit_test(utf8_limits),         cmocka_unit_test(capture),
-        cmocka_unit_test(counts),     cmocka_unit_test(frames_text),         cmocka_unit_test(html),
-        cmocka_unit_test(plain),      cmocka_unit_test(machine_readable),    cmocka_unit_test(histograms),
-        cmocka_unit_test(polls_fold), cmocka_unit_test(evidence_is_bounded), cmocka_unit_test(unicast_source),
+        {"The record keeps the newest items", ring_of_evidence, NULL, NULL, NULL},
+        {"A reception without a byte is no frame", receptions_without_a_frame, NULL, NULL, NULL},
+        {"A file that cannot be read has no hash", no_hash, NULL, NULL, NULL},
+        cmocka_unit_test(cleaning),
+        cmocka_unit_test(times_of_frames),
+        cmocka_unit_test(recorded_frames),
+        cmocka_unit_test(escaping),
+        cmocka_unit_test(utf8_limits),
+        cmocka_unit_test(capture),
+        cmocka_unit_test(counts),
+        cmocka_unit_test(frames_text),
+        cmocka_unit_test(html),
+        cmocka_unit_test(plain),
+        cmocka_unit_test(machine_readable),
+        cmocka_unit_test(histograms),
+        cmocka_unit_test(polls_fold),
+        cmocka_unit_test(evidence_is_bounded),
+        cmocka_unit_test(unicast_source),
         cmocka_unit_test(hashes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -53,6 +53,7 @@ static void needs(void **state)
 /* --- changes ------------------------------------------------------------------------------------------------------ */
 
 static uint16_t written[8];
+static uint8_t states[8]; /* AL status at each write of the EEPROM, and at each download */
 static unsigned int writes;
 
 /* The EEPROM: a write command (0x0201) at 0x0502 puts the data at 0x0508 into a word. */
@@ -62,6 +63,7 @@ static bool note_writes(cf_datagram_t *d)
     const uint8_t *data = d->data;
     if (d->command == CF_FPWR && ado == ECT_REG_SII_CONTROL && d->length == 6 && ect_load_le16(data) == 0x0201 &&
         writes < 8) {
+        states[writes] = memory[ECT_REG_AL_STATUS];
         written[writes++] = (uint16_t)(ect_load_le16(data + 2) << 8 | memory[ECT_REG_SII_DATA]);
         ect_store_le16(d->data, 0);
     }
@@ -99,12 +101,34 @@ static void undo_order(void **state)
     end_run(&run);
 }
 
+static void changes_in_preop(cf_t *c)
+{
+    cf_put16(c, ECT_REG_AL_CONTROL, CF_PREOP);
+    cf_expect(c, "AL status", CF_PREOP, memory[ECT_REG_AL_STATUS]);
+    change(c, 1, 0x11);
+}
+
+static void eeprom_in_init(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_run(&run);
+    on_datagram = note_writes;
+    writes = 0;
+    assert_int_equal(run_one(&run, changes_in_preop, 0, &result), CF_PASS);
+    assert_string_equal(result.reason, "");
+    assert_int_equal(writes, 1);
+    assert_int_equal(states[0], CF_INIT);
+    end_run(&run);
+}
+
 /* --- a slave with one object, 2000h, of two bytes ----------------------------------------------------------------- */
 
 static uint16_t object;
 static uint32_t refusal; /* abort code of downloads; 0: none */
 static unsigned int downloads;
-static uint8_t states[8]; /* AL status at each download */
+static uint8_t uploaded[3]; /* index and sub-index of the last upload */
 
 static void reply_to(const uint8_t *mail)
 {
@@ -124,6 +148,7 @@ static void reply_to(const uint8_t *mail)
     memcpy(reply + 9, mail + 9, 3);
     if (mail[8] == 0x40) {
         reply[8] = 0x4B;
+        memcpy(uploaded, mail + 9, sizeof uploaded);
         ect_store_le16(reply + 12, object);
     } else if (refusal != 0) {
         ect_store_le16(reply + 6, CF_COE_REQUEST << 12);
@@ -287,6 +312,19 @@ static void canary_leaves_init(void **state)
         assert_int_equal(run_one(&run, starts_in_init, 0, &result), CF_PASS);
         assert_string_equal(result.reason, "");
     }
+    end_run(&run);
+}
+
+static void canary_reads_the_vendor(void **state)
+{
+    static const uint8_t vendor[] = {0x18, 0x10, 1};
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_with_object(&run);
+    memset(uploaded, 0, sizeof uploaded);
+    assert_int_equal(run_one(&run, passes, 0, &result), CF_PASS);
+    assert_memory_equal(uploaded, vendor, sizeof vendor);
     end_run(&run);
 }
 
@@ -518,6 +556,30 @@ static void interrupted(void **state)
     end_run(&run);
 }
 
+static bool interrupts_run(cf_datagram_t *d)
+{
+    (void)d;
+    cf_interrupted = 1;
+    return true;
+}
+
+/* Ctrl-C also leaves the preparation of a slave that is judged case by case. */
+static void interrupted_preparation(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_run(&run);
+    run.canary = CF_CANARY_UNABLE;
+    on_datagram = interrupts_run;
+    ran = 0;
+    cf_verdict_t verdict = run_one(&run, passes, 0, &result);
+    cf_interrupted = 0;
+    assert_int_equal(verdict, CF_INTERRUPTED);
+    assert_int_equal(ran, 0);
+    end_run(&run);
+}
+
 static void uses_rooms(cf_t *c)
 {
     uint8_t *first = cf_room(c, 0), *second = cf_room(c, 1);
@@ -657,6 +719,7 @@ static void canary(void **state)
     run.last = "CF-016";
     for (int i = 0; i < 2; i++) {
         assert_int_equal(run_one(&run, passes, 0, &result), CF_UNJUDGED);
+        assert_false(run.engine.running); /* Ctrl-C has no case to leave */
         assert_string_equal(result.reason, "not judged since CF-016: no reply: the frame did not return within 50 ms");
     }
     assert_int_equal(ran, 1);
@@ -726,8 +789,12 @@ static void not_as_before(void **state)
     stuck = false;
     assert_int_equal(run_one(&run, leaves_stuck, 0, &result), CF_FAIL);
     assert_non_null(strstr(result.reason, "the slave cannot be restored: back to INIT"));
+    assert_true(run.engine.stuck); /* INIT gets a shorter timeout until the slave is back */
     assert_int_equal(run_one(&run, passes, 0, &result), CF_UNJUDGED);
     assert_non_null(strstr(result.reason, "not judged since CF-900: back to INIT"));
+    stuck = false;
+    assert_int_equal(run_one(&run, passes, 0, &result), CF_PASS);
+    assert_false(run.engine.stuck);
     end_run(&run);
 }
 
@@ -862,6 +929,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(needs),
         cmocka_unit_test(undo_order),
+        {"The EEPROM gets its old values in INIT", eeprom_in_init, NULL, NULL, NULL},
+        {"The canary uploads the vendor ID, 1018h:1", canary_reads_the_vendor, NULL, NULL, NULL},
+        {"Ctrl-C leaves the preparation of a case", interrupted_preparation, NULL, NULL, NULL},
         cmocka_unit_test(too_many_changes),
         cmocka_unit_test(canary),
         cmocka_unit_test(never_able),
