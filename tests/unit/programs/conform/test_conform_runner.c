@@ -500,22 +500,25 @@ static void time_limit(void **state)
     end_run(&run);
 }
 
-static unsigned int checks;
+static unsigned int checks, depth;
 
 static void check_memory(cf_t *c, void *ctx)
 {
     checks++;
+    depth++;
     *(unsigned int *)ctx += 1;
+    cf_expect_range(c, "depth of the calls", 1, 1, depth);
     if (checks < 3)
         cf_poll_pause(c); /* waits in turn: not called again */
     memory[0x0F00] = checks >= 5;
+    depth--;
 }
 
 static void polls(cf_t *c)
 {
     unsigned int count = 0;
     uint8_t last;
-    checks = 0;
+    checks = depth = 0;
     memory[0x0F00] = 0;
     cf_while_waiting(c, check_memory, &count);
     cf_expect_that(c, cf_wait_bits(c, 0x0F00, 1, 1, 1000, &last) && last == 1, "waited in vain");
@@ -597,6 +600,58 @@ static void measures_too_much(cf_t *c)
         cf_measure(c, names[0], i);
     for (unsigned int i = 0; i <= CF_SERIES_MOST; i++)
         cf_measure(c, names[i], 1);
+}
+
+static size_t kept;
+
+static void put_nothing_back(cf_t *c, const uint8_t *data, size_t size)
+{
+    (void)c;
+    (void)data;
+    (void)size;
+}
+
+static void keeps_much(cf_t *c)
+{
+    static const uint8_t data[CF_CHANGE_MOST + 1];
+    cf_keep(c, put_nothing_back, data, kept);
+}
+
+static void longest_value_kept(void **state)
+{
+    char reason[100];
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_run(&run);
+    kept = CF_CHANGE_MOST;
+    assert_int_equal(run_one(&run, keeps_much, 0, &result), CF_PASS);
+    assert_string_equal(result.reason, "");
+    kept = CF_CHANGE_MOST + 1;
+    assert_int_equal(run_one(&run, keeps_much, 0, &result), CF_FAIL);
+    snprintf(reason, sizeof reason, "a value to restore: expected at most %d bytes, got %zu", (int)CF_CHANGE_MOST,
+             kept);
+    assert_string_equal(result.reason, reason);
+    end_run(&run);
+}
+
+static void names_a_long_step(cf_t *c)
+{
+    char text[CF_STEP + 10];
+    memset(text, 'x', sizeof text - 1);
+    text[sizeof text - 1] = 0;
+    cf_step(c, "%s", text);
+}
+
+static void longest_step(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_run(&run);
+    assert_int_equal(run_one(&run, names_a_long_step, 0, &result), CF_PASS);
+    assert_int_equal(strlen(result.step), CF_STEP - 1);
+    end_run(&run);
 }
 
 static void engine_limits(void **state)
@@ -691,6 +746,7 @@ static bool dies(cf_datagram_t *d)
 
 static void kills(cf_t *c)
 {
+    cf_step(c, "a step");
     dead = true;
     cf_get8(c, 0);
 }
@@ -719,7 +775,8 @@ static void canary(void **state)
     run.last = "CF-016";
     for (int i = 0; i < 2; i++) {
         assert_int_equal(run_one(&run, passes, 0, &result), CF_UNJUDGED);
-        assert_false(run.engine.running); /* Ctrl-C has no case to leave */
+        assert_false(run.engine.running);     /* Ctrl-C has no case to leave */
+        assert_string_equal(result.step, ""); /* not that of the case before */
         assert_string_equal(result.reason, "not judged since CF-016: no reply: the frame did not return within 50 ms");
     }
     assert_int_equal(ran, 1);
@@ -929,6 +986,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(needs),
         cmocka_unit_test(undo_order),
+        {"A value of CF_CHANGE_MOST bytes can be kept", longest_value_kept, NULL, NULL, NULL},
+        {"A step has at most CF_STEP - 1 bytes", longest_step, NULL, NULL, NULL},
         {"The EEPROM gets its old values in INIT", eeprom_in_init, NULL, NULL, NULL},
         {"The canary uploads the vendor ID, 1018h:1", canary_reads_the_vendor, NULL, NULL, NULL},
         {"Ctrl-C leaves the preparation of a case", interrupted_preparation, NULL, NULL, NULL},
