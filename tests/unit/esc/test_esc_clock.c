@@ -571,6 +571,31 @@ static void sync_with_drift(void **state)
     assert_in_range(at, 499000, 501000);
 }
 
+/* The least time at which the clock has the pulse's time, for rates and cycles without a common measure. */
+static void sync_at_any_rate(void **state)
+{
+    static const uint32_t cycles[] = {62501, 999983, 3600001, 500000003};
+    chip_t *c = *state;
+    c->sii[3] = 0x08;
+    for (int32_t ppb = -ECT_ESC_MAX_DRIFT_PPB; ppb <= ECT_ESC_MAX_DRIFT_PPB; ppb += 66683) {
+        for (size_t i = 0; i < sizeof cycles / sizeof cycles[0]; i++) {
+            c->config.drift_ppb = ppb;
+            chip_power_on(c);
+            start(c, 0x03, SECOND, cycles[i], 0);
+            for (unsigned int n = 0; n < 20; n++) {
+                const uint64_t want = SECOND + n * (uint64_t)cycles[i];
+                const uint64_t at = ect_esc_tick(&c->esc, c->w.now_ns);
+                if (ect_esc_system_time(&c->esc, at - 1) >= want || ect_esc_system_time(&c->esc, at) < want)
+                    fail_msg("%d ppb, cycle %u, pulse %u: expected %llu, reported for %llu", ppb, cycles[i], n,
+                             (unsigned long long)want, (unsigned long long)ect_esc_system_time(&c->esc, at));
+                c->w.now_ns = at;
+                (void)ect_esc_tick(&c->esc, at);
+                assert_true(take(c, 0));
+            }
+        }
+    }
+}
+
 /* Actions of a master or a user while SYNC0 runs, at 150 us, with a cycle of 40 us from 100 us on: the last pulse was
  * at 140 us, whether or not the chip has been read since. */
 typedef struct sync_change {
@@ -962,6 +987,8 @@ int main(int argc, char **argv)
         TEST("CF-089: the times of the next pulses are read", next_times),
         TEST("CF-089: a pin is active for the length of the pulse, or until it is acknowledged", pins),
         TEST("CF-089 CF-090: SYNC0 follows the chip's own clock, to the nanosecond", sync_with_drift),
+        TEST("CF-089 CF-090: the reported time of a pulse is the first of its system time, at any rate",
+             sync_at_any_rate),
         TEST("CF-089: a change while SYNC0 runs takes effect at once", sync_unwatched),
         TEST("CF-089 CF-090: SYNC0 follows the chip's own clock while the control loop changes its rate",
              sync_while_regulated),

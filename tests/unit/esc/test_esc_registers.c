@@ -585,11 +585,13 @@ static void counters(void **state)
 static void watchdog_counter_of_pdi1(void **state)
 {
     rig_t *r = *state;
-    memset(r->memory + 0x0442, 0x21, 3);
+    memset(r->memory + 0x0441, 0x21, 5);
     unsigned int wkc = ecat_write(r, 0x0444, 0);
     if (wkc != 1 || r->memory[0x0442] != 0 || r->memory[0x0443] != 0 || r->memory[0x0444] != 0)
         fail_msg("write to 0x0444: expected WKC 1 and 0x0442..0x0444 at 0, got WKC %u, 0x0442 0x%02X", wkc,
                  r->memory[0x0442]);
+    assert_int_equal(r->memory[0x0441], 0x21); /* the registers beside them keep their values */
+    assert_int_equal(r->memory[0x0445], 0x21);
 }
 
 static void ports(void **state)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The EC-Link base unit watches its controller: BU state, EC-Link status, message and relays (TS-0007 §6.1, §10, §11).
  */
+#include <stdio.h>
 #include <string.h>
 
 #include "support/base_unit.h"
@@ -568,6 +569,26 @@ static void refusals_without_mismatch(void **state)
     }
 }
 
+/* ETG.1000.6 Table 11: the codes of mailboxes, SyncManagers, their watchdogs, mappings and modes of synchronisation. */
+static void codes_of_mismatches(void **state)
+{
+    bu_rig_t r;
+    char what[20];
+    (void)state;
+    bu_power_on(&r, &bu_nodes[2]);
+    wire_go(&r.w, 0, ECT_STATE_PREOP);
+    for (uint16_t code = 0x0001; code <= 0x0070; code++) {
+        bool is_mismatch = (code >= 0x0015 && code <= 0x0017) || (code >= 0x001C && code <= 0x001F) ||
+                           (code >= 0x0024 && code <= 0x0028);
+        snprintf(what, sizeof what, "code 0x%04X", code);
+        assert_int_equal(r.node->device->al_error(ect_chain_slave(r.w.chain, 0)->config.instance, ECT_STATE_SAFEOP,
+                                                  code, r.w.now_ns),
+                         code);
+        bu_expect(&r, what, INITIAL, is_mismatch ? CFG_ERROR : NO_LINK);
+    }
+    wire_close(&r.w);
+}
+
 static void module_error_hides_the_rest(void **state)
 {
     (void)state;
@@ -631,6 +652,7 @@ int main(int argc, char **argv)
         TEST("ECL-072: a SyncManager that changes to another size in OP is Cfg. Error", configuration_changes_in_op),
         TEST("ECL-072: acknowledging the error flag without getting further leaves Cfg. Error standing",
              acknowledged_but_no_further),
+        TEST("ECL-066 ECL-072: Cfg. Error for each AL status code of a configuration mismatch", codes_of_mismatches),
         TEST("ECL-066 ECL-072: refusals that are no configuration mismatch are No Data, not Cfg. Error",
              refusals_without_mismatch),
         TEST("ECL-066: Module Error goes before Cfg. Error and Bad data", module_error_hides_the_rest),

@@ -533,6 +533,39 @@ static void refused_profiles(void **unused)
     }
 }
 
+/* Bits 10 and 12 of an acceleration in pv, at each millisecond. */
+static void speed_windows(void **unused)
+{
+    enum { TARGET = 524288, SPEED_WINDOW = 51000, ZERO_WINDOW = 62000 };
+    unsigned int near = 0, zero = 0;
+    (void)unused;
+    prepare();
+    power_on();
+    enable();
+    r.value[ECT_402_V_MODE] = ECT_402_PV;
+    r.value[ECT_402_V_ACCELERATION] = 1048576;
+    r.value[ECT_402_V_SPEED_WINDOW] = SPEED_WINDOW;
+    r.value[ECT_402_V_ZERO_WINDOW] = ZERO_WINDOW;
+    r.value[ECT_402_V_SPEED_TIME] = r.value[ECT_402_V_ZERO_TIME] = 0;
+    ect_402_drive_touched(&r.d);
+    cycle(20);
+    r.value[ECT_402_V_TARGET_SPEED] = TARGET;
+    for (unsigned int ms = 0; ms < 700; ms++) {
+        cycle(1);
+        int32_t speed = r.value[ECT_402_V_SPEED];
+        unsigned int status = (unsigned int)r.value[ECT_402_V_STATUS];
+        bool is_near = TARGET - speed <= SPEED_WINDOW && speed - TARGET <= SPEED_WINDOW;
+        bool is_zero = speed <= ZERO_WINDOW && speed >= -ZERO_WINDOW;
+        near += is_near;
+        zero += is_zero;
+        if ((status >> 10 & 1) != is_near || (status >> 12 & 1) != is_zero)
+            fail_msg("%u ms, 606Ch %d: expected bit 10 %d and bit 12 %d, got status 0x%04X", ms, speed, is_near,
+                     is_zero, status);
+    }
+    assert_in_range(near, 200, 300); /* from 473288 increments a second on */
+    assert_in_range(zero, 40, 100);  /* up to 62000 */
+}
+
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
@@ -550,6 +583,7 @@ int main(void)
         {"DRV-002 DRV-006 DRV-007 DRV-009 DRV-010 defaults where the file has none", defaults, NULL, NULL, NULL},
         {"DRV-005 DRV-014 DRV-022 DRV-023 DRV-032 actual values of a motion", actual_values, NULL, NULL, NULL},
         {"DRV-047 DRV-048 DRV-064 profiles other than the linear ones are refused", refused_profiles, NULL, NULL, NULL},
+        {"DRV-246 DRV-247: bit 10 within 606Dh of the target, bit 12 up to 606Fh", speed_windows, NULL, NULL, NULL},
         {"DRV-519: speeds in turns a minute, and in tenths", speed_units, NULL, NULL, NULL},
         {"Options, modes and methods that do not exist are refused", refused_values, NULL, NULL, NULL},
     };

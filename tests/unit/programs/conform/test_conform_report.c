@@ -406,6 +406,23 @@ static void polls_fold(void **state)
     close(wire[1]);
 }
 
+static void first_polls_fold(void **state)
+{
+    (void)state;
+    assert_int_equal(socketpair(AF_UNIX, SOCK_DGRAM, 0, wire), 0);
+    cf_record_open(NULL);
+    exchange(1, 0x22);
+    exchange(2, 0x22);
+    cf_evidence_t e = cf_record_end(100);
+    assert_int_equal(e.count, 2);
+    assert_int_equal(e.items[0].folded, 1);
+    assert_int_equal(e.items[1].folded, 1);
+    cf_evidence_free(&e);
+    cf_record_close();
+    close(wire[0]);
+    close(wire[1]);
+}
+
 static void evidence_is_bounded(void **state)
 {
     (void)state;
@@ -539,6 +556,7 @@ static void capture(void **state)
     FILE *to = to_memory();
     assert_int_equal(socketpair(AF_UNIX, SOCK_DGRAM, 0, wire), 0);
     cf_record_open(to);
+    cf_record_step("of the case before, which sent no frame after it");
     cf_record_begin("CF-900", "a title");
     cf_record_step("a step");
     exchange(1, 0x11);
@@ -667,6 +685,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         {"The record keeps the newest items", ring_of_evidence, NULL, NULL, NULL},
         {"A reception without a byte is no frame", receptions_without_a_frame, NULL, NULL, NULL},
+        {"The first two polls of a case fold", first_polls_fold, NULL, NULL, NULL},
         {"A file that cannot be read has no hash", no_hash, NULL, NULL, NULL},
         cmocka_unit_test(cleaning),
         cmocka_unit_test(times_of_frames),

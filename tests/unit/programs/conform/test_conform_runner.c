@@ -541,6 +541,7 @@ static void waiting(void **state)
 
 static void interrupts(cf_t *c)
 {
+    cf_put16(c, ECT_REG_AL_CONTROL, CF_PREOP);
     cf_interrupted = 1;
     cf_get8(c, 0);
 }
