@@ -130,15 +130,17 @@ static uint32_t refusal; /* abort code of downloads; 0: none */
 static unsigned int downloads;
 static uint8_t uploaded[3]; /* index and sub-index of the last upload */
 
+static bool takes_files;
+
 static void reply_to(const uint8_t *mail)
 {
     uint8_t *reply = memory + 0x1080;
     memset(reply, 0, 128);
-    if ((mail[5] & 0x0F) == CF_MBX_FOE) { /* each file is refused */
+    if ((mail[5] & 0x0F) == CF_MBX_FOE) {
         ect_store_le16(reply, 6);
         reply[5] = 0x10 | CF_MBX_FOE;
-        reply[6] = CF_FOE_ERROR;
-        ect_store_le32(reply + 8, 0x8002);
+        reply[6] = takes_files ? CF_FOE_ACK : CF_FOE_ERROR;
+        ect_store_le32(reply + 8, !takes_files ? 0x8002 : mail[6] == CF_FOE_DATA ? ect_load_le32(mail + 8) : 0);
         memory[CF_SM(1) + ECT_SM_STATUS] = ECT_SM_STATUS_FULL;
         return;
     }
@@ -182,6 +184,7 @@ static void start_with_object(cf_run_t *run)
     object = 0x1111;
     refusal = 0;
     downloads = 0;
+    takes_files = false;
 }
 
 static void put(cf_t *c, uint16_t value)
@@ -221,6 +224,19 @@ static void changes_file(cf_t *c)
 {
     cf_go(c, CF_PREOP);
     cf_keep_file(c, "abc", 3);
+}
+
+static void file_taken_back(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_with_object(&run);
+    takes_files = true;
+    run.c.file = "parameters";
+    assert_int_equal(run_one(&run, changes_file, CF_COE, &result), CF_PASS);
+    assert_string_equal(result.reason, "");
+    end_run(&run);
 }
 
 /* A file that the slave refuses to take back fails the case. */
@@ -539,6 +555,30 @@ static void waiting(void **state)
     end_run(&run);
 }
 
+static void waits_only(cf_t *c)
+{
+    cf_expect_that(c, !cf_wait_bits(c, 0x0F00, 2, 2, 1, NULL), "came");
+}
+
+static void leaves_a_function(cf_t *c)
+{
+    static unsigned int count;
+    cf_while_waiting(c, check_memory, &count);
+}
+
+static void function_of_another_case(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_run(&run);
+    assert_int_equal(run_one(&run, leaves_a_function, 0, &result), CF_PASS);
+    checks = 0;
+    assert_int_equal(run_one(&run, waits_only, 0, &result), CF_PASS);
+    assert_int_equal(checks, 0);
+    end_run(&run);
+}
+
 static void interrupts(cf_t *c)
 {
     cf_put16(c, ECT_REG_AL_CONTROL, CF_PREOP);
@@ -567,21 +607,28 @@ static bool interrupts_run(cf_datagram_t *d)
     return true;
 }
 
-/* Ctrl-C also leaves the preparation of a slave that is judged case by case. */
+/* Ctrl-C also leaves the canary, and the preparation of a slave that is judged case by case. */
 static void interrupted_preparation(void **state)
 {
+    static const struct {
+        int canary;
+        const char *since;
+    } rows[] = {{CF_CANARY_ABLE, NULL}, {CF_CANARY_ABLE, "CF-016"}, {CF_CANARY_UNABLE, NULL}};
     cf_run_t run;
     cf_result_t result;
     (void)state;
-    start_run(&run);
-    run.canary = CF_CANARY_UNABLE;
-    on_datagram = interrupts_run;
-    ran = 0;
-    cf_verdict_t verdict = run_one(&run, passes, 0, &result);
-    cf_interrupted = 0;
-    assert_int_equal(verdict, CF_INTERRUPTED);
-    assert_int_equal(ran, 0);
-    end_run(&run);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        start_run(&run);
+        run.canary = rows[i].canary;
+        run.since = rows[i].since;
+        on_datagram = interrupts_run;
+        ran = 0;
+        cf_verdict_t verdict = run_one(&run, passes, 0, &result);
+        cf_interrupted = 0;
+        assert_int_equal(verdict, CF_INTERRUPTED);
+        assert_int_equal(ran, 0);
+        end_run(&run);
+    }
 }
 
 static void uses_rooms(cf_t *c)
@@ -787,6 +834,46 @@ static void canary(void **state)
     end_run(&run);
 }
 
+/* The command of --power has revived it when a slave without a station address is searched. */
+static bool interrupt_then;
+
+static bool revives(cf_datagram_t *d)
+{
+    if (d->command == CF_APRD && d->address >> 16 == ECT_REG_STATION_ADDRESS) {
+        dead = false;
+        cf_interrupted = interrupt_then;
+        memset(memory + ECT_REG_STATION_ADDRESS, 0, 2);
+    }
+    return !dead;
+}
+
+static void power_cycle(void **state)
+{
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_run(&run);
+    run.c.power = "true";
+    on_datagram = revives;
+    dead = interrupt_then = false;
+    ran = 0;
+    assert_int_equal(run_one(&run, passes, 0, &result), CF_PASS);
+    dead = true;
+    assert_int_equal(run_one(&run, passes, 0, &result), CF_PASS);
+    assert_string_equal(result.reason, "");
+    assert_int_equal(ran, 2);
+    dead = interrupt_then = true;
+    assert_int_equal(run_one(&run, passes, 0, &result), CF_INTERRUPTED);
+    cf_interrupted = 0;
+    assert_int_equal(ran, 2);
+    dead = true;
+    interrupt_then = false;
+    run.c.power = "false";
+    assert_int_equal(run_one(&run, passes, 0, &result), CF_UNJUDGED);
+    assert_string_equal(result.reason, "not judged since CF-900: --power 'false': expected exit code 0, got 1");
+    end_run(&run);
+}
+
 /* One lost frame of a busy machine is no verdict; a second one is. */
 static unsigned int lose;
 
@@ -989,6 +1076,9 @@ int main(void)
         cmocka_unit_test(undo_order),
         {"A value of CF_CHANGE_MOST bytes can be kept", longest_value_kept, NULL, NULL, NULL},
         {"A step has at most CF_STEP - 1 bytes", longest_step, NULL, NULL, NULL},
+        {"A file is taken back", file_taken_back, NULL, NULL, NULL},
+        {"A slave that fails the canary is switched off and on with --power", power_cycle, NULL, NULL, NULL},
+        {"A case ends the function that it has named for waits", function_of_another_case, NULL, NULL, NULL},
         {"The EEPROM gets its old values in INIT", eeprom_in_init, NULL, NULL, NULL},
         {"The canary uploads the vendor ID, 1018h:1", canary_reads_the_vendor, NULL, NULL, NULL},
         {"Ctrl-C leaves the preparation of a case", interrupted_preparation, NULL, NULL, NULL},
