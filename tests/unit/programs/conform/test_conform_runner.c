@@ -611,7 +611,7 @@ static bool interrupts_run(cf_datagram_t *d)
 static void interrupted_preparation(void **state)
 {
     static const struct {
-        int canary;
+        cf_canary_t canary;
         const char *since;
     } rows[] = {{CF_CANARY_ABLE, NULL}, {CF_CANARY_ABLE, "CF-016"}, {CF_CANARY_UNABLE, NULL}};
     cf_run_t run;
