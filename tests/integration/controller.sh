@@ -17,16 +17,26 @@ until_event() { # waits for an event of the controller
 }
 export -f until_event
 
+until_lines() { # COUNT PATTERN COMMAND...: waits until a command prints so many lines with a pattern
+  local count=$1 pattern=$2
+  shift 2
+  for _ in $(seq 1200); do [ "$("$@" 2>/dev/null | grep -c "$pattern")" -lt "$count" ] || return 0; sleep 0.05; done
+  return 1
+}
+export -f until_lines
+
 # ECL-023, ECL-024, ECL-050, ECL-051, ECL-060, ECL-062: commands both ways, an unarmed remote hears them too
 commands_go_both_ways() {
   "$ectwin" with vr-bu-ect-map7 -- bash -c '
     "$ectwin" set ru1.on=1 ru2.on=1
-    "$controller" "$ECTWIN_IFACE" --seconds 4 --commands 3 >"$work/log" & pid=$!
+    "$controller" "$ECTWIN_IFACE" --seconds 600 --commands 3 >"$work/log" & pid=$!
     until_event enabled
     "$ectwin" set ru1.armed=1
     "$ectwin" command ru1 000102030405060708090a0b0c0d0e0f
     "$ectwin" command ru1 ffffffffffffffffffffffffffffffff
-    wait $pid
+    until_lines 2 "\"command\"" cat "$work/log"
+    until_lines 2 "received_count=3" "$ectwin" get "ru?.received_count"
+    kill -INT $pid; wait $pid
     "$ectwin" get "ru?.received_count" >"$work/values"' 2>/dev/null
   check "the operator's commands, in order" "000102030405060708090a0b0c0d0e0f ffffffffffffffffffffffffffffffff" \
     "$(sed -n 's/.*"command","ru":1,"data":"\([0-9a-f]*\)".*/\1/p' "$work/log" | xargs)"
@@ -40,14 +50,14 @@ the_display_follows_the_controller() {
     show() { echo "$1 $("$ectwin" get "bu.state") $("$ectwin" get "bu.es_link") $("$ectwin" get "bu.message")"; }
     "$ectwin" set ru1.on=1
     show before >"$work/values"
-    "$controller" "$ECTWIN_IFACE" --seconds 3 >"$work/log" & pid=$!
+    "$controller" "$ECTWIN_IFACE" --seconds 600 >"$work/log" & pid=$!
     until_event enabled
     show enabled >>"$work/values"
     "$ectwin" set ru1.armed=1
     show armed >>"$work/values"
     "$ectwin" set ru1.stop=1
     show stopped >>"$work/values"
-    wait $pid
+    kill -INT $pid; wait $pid
     show gone >>"$work/values"' 2>/dev/null
   check "state, ES-Link and message" "before bu.state=0 bu.es_link=0 bu.message=EC: No Data
 enabled bu.state=16 bu.es_link=1 bu.message=
@@ -59,7 +69,7 @@ gone bu.state=2 bu.es_link=0 bu.message=EC: No Data" "$(cat "$work/values")"
 # ECL-002, ECL-022: no slave answers: safe state after 500 ms without PCI, and back when it answers again
 the_controller_is_safe_without_a_unit() {
   "$ectwin" with vr-bu-ect-map7 -- bash -c '
-    "$controller" "$ECTWIN_IFACE" --seconds 12 >"$work/log" & pid=$!
+    "$controller" "$ECTWIN_IFACE" --seconds 600 >"$work/log" & pid=$!
     until_event enabled
     "$ectwin" set bu.enabled=0
     for _ in $(seq 1200); do [ "$(grep -c safe "$work/log")" -ge 2 ] && break; sleep 0.05; done
@@ -78,14 +88,17 @@ killed_and_back() {
     "$ectwin" set ru1.on=1
     : >"$work/log"
     for n in 1 2 3 4 5 6; do
-      "$controller" "$ECTWIN_IFACE" --seconds 20 --counters "$work/counters" >>"$work/log" & pid=$!
+      "$controller" "$ECTWIN_IFACE" --seconds 600 --counters "$work/counters" >>"$work/log" & pid=$!
       for _ in $(seq 1200); do [ "$(grep -c enabled "$work/log")" -ge $n ] && break; sleep 0.05; done
       "$ectwin" command ru1 "$(printf "%032x" $((2 * n - 1)))"
       "$ectwin" command ru1 "$(printf "%032x" $((2 * n)))"
       sleep "0.$((n * 7 % 4))"
       kill -KILL $pid; wait $pid
     done
-    "$controller" "$ECTWIN_IFACE" --seconds 4 --counters "$work/counters" >>"$work/log"' 2>/dev/null
+    "$controller" "$ECTWIN_IFACE" --seconds 600 --counters "$work/counters" >>"$work/log" & pid=$!
+    until_lines 12 "\"command\"" cat "$work/log"
+    sleep 0.5
+    kill -INT $pid; wait $pid' 2>/dev/null
   check "each command once and in order" "$(seq 12 | xargs)" "$(sed -n 's/.*"command","ru":1,"data":"\([0-9a-f]*\)".*/\1/p' "$work/log" |
     while read -r data; do echo $((16#$data)); done | xargs)"
 }
@@ -101,7 +114,9 @@ all_signals_are_reported() {
 # ECL-054, ECL-059: periodic data of 4321 bytes, in 22 blocks at the pace of PAI; 'ectwin periodic' reads them
 sets_arrive_complete() {
   "$ectwin" with vr-bu-ect-map7 -- bash -c '
-    "$controller" "$ECTWIN_IFACE" --seconds 8 --periodic 4321 >"$work/log"
+    "$controller" "$ECTWIN_IFACE" --seconds 600 --periodic 4321 >"$work/log" & pid=$!
+    until_lines 1 "size=4321" "$ectwin" get "bu.periodic_size"
+    kill -INT $pid; wait $pid
     "$ectwin" periodic -o "$work/set"
     "$ectwin" periodic | head -n 2 >"$work/dump"
     "$ectwin" get "bu.periodic_*" >"$work/values"' 2>/dev/null
