@@ -436,6 +436,27 @@ static bool name_is_free(const char *name)
     return fd < 0;
 }
 
+static void on_report(void *ctx, const char *text)
+{
+    (void)ctx;
+    fprintf(stderr, "ectwin: %s\n", text);
+}
+
+/* On a virtual clock, plants may stop the clock, and the bus begins with the plant of --plant. */
+static void prepare_plants(ectwin_bus_t *bus)
+{
+    ect_control_t *control = bus->exchange.control;
+    ect_control_report(control, on_report, NULL);
+    if (!bus->twins.own_clock)
+        return;
+    ect_control_let_wait(control);
+    if (bus->run.plant && !ect_control_await_plant(control, bus->exchange.chain, bus->run.plant, bus->now_ns))
+        fprintf(stderr,
+                "ectwin: no plant '%s' has come within 20 s: start it beside ectwin; the bus begins without it\n",
+                bus->run.plant);
+    (void)ect_exchange_run(&bus->exchange);
+}
+
 int ectwin_bus_control(ectwin_bus_t *bus)
 {
     if (!bus->exchange.control) {
@@ -446,8 +467,10 @@ int ectwin_bus_control(ectwin_bus_t *bus)
         if (!about->words)
             twin_args_describe(&bus->twins);
         (void)open_control("ectwin", about, &bus->exchange.control);
-        if (bus->exchange.control)
+        if (bus->exchange.control) {
             ect_exchange_show(&bus->exchange);
+            prepare_plants(bus);
+        }
     }
     return bus->exchange.control ? ect_control_fd(bus->exchange.control) : -1;
 }

@@ -23,6 +23,10 @@ const struct argp_option with_options[] = {
      0},
     {"virtual-time", KEY_VIRTUAL_TIME, NULL, 0,
      "With --in-process: run on a virtual clock, which advances only while CMD waits; runs are fast and repeatable", 0},
+    {"plant", KEY_PLANT, "NAME", 0,
+     "With --virtual-time: begin when the plant NAME has come, a program beside this one that reads and sets signals "
+     "(docs/PLANTS.md)",
+     0},
     {"require-private", KEY_REQUIRE_PRIVATE, NULL, 0,
      "Fail if no private user namespace or /sys can be created (default: run CMD with a warning)", 0},
     {"leave-children", KEY_LEAVE_CHILDREN, NULL, 0,
@@ -44,6 +48,9 @@ static error_t parse_with(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_VIRTUAL_TIME:
         words->virtual_time = true;
+        return 0;
+    case KEY_PLANT:
+        words->plant = text;
         return 0;
     case KEY_EXTERNAL:
         argp_error(state, "'--external' is no option of a bus, or lacks its value");

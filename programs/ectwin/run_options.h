@@ -17,6 +17,7 @@ enum {
     KEY_IN_PROCESS,
     KEY_VIRTUAL_TIME,
     KEY_REQUIRE_PRIVATE,
+    KEY_PLANT,
     KEYS_OF_WITH_END, /**< after the last key */
 };
 
@@ -27,6 +28,7 @@ extern const struct argp_option with_options[];
 typedef struct with_words {
     twin_args_t *twins;
     const char *devices;
+    const char *plant; /**< the bus begins with this plant; NULL: at once */
     bool in_process, virtual_time;
 } with_words_t;
 

@@ -49,6 +49,12 @@ static void on_refused(void *ctx, const char *step, const char *why)
     fprintf(stderr, "%s: '%s' is refused at its time: %s\n", s->who, step, why);
 }
 
+static void on_report(void *ctx, const char *text)
+{
+    const session_t *s = ctx;
+    fprintf(stderr, "%s: %s\n", s->who, text);
+}
+
 static void on_judged(void *ctx, const ect_scenario_step_t *step)
 {
     const session_t *s = ctx;
@@ -198,7 +204,10 @@ int session_open_control(session_t *s, char *const ifaces[ECT_ENDS])
         s->twins->about.ifaces[ECT_END_IN] = session_udp(s);
     s->runner.client_pause_ns = ECT_RUNNER_REST_NS;
     twin_args_describe(s->twins);
-    return open_control(s->who, &s->twins->about, &s->runner.exchange.control);
+    const int status = open_control(s->who, &s->twins->about, &s->runner.exchange.control);
+    if (s->runner.exchange.control)
+        ect_control_report(s->runner.exchange.control, on_report, s);
+    return status;
 }
 
 const char *session_modbus(const session_t *s)

@@ -96,10 +96,24 @@ static void print_histogram(const cJSON *answers, const cJSON *edges)
     }
 }
 
+static void print_plant(const cJSON *line, const char *name)
+{
+    printf(
+        "plant '%s', every %.0f us%s: %.0f steps, %.0f periods late, %.0f replies refused; replies: half within %.0f "
+        "us, 99 %% within %.0f us, the longest after %.0f us\n",
+        name, number(line, "period_us"),
+        cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(line, "connected")) ? "" : ", has ended", number(line, "steps"),
+        number(line, "late"), number(line, "refused"), number(line, "p50_us"), number(line, "p99_us"),
+        number(line, "longest_us"));
+}
+
 static void print_stats(const cJSON *line)
 {
+    const char *plant = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(line, "plant"));
     const cJSON *answers = cJSON_GetObjectItemCaseSensitive(line, "answers");
-    if (cJSON_IsArray(answers))
+    if (plant)
+        print_plant(line, plant);
+    else if (cJSON_IsArray(answers))
         print_histogram(answers, cJSON_GetObjectItemCaseSensitive(line, "edges_us"));
     else
         print_counters(line);

@@ -26,6 +26,7 @@ typedef struct with_args {
     char *external;                 /* command of the external slave; NULL: twins */
     bool leave_children;
     bool in_process, virtual_time;
+    bool plant; /* --plant */
     bool require_private;
     char **command;
 } with_args_t;
@@ -62,6 +63,8 @@ static void check_in_process(const with_args_t *args, const struct argp_state *s
 {
     if (args->virtual_time && !args->in_process)
         argp_error(state, "--virtual-time needs --in-process: the clock of a network cannot be virtual");
+    if (args->plant && !args->virtual_time)
+        argp_error(state, "--plant needs --virtual-time: on the real clock start the plant beside the twins");
     if (args->in_process && args->external)
         argp_error(state, "--external is a process of its own, and --in-process has none: leave one of them out");
     if (args->in_process && (args->twins.modbus || args->twins.udp || args->twins.realtime != 0 ||
@@ -109,6 +112,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case KEY_VIRTUAL_TIME:
         args->virtual_time = true;
+        return 0;
+    case KEY_PLANT:
+        args->plant = true;
         return 0;
     case KEY_REQUIRE_PRIVATE:
         args->require_private = true;

@@ -75,10 +75,10 @@ def _peer(connection: socket.socket) -> Tuple[int, int]:
 
 def _open(path: str) -> Tuple[socket.socket, int, int]:
     """A connection to a socket, whatever the length of its path; and the user and the process that listen there."""
-    connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-    connection.settimeout(PATIENCE)
     folder, name = os.path.split(path)
     descriptor = os.open(folder or ".", os.O_PATH | os.O_DIRECTORY)
+    connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    connection.settimeout(PATIENCE)
     try:
         connection.connect(f"/proc/self/fd/{descriptor}/{name}")
         process, owner = _peer(connection)
@@ -180,13 +180,17 @@ class Connection:
         parsed: Dict[str, Any] = json.loads(line)
         return parsed
 
-    def ask(self, request: Dict[str, Any]) -> List[Dict[str, Any]]:
-        """Sends a request. Returns the lines of the reply but the last, the result."""
-        lines: List[Dict[str, Any]] = []
+    def send(self, request: Dict[str, Any]) -> None:
+        """Sends a request, without waiting for a reply."""
         try:
             self.socket.sendall(json.dumps(request).encode() + b"\n")
         except OSError:
             pass  # the twin may have sent the reason before it closed the connection
+
+    def ask(self, request: Dict[str, Any]) -> List[Dict[str, Any]]:
+        """Sends a request. Returns the lines of the reply but the last, the result."""
+        lines: List[Dict[str, Any]] = []
+        self.send(request)
         while True:
             line = self.line(PATIENCE)
             if line is None:
@@ -197,6 +201,13 @@ class Connection:
                 return lines
             else:
                 raise Refused(line["message"])
+
+    def shut(self) -> None:
+        """Ends a wait for a line in another thread."""
+        try:
+            self.socket.shutdown(socket.SHUT_RDWR)
+        except OSError:
+            pass  # it has ended already
 
     def close(self) -> None:
         self.socket.close()

@@ -178,10 +178,13 @@ class Twin:
         self._plug(slave, range(len(_PLUGS)), 1)
 
     def stats(self) -> Dict[str, Any]:
-        """The counters since the start (docs/CONTROL.md), and the histogram in `answers` and `edges_us`."""
-        counters: Dict[str, Any] = {}
+        """The counters since the start (docs/CONTROL.md), the histogram in `answers` and `edges_us`, and in `plants` {name: counters}."""
+        counters: Dict[str, Any] = {"plants": {}}
         for line in self._ask({"op": "stats"}):
-            counters.update(line)
+            if "plant" in line:
+                counters["plants"][line["plant"]] = line
+            else:
+                counters.update(line)
         return counters
 
     def about(self) -> Dict[str, Any]:

@@ -4,10 +4,11 @@
 import ctypes
 import os
 import shutil
-from typing import Iterable, List, Mapping, NamedTuple, Optional, Union
+from typing import Iterable, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 from . import programs
 from ._errors import Error, Refused
+from ._plant import Plant, split
 
 NEVER = 2**64 - 1
 FRAME_MAX = 2048
@@ -96,6 +97,8 @@ class Chain:
         library: Optional[str] = None,
     ) -> None:
         self._bus: Optional[int] = None
+        self._plants: List[Tuple[int, int, Plant]] = []  # time of the next call, order of attachment
+        self._start_ns = now_ns
         self._library = _load(library)
         words = list(options)
         for fault in faults:
@@ -132,15 +135,50 @@ class Chain:
         return int(self._library.ectwin_bus_slaves(self._open()))
 
     def frame(self, data: bytes, now_ns: Optional[int] = None, end: int = 0) -> List[Reply]:
-        """Passes a frame (from the destination address on, without check sum) and runs the devices. Returns what has left by then."""
+        """Passes a frame (from the destination address on, without check sum) and runs the devices. Returns what has left by then.
+
+        Calls of plants that are due by this time come first.
+        """
+        self._run_plants(now_ns)
         self._library.ectwin_bus_frame(self._open(), end, data, len(data), self._advance(now_ns))
         return self.run()
 
     def run(self, now_ns: Optional[int] = None) -> List[Reply]:
-        """Lets time pass: devices and late replies that are due. Returns the frames that have left by then."""
+        """Lets time pass: devices, late replies and plants that are due. Returns the frames that have left by then."""
+        self._run_plants(now_ns)
         next_ns = self._library.ectwin_bus_run(self._open(), self._advance(now_ns))
+        if self._plants:
+            next_ns = min(next_ns, self._plants[0][0])
         self._next_ns = None if next_ns == NEVER else next_ns
         return self._replies()
+
+    def attach(self, plant: Plant) -> None:
+        """Calls a plant once in each of its periods from now on, the first time at once, each time at its exact time.
+
+        At each of these times the devices run, the plant reads, its values are set, and the devices run again. A frame of the same time
+        passes after that. An exception of the function leaves `frame` and `run`. Raises Refused for a signal that does not exist or does not fit.
+        """
+        for name in plant.writes:
+            slave, signal = split(name)
+            self.set({signal: self.get(signal, slave)}, slave)
+        due_ns = self._call(plant, self._now_ns)
+        self._plants.append((due_ns, len(self._plants), plant))
+        self._plants.sort(key=lambda entry: entry[:2])
+        self.run()
+
+    def _call(self, plant: Plant, now_ns: int) -> int:
+        """Calls a plant at a time. Returns the time of its next call."""
+        self._library.ectwin_bus_run(self._open(), self._advance(now_ns))
+        for slave, values in plant.call((now_ns - self._start_ns) / 1e9, lambda slave, name: self.get(name, slave)).items():
+            self.set(values, slave)
+        return now_ns + round(plant.period * 1e9)
+
+    def _run_plants(self, now_ns: Optional[int]) -> None:
+        """Calls the plants that are due by a time, in the order of their times."""
+        while self._plants and self._plants[0][0] <= max(self._now_ns, now_ns or 0):
+            due_ns, order, plant = self._plants[0]
+            self._plants[0] = (self._call(plant, due_ns), order, plant)
+            self._plants.sort(key=lambda entry: entry[:2])
 
     def link(self, end: int, plugged: bool, now_ns: Optional[int] = None) -> None:
         """Plugs a cable in at an end, or pulls it."""

@@ -312,7 +312,15 @@ static uint64_t planned(const ect_exchange_t *x)
     return x->control ? ect_control_planned(x->control) : ECT_NEVER;
 }
 
-uint64_t ect_exchange_run(ect_exchange_t *x)
+/* Steps of plants that are due. @return whether the devices must run again at this time */
+static bool step_plants(ect_exchange_t *x)
+{
+    if (!x->control || ect_control_step_due(x->control) > x->polled_ns)
+        return false;
+    return ect_control_step(x->control, x->chain, ect_exchange_touch(x));
+}
+
+static uint64_t run(ect_exchange_t *x)
 {
     if (planned(x) != ECT_NEVER && planned(x) <= now(x))
         ect_control_act(x->control, x->chain, ect_exchange_touch(x));
@@ -326,6 +334,14 @@ uint64_t ect_exchange_run(ect_exchange_t *x)
     if (x->trace)
         ect_trace_flush(x->trace);
     return ect_earlier(ect_earlier(x->deadline_ns, step_ns), ect_earlier(late_due(x), planned(x)));
+}
+
+uint64_t ect_exchange_run(ect_exchange_t *x)
+{
+    uint64_t next_ns = run(x);
+    if (step_plants(x))
+        next_ns = run(x);
+    return x->control ? ect_earlier(next_ns, ect_control_step_due(x->control)) : next_ns;
 }
 
 static void note_fault(void *observer, const char *fault)

@@ -12,7 +12,8 @@
  *     }
  *     ect_exchange_end(&x);
  *
- * Context: one thread at a time. No call blocks. Times are those of `clock` and never go back.
+ * Context: one thread at a time. No call blocks, but ::ect_exchange_run for plants that stop a virtual clock
+ * (::ect_control_let_wait). Times are those of `clock` and never go back.
  */
 #ifndef ECT_BUS_EXCHANGE_H
 #define ECT_BUS_EXCHANGE_H

@@ -6,8 +6,7 @@
 #include <string.h>
 
 typedef struct step {
-    ect_signal_ref_t ref;
-    size_t position;
+    ect_setting_place_t place;
     const char *value;
     bool waits; /* refused so far, because of another perhaps */
 } step_t;
@@ -86,19 +85,25 @@ static void report_unknown(const ect_chain_t *chain, size_t position, const char
                  ect_chain_count(chain) > 1 ? "; -n chooses the slave" : "");
 }
 
+bool ect_settings_find(const ect_chain_t *chain, size_t position, const char *name, ect_setting_place_t *place,
+                       char *message)
+{
+    if (!ect_chain_signal(chain, position, name, &place->ref)) {
+        report_unknown(chain, position, name, message);
+        return false;
+    }
+    place->position = position;
+    (void)ect_chain_resolve(chain, &place->position, &name);
+    return true;
+}
+
 /* Checks names, access and ranges, before anything is changed. */
 static bool prepare(const ect_chain_t *chain, size_t position, const ect_setting_t *settings, size_t count,
                     step_t *steps, char *message)
 {
     for (size_t i = 0; i < count; i++) {
-        const char *name = settings[i].name;
-        steps[i].position = position;
-        if (!ect_chain_signal(chain, position, name, &steps[i].ref)) {
-            report_unknown(chain, position, name, message);
-            return false;
-        }
-        (void)ect_chain_resolve(chain, &steps[i].position, &name);
-        if (!ect_signal_check(&steps[i].ref, settings[i].value, message))
+        if (!ect_settings_find(chain, position, settings[i].name, &steps[i].place, message) ||
+            !ect_signal_check(&steps[i].place.ref, settings[i].value, message))
             return false;
         steps[i].value = settings[i].value;
     }
@@ -113,7 +118,7 @@ static size_t try_again(step_t *steps, size_t end, uint64_t now_ns)
     for (size_t i = 0; i < end; i++) {
         if (!steps[i].waits)
             continue;
-        steps[i].waits = !ect_signal_write(&steps[i].ref, steps[i].value, now_ns, message);
+        steps[i].waits = !ect_signal_write(&steps[i].place.ref, steps[i].value, now_ns, message);
         waiting += steps[i].waits;
         if (!steps[i].waits && waiting > 0)
             return try_again(steps, end, now_ns); /* it may have been what an earlier one waits for */
@@ -124,7 +129,7 @@ static size_t try_again(step_t *steps, size_t end, uint64_t now_ns)
 /* 0 for those that come first. */
 static unsigned int turn_of(const step_t *step)
 {
-    unsigned int turn = step->ref.signal->turn;
+    unsigned int turn = step->place.ref.signal->turn;
     return turn > 0 ? turn - 1 : UINT8_MAX;
 }
 
@@ -145,7 +150,7 @@ static bool write_all(step_t *steps, size_t count, uint64_t now_ns, char *messag
     char other[ECT_SIGNAL_MESSAGE];
     size_t waiting = 0;
     for (size_t i = 0; i < count; i++) {
-        steps[i].waits = !ect_signal_write(&steps[i].ref, steps[i].value, now_ns, waiting == 0 ? message : other);
+        steps[i].waits = !ect_signal_write(&steps[i].place.ref, steps[i].value, now_ns, waiting == 0 ? message : other);
         if (steps[i].waits)
             waiting++;
         else if (waiting > 0)
@@ -160,9 +165,9 @@ static bool each_twin(ect_chain_t *chain, const step_t *steps, size_t count,
 {
     for (size_t i = 0; i < count; i++) {
         size_t first = 0;
-        while (steps[first].position != steps[i].position)
+        while (steps[first].place.position != steps[i].place.position)
             first++;
-        if (first == i && !act(chain, steps[i].position))
+        if (first == i && !act(chain, steps[i].place.position))
             return false;
     }
     return true;
@@ -180,21 +185,45 @@ static bool put_back(ect_chain_t *chain, size_t position)
     return true;
 }
 
+/* Keeps the twins, sets all and wakes the twins, or puts the twins back. */
+static bool change(ect_chain_t *chain, step_t *steps, size_t count, uint64_t now_ns, char *message)
+{
+    if (count > 1 && !each_twin(chain, steps, count, ect_chain_keep))
+        return false;
+    sort(steps, count);
+    const bool done = write_all(steps, count, now_ns, message);
+    if (done)
+        (void)each_twin(chain, steps, count, wake);
+    else if (count > 1)
+        (void)each_twin(chain, steps, count, put_back);
+    return done;
+}
+
 bool ect_settings_apply(ect_chain_t *chain, size_t position, const ect_setting_t *settings, size_t count,
                         uint64_t now_ns, char *message)
 {
     step_t *steps = calloc(count > 0 ? count : 1, sizeof *steps);
-    bool done = false;
     snprintf(message, ECT_SIGNAL_MESSAGE, "not enough memory");
-    if (steps && prepare(chain, position, settings, count, steps, message) &&
-        (count <= 1 || each_twin(chain, steps, count, ect_chain_keep))) {
-        sort(steps, count);
-        done = write_all(steps, count, now_ns, message);
-        if (done)
-            (void)each_twin(chain, steps, count, wake);
-        else if (count > 1)
-            (void)each_twin(chain, steps, count, put_back);
+    const bool done = steps && prepare(chain, position, settings, count, steps, message) &&
+                      change(chain, steps, count, now_ns, message);
+    free(steps);
+    return done;
+}
+
+bool ect_settings_write(ect_chain_t *chain, const ect_setting_place_t *places, const char *const *values, size_t count,
+                        uint64_t now_ns, char *message)
+{
+    step_t *steps = calloc(count > 0 ? count : 1, sizeof *steps);
+    size_t used = 0;
+    bool done = steps != NULL;
+    snprintf(message, ECT_SIGNAL_MESSAGE, "not enough memory");
+    for (size_t i = 0; done && i < count; i++) {
+        if (!values[i])
+            continue;
+        done = ect_signal_check(&places[i].ref, values[i], message);
+        steps[used++] = (step_t){.place = places[i], .value = values[i]};
     }
+    done = done && change(chain, steps, used, now_ns, message);
     free(steps);
     return done;
 }

@@ -34,6 +34,28 @@ typedef struct ect_setting {
 bool ect_settings_apply(ect_chain_t *chain, size_t position, const ect_setting_t *settings, size_t count,
                         uint64_t now_ns, char *message);
 
+/** A signal that has been found, to be set again and again. */
+typedef struct ect_setting_place {
+    ect_signal_ref_t ref;
+    size_t position; /**< of its twin in the chain, from 0 */
+} ect_setting_place_t;
+
+/**
+ * Finds a signal, of the twin at a position or by the name of a twin.
+ * @param[out] place    valid as long as the chain
+ * @param[out] message  on failure the reason, with the nearest name; ECT_SIGNAL_MESSAGE bytes
+ * @return whether there is one
+ */
+bool ect_settings_find(const ect_chain_t *chain, size_t position, const char *name, ect_setting_place_t *place,
+                       char *message);
+
+/**
+ * As ::ect_settings_apply, for signals that ::ect_settings_find has found.
+ * @param values  `count` texts; NULL: the signal keeps its value
+ */
+bool ect_settings_write(ect_chain_t *chain, const ect_setting_place_t *places, const char *const *values, size_t count,
+                        uint64_t now_ns, char *message);
+
 ECT_C_END
 
 #endif

@@ -378,6 +378,9 @@ static const char *reply_stats(ect_client_t *client, const call_t *call)
         return "nothing is counted here";
     put_counters(client, call->now_ns);
     put_histogram(client);
+    ect_line_t line;
+    for (size_t i = 0; client->outsides && ect_outside_count(client->outsides, i, &line); i++)
+        put(client, &line);
     return NULL;
 }
 
@@ -574,6 +577,48 @@ static const char *list_counters(ect_client_t *client, const call_t *call)
     return NULL;
 }
 
+/* --- plants ------------------------------------------------------------------------------------------------------- */
+
+void ect_client_send_step(ect_client_t *client, const ect_outside_t *plant, uint64_t now_ns)
+{
+    const uint64_t elapsed_ns = now_ns - (client->stats ? client->stats->start_ns : 0);
+    ect_line_t line;
+    for (unsigned int i = 0; ect_outside_line(plant, i, elapsed_ns, &line); i++)
+        put(client, &line);
+}
+
+/* @return the reason of a refusal; NULL: done */
+static const char *request_plant(ect_client_t *client, const call_t *call)
+{
+    return client->outsides ? ect_outside_request(client->outsides, client, call->chain, call->slave, call->request,
+                                                  call->now_ns, call->message)
+                            : "no plants are served here";
+}
+
+/* Observers get the equivalent requests `set`. */
+static void tell_step(const ect_client_t *client, const ect_outside_t *plant, const cJSON *request)
+{
+    size_t position = 0;
+    cJSON *set;
+    while (client->observer && client->observer->changes && (set = ect_outside_as_set(plant, request, &position))) {
+        char *text = cJSON_PrintUnformatted(set);
+        if (text)
+            client->observer->changes(client->observer->ctx, text, strlen(text));
+        cJSON_free(text);
+        cJSON_Delete(set);
+    }
+}
+
+/* @return the reason of a refusal; NULL: done */
+static const char *step_plant(ect_client_t *client, const call_t *call)
+{
+    ect_outside_t *plant = client->outsides ? ect_outside_of(client->outsides, client) : NULL;
+    if (!plant)
+        return "this connection has no plant: begin with {\"op\":\"plant\",...}";
+    tell_step(client, plant, call->request);
+    return ect_outside_reply(plant, call->chain, call->request, call->now_ns, call->message);
+}
+
 /* --- requests ----------------------------------------------------------------------------------------------------- */
 
 /* @return the reason of a refusal; NULL: done */
@@ -595,10 +640,10 @@ static const struct {
     const char *op;
     const char *(*reply)(ect_client_t *client, const call_t *call);
 } replies[] = {
-    {"set", change},           {"data", reply_piece},       {"stats", reply_stats},  {"fault", fault},
-    {"about", reply_about},    {"words", reply_words},      {"script", list_script}, {"events", list_events},
-    {"objects", list_objects}, {"read", read_object},       {"write", change},       {"pdos", list_pdos},
-    {"wires", list_wires},     {"counters", list_counters},
+    {"set", change},           {"data", reply_piece},       {"stats", reply_stats},   {"fault", fault},
+    {"about", reply_about},    {"words", reply_words},      {"script", list_script},  {"events", list_events},
+    {"objects", list_objects}, {"read", read_object},       {"write", change},        {"pdos", list_pdos},
+    {"wires", list_wires},     {"counters", list_counters}, {"plant", request_plant}, {"step", step_plant},
 };
 
 enum { REPLIES = sizeof replies / sizeof replies[0] };
@@ -630,7 +675,7 @@ static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request
     if (!visit && reply == REPLIES)
         why = "a request is a line "
               "{\"op\":\"get|list|set|watch|data|stats|fault|about|words|script|events|objects|read|write|pdos|wires|"
-              "counters\",...}";
+              "counters|plant|step\",...}";
     else if (slave < 0 || (!visit && slave == 0))
         why = "there is no such slave in this chain";
     else if (visit)
@@ -640,7 +685,8 @@ static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request
             client,
             &(call_t){
                 .chain = chain, .slave = (size_t)slave, .request = request, .now_ns = now_ns, .message = message});
-    if (!visit || why)
+    const bool silent = !why && strcmp(op, "step") == 0; /* the next step follows */
+    if ((!visit || why) && !silent)
         end_visit(client, why);
 }
 

@@ -20,6 +20,7 @@
 #include "bus/control/endpoint.h"
 #include "bus/control/events.h"
 #include "bus/control/line.h"
+#include "bus/control/outside.h"
 #include "bus/control/plans.h"
 #include "bus/control/watch.h"
 #include "bus/faults/scenario.h"
@@ -72,6 +73,7 @@ typedef struct ect_client {
     const ect_observer_t *observer;      /**< NULL: none */
     ect_plans_t *plans;                  /**< requests with a future time */
     const ect_events_t *events_of_chain; /**< NULL: none */
+    ect_outsides_t *outsides;            /**< NULL: none */
     ect_visit_t visit;
     ect_watch_t *watch; /**< NULL: none */
     size_t every_room;  /**< most signals that the client may watch at every change */
@@ -100,6 +102,10 @@ void ect_client_show_lamps(const ect_client_t *client, const ect_chain_t *chain)
  * change the chain (::ect_change_is) are executed.
  */
 void ect_client_end_of_input(ect_client_t *client);
+
+/** Writes the lines of a step of the client's plant. Only with ect_client_room(). @param plant  that has begun the step
+ */
+void ect_client_send_step(ect_client_t *client, const ect_outside_t *plant, uint64_t now_ns);
 
 /** Writes the last line of a reply. @param message  the reason of a refusal; NULL: done */
 void ect_client_result(ect_client_t *client, const char *message);

@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
@@ -32,6 +33,7 @@ struct ect_control {
     ect_datagrams_t *datagrams;
     ect_observer_t observer;
     ect_plans_t plans;
+    ect_outsides_t outsides;
     ect_events_t *events;  /* NULL: none are recorded */
     ect_chain_t *followed; /* their chain */
     char path[ECT_ENDPOINT_PATH];
@@ -73,8 +75,9 @@ ect_control_t *ect_control_open(const char *name, char *message)
     return NULL;
 }
 
-static void drop(ect_client_t *client)
+static void drop(ect_control_t *c, ect_client_t *client)
 {
+    ect_outside_left(&c->outsides, client);
     close(client->fd);
     ect_watch_free(client->watch);
     free(client->answer);
@@ -85,10 +88,12 @@ void ect_control_close(ect_control_t *c)
 {
     if (!c)
         return;
+    c->outsides.report = NULL; /* plants outlive the bus */
     for (size_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
         if (c->clients[i].fd >= 0)
-            drop(&c->clients[i]);
+            drop(c, &c->clients[i]);
     }
+    ect_outsides_clear(&c->outsides);
     ect_plans_clear(&c->plans);
     if (c->followed)
         ect_chain_observe(c->followed, NULL, NULL);
@@ -121,6 +126,17 @@ void ect_control_describe(ect_control_t *c, const ect_about_t *about)
 void ect_control_observe(ect_control_t *c, void (*changes)(void *ctx, const char *request, size_t length), void *ctx)
 {
     c->observer = (ect_observer_t){.changes = changes, .ctx = ctx};
+}
+
+void ect_control_report(ect_control_t *c, void (*report)(void *ctx, const char *text), void *ctx)
+{
+    c->outsides.report = report;
+    c->outsides.ctx = ctx;
+}
+
+void ect_control_let_wait(ect_control_t *c)
+{
+    c->outsides.may_wait = true;
 }
 
 static void look(void *control, size_t position, uint64_t now_ns)
@@ -203,6 +219,7 @@ static void accept_client(ect_control_t *c, uint64_t now_ns)
         client->observer = &c->observer;
         client->events_of_chain = c->events;
         client->plans = &c->plans;
+        client->outsides = &c->outsides;
         return;
     }
     turn_away(fd, "the twin serves 16 connections, and all are taken: end one of them");
@@ -266,11 +283,11 @@ static bool is_done(const ect_client_t *client)
 }
 
 /* Updates the events requested from epoll, or closes the connection. */
-static void update_events(const ect_control_t *c, ect_client_t *client, uint32_t who)
+static void update_events(ect_control_t *c, ect_client_t *client, uint32_t who)
 {
     uint32_t events = (wants_more(client) ? EPOLLIN : 0u) | (client->blocked ? (uint32_t)EPOLLOUT : 0u);
     if (is_done(client))
-        drop(client);
+        drop(c, client);
     else if (events != client->events && wait_for(c, EPOLL_CTL_MOD, client->fd, events, who))
         client->events = events;
 }
@@ -303,6 +320,7 @@ static void read_events(ect_control_t *c)
         client->blocked &= (events[i].events & EPOLLOUT) == 0;
         if ((events[i].events & (EPOLLHUP | EPOLLERR)) != 0) {
             ect_client_end_of_input(client);
+            ect_outside_left(&c->outsides, client); /* before its name is given to a new connection */
             client->blocked = false;
         }
     }
@@ -436,4 +454,67 @@ void ect_control_act(ect_control_t *c, ect_chain_t *chain, uint64_t now_ns)
         act(c, chain, request, now_ns);
         cJSON_Delete(request);
     }
+}
+
+/* --- plants ------------------------------------------------------------------------------------------------------- */
+
+uint64_t ect_control_step_due(const ect_control_t *c)
+{
+    return ect_outsides_due(&c->outsides);
+}
+
+/* Does one piece of work for any client; waits for it at most a tenth of a second. @return whether there was some */
+static bool serve_or_wait(ect_control_t *c, ect_chain_t *chain, uint64_t now_ns)
+{
+    enum { PIECE_MS = 100 };
+    struct pollfd fd = {.fd = c->epoll, .events = POLLIN};
+    const bool work = ect_control_due(c) == 0 || poll(&fd, 1, PIECE_MS) != 0;
+    if (work)
+        ect_control_serve(c, chain, now_ns);
+    return work;
+}
+
+/* The clock stands still until the plant has replied. The time of the machine is counted in short waits, so that a
+ * machine that stands still leaves the plant its time. */
+static void await(ect_control_t *c, const ect_client_t *client, ect_chain_t *chain, uint64_t now_ns)
+{
+    enum { WAITS = 100, WORK = 100000 };
+    unsigned int waits = 0;
+    ect_outside_t *plant = ect_outside_of(&c->outsides, client);
+    for (unsigned int i = 0; i < WORK && waits < WAITS && plant && ect_outside_waits(plant); i++) {
+        waits += !serve_or_wait(c, chain, now_ns);
+        plant = ect_outside_of(&c->outsides, client);
+    }
+    if (plant && ect_outside_waits(plant))
+        ect_outside_give_up(&c->outsides, plant);
+}
+
+bool ect_control_step(ect_control_t *c, ect_chain_t *chain, uint64_t now_ns)
+{
+    bool waited = false;
+    for (uint32_t i = 0; i < ECT_CONTROL_CLIENTS; i++) {
+        ect_client_t *client = &c->clients[i];
+        ect_outside_t *plant = client->fd < 0 ? NULL : ect_outside_due(&c->outsides, client, now_ns);
+        if (!plant)
+            continue;
+        if (!ect_client_room(client) || client->deaf) {
+            ect_outside_skip(&c->outsides, plant, now_ns);
+        } else if (ect_outside_begin(&c->outsides, plant, chain, now_ns)) {
+            ect_client_send_step(client, plant, now_ns);
+            flush(client);
+            update_events(c, client, i);
+            waited |= ect_outside_waits(plant);
+            await(c, client, chain, now_ns);
+        }
+    }
+    return waited;
+}
+
+bool ect_control_await_plant(ect_control_t *c, ect_chain_t *chain, const char *name, uint64_t now_ns)
+{
+    enum { WAITS = 200, WORK = 100000 };
+    unsigned int waits = 0;
+    for (unsigned int i = 0; i < WORK && waits < WAITS && !ect_outside_named(&c->outsides, name); i++)
+        waits += !serve_or_wait(c, chain, now_ns);
+    return ect_outside_named(&c->outsides, name) != NULL;
 }

@@ -107,6 +107,54 @@ class Surroundings(unittest.TestCase):
             self.assertIn("fzm1-1.sii", os.listdir(folder))
 
 
+class Plants(unittest.TestCase):
+    def test_a_plant_is_called_at_its_exact_times(self):
+        times = []
+        with ectwin.Chain("fzm1,fzm1", ["--set", "data1=4"], now_ns=7 * MS) as chain:
+            def half(now, values):
+                times.append((round(now * 1000, 6), chain.now_ns))
+                return {"2:data1": values["data1"] / 2, "data2": values[(2, "data2")]}
+
+            chain.attach(ectwin.Plant(half, ["data1", (2, "data2")], ["2:data1", "data2"], period=0.002))
+            self.assertEqual((times, chain.get("data1", 2), chain.next_ns), ([(0, 7 * MS)], "2", 9 * MS))
+            chain.set({"data1": 6}, now_ns=8 * MS)
+            chain.run(9 * MS - 1)
+            self.assertEqual(chain.get("data1", 2), "2")
+            chain.frame(request(), now_ns=13 * MS)  # the calls that are due come before the frame
+            self.assertEqual(times[1:], [(2, 9 * MS), (4, 11 * MS), (6, 13 * MS)])
+            self.assertEqual(chain.get("data1", 2), "3")
+
+    def test_plants_of_one_time_are_called_in_the_order_of_their_attachment(self):
+        calls = []
+        with ectwin.Chain("fzm1") as chain:
+            for name, period in (("a", 0.002), ("b", 0.001)):
+                chain.attach(ectwin.Plant(lambda now, values, name=name: calls.append(name), ["data1"], period=period))
+            chain.run(2 * MS)
+        self.assertEqual("".join(calls), "ab" + "b" + "ab")
+
+    def test_what_does_not_fit_is_refused_in_one_line(self):
+        with ectwin.Chain("fzm1") as chain:
+            for reads, writes, result, reason in (
+                (["nosuch"], [], None, "no signal 'nosuch'"),
+                (["comment1"], [], None, "comment1 is a text"),
+                ([], ["nosuch"], None, "no signal 'nosuch'"),
+                ([], ["busy"], None, "the twin's own"),
+                ([], ["data1"], {"data2": 1}, "'data2' is not among its writes: data1"),
+                (["data1"], [], {"data2": 1}, "not among its writes: none"),
+                ([], ["data1"], {"data1": "x"}, "finite numbers"),
+                ([], ["data1"], {"data1": float("nan")}, "finite numbers"),
+                ([], ["data1"], [1], "not list"),
+                ([], ["data1"], {"data1": 1e12}, "data1 takes"),
+            ):
+                with self.assertRaisesRegex(ectwin.Error, reason):
+                    chain.attach(ectwin.Plant(lambda now, values, result=result: result, reads, writes))
+        for arguments, reason in (({}, "reads or sets"), ({"reads": ["data1"], "period": 0}, "0.0001 to 2000 s, not 0")):
+            with self.assertRaisesRegex(ectwin.Error, reason):
+                ectwin.Plant(lambda now, values: None, **arguments)
+        with self.assertRaisesRegex(ectwin.Error, "call attach"):
+            ectwin.Plant(lambda now, values: None, ["data1"]).serve()
+
+
 class Errors(unittest.TestCase):
     def test_wrong_words_are_refused_with_the_reason(self):
         for devices, options, reason in (

@@ -1,0 +1,228 @@
+# SPDX-License-Identifier: MIT
+"""Plants: a function of this program that is called in each period with signals of twins, and sets others (docs/PLANTS.md)."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
+
+from ._control import PATIENCE, Connection, Value, find, open_named, path_of
+from ._errors import Error, Refused
+
+if TYPE_CHECKING:
+    from ._twin import Twin
+
+Number = Union[int, float, bool]
+Name = Union[str, Tuple[int, str]]
+Function = Callable[[float, Dict[Name, Number]], Optional[Mapping[Name, Number]]]
+
+_RETRY = 0.05  # seconds between two attempts to find the twins
+_WORDS_MOST = 3000  # characters of names in a request
+
+
+def split(name: Name) -> Tuple[int, str]:
+    """Slave and name of a signal: "level", "2:level", (2, "level")."""
+    if not isinstance(name, str):
+        return name
+    number, colon, rest = name.partition(":")
+    return (int(number), rest) if colon and number.isdigit() else (1, name)
+
+
+def _batches(reads: Sequence[Name], writes: Sequence[Name]) -> Iterator[Dict[str, Any]]:
+    """The signals as requests, in order: one for each run of the same slave, of bounded length."""
+    for key, names in (("reads", reads), ("writes", writes)):
+        batch: List[str] = []
+        slave = length = 0
+        for number, name in map(split, names):
+            if batch and (number != slave or length > _WORDS_MOST):
+                yield {"slave": slave, key: batch}
+                batch, length = [], 0
+            slave = number
+            batch.append(name)
+            length += len(name) + 4
+        if batch:
+            yield {"slave": slave, key: batch}
+
+
+class Plant:
+    """A machine around twins: `function(now, values)` is called once in each period of the bus.
+
+        def tank(now, values):
+            tank.level += 0.001 * values["valves.inlet"]
+            return {"sensor.level": tank.level}
+        ectwin.Plant(tank, reads=["valves.inlet"], writes=["sensor.level"], period=0.001).run("press")
+
+    `now` is the time of the bus in seconds, `values` is {name: value} of `reads`, all of one time. The result is {name: value} of
+    `writes`: all are set at once, or none; a signal that is left out keeps its value, None sets nothing. A name is "level",
+    "gripper.level", "2:level" or (2, "level"). `period` is in seconds; `name` is the plant's name in `ectwin stats`.
+
+    The same plant serves a Chain (Chain.attach), where each call is made at its exact time.
+    """
+
+    def __init__(
+        self,
+        function: Function,
+        reads: Iterable[Name] = (),
+        writes: Iterable[Name] = (),
+        *,
+        period: float = 0.001,
+        name: str = "plant",
+    ) -> None:
+        self.function = function
+        self.reads = list(reads)
+        self.writes = list(writes)
+        self.period = period
+        self.name = name
+        #: Calls so far.
+        self.steps = 0
+        if not (self.reads or self.writes):
+            raise Error("a plant reads or sets a signal: name some in reads= and writes=")
+        if not 1e-4 <= period <= 2000:
+            raise Error(f"the period of a plant is 0.0001 to 2000 s, not {period}")
+        self._known = frozenset(self.writes)
+        self._connection: Optional[Connection] = None
+        self._thread: Optional[threading.Thread] = None
+        self._stopped = False
+        self._failure: Optional[BaseException] = None
+
+    def step(self, now: float, values: Mapping[Name, Number]) -> Dict[Name, Number]:
+        """Calls the function once. Returns the values to set; raises Error for a result that does not fit."""
+        self.steps += 1
+        result = self.function(now, dict(values)) or {}
+        if not isinstance(result, Mapping):
+            raise Error(f"plant '{self.name}': the result is {{name: value}}, not {type(result).__name__}")
+        for name, value in result.items():
+            if name not in self._known:
+                raise Error(f"plant '{self.name}': '{name}' is not among its writes: {', '.join(map(str, self.writes)) or 'none'}")
+            if not isinstance(value, (bool, int, float)) or not math.isfinite(value):
+                raise Error(f"plant '{self.name}': {name} is {value!r}: a plant sets finite numbers")
+        return dict(result)
+
+    # --- beside running twins ------------------------------------------------------------------------------------------
+
+    def attach(self, twin: Union[None, str, "Twin"] = None, *, wait: bool = False, timeout: float = 10.0) -> None:
+        """Registers the plant with running twins: a Twin, the name or path of their socket; None: the only twins of this user.
+
+        `wait` stops a virtual clock during each step (ectwin with --in-process --virtual-time --plant NAME): runs are then repeatable.
+        Twins that have not started yet are awaited for `timeout` seconds. Raises Refused, in one line, for a signal that does not exist
+        or does not fit.
+        """
+        if self._connection is not None:
+            raise Error(f"plant '{self.name}' is attached already")
+        path = getattr(twin, "path", twin)
+        connection = self._reach(path, timeout)
+        try:
+            for request in _batches(self.reads, self.writes):
+                connection.ask({"op": "plant", "name": self.name, **request})
+            connection.ask({"op": "plant", "period_us": self.period * 1e6, "wait": wait})
+        except BaseException:
+            connection.close()
+            raise
+        self._connection = connection
+        self._stopped = False
+
+    @staticmethod
+    def _reach(path: Optional[str], timeout: float) -> Connection:
+        waits = max(1, math.ceil(timeout / _RETRY))
+        while True:
+            try:
+                return Connection(open_named(path_of(path)) if path else find()[1])
+            except Error:
+                waits -= 1
+                if waits <= 0:
+                    raise
+            time.sleep(_RETRY)
+
+    def serve(self) -> None:
+        """Answers the steps of the twins until they end or `stop` is called. Raises what the function raises, and Refused."""
+        connection = self._connection
+        if connection is None:
+            raise Error(f"plant '{self.name}' is not attached: call attach() first")
+        try:
+            while True:
+                step = self._next_step(connection)
+                if step is None:
+                    return
+                result = self.step(*step)
+                connection.send({"op": "step", "values": [result.get(name) for name in self.writes]})
+        finally:
+            self._connection = None
+            connection.close()
+
+    def _next_step(self, connection: Connection) -> Optional[Tuple[float, Dict[Name, Number]]]:
+        """Time and values of the next step; None: the twins have ended, or `stop` was called."""
+        values: List[Number] = []
+        now = 0.0
+        while True:
+            try:
+                line = connection.line(PATIENCE)
+            except Error:
+                return None
+            if self._stopped:
+                return None
+            if line is None:
+                continue
+            if line.get("ok") is False:
+                raise Refused(line["message"])
+            if "step" in line:
+                now, values = line["time"], []
+            values += line.get("values", [])
+            if len(values) == len(self.reads):
+                return now, dict(zip(self.reads, values))
+
+    def run(self, twin: Union[None, str, "Twin"] = None, *, wait: bool = False, timeout: float = 10.0) -> None:
+        """`attach`, then `serve`."""
+        self.attach(twin, wait=wait, timeout=timeout)
+        self.serve()
+
+    def start(self, twin: Union[None, str, "Twin"] = None, *, wait: bool = False, timeout: float = 10.0) -> "Plant":
+        """`attach`, then `serve` in a thread. End it with `stop`, or with the `with` block of the result."""
+        self.attach(twin, wait=wait, timeout=timeout)
+        self._thread = threading.Thread(target=self._serve_in_thread, name=f"ectwin plant {self.name}", daemon=True)
+        self._thread.start()
+        return self
+
+    def _serve_in_thread(self) -> None:
+        try:
+            self.serve()
+        except BaseException as failure:  # pylint: disable=broad-exception-caught
+            self._failure = failure
+
+    def stop(self) -> None:
+        """Ends the plant. Its signals keep their last values. Raises what the function has raised in the thread of `start`."""
+        self._stopped = True
+        connection = self._connection
+        if connection is not None:
+            connection.shut()
+        if self._thread is not None:
+            self._thread.join()
+            self._thread = None
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            raise failure
+
+    def __enter__(self) -> "Plant":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+    # --- in a Chain ----------------------------------------------------------------------------------------------------
+
+    def call(self, now: float, get: Callable[[int, str], Value]) -> Dict[int, Dict[str, Number]]:
+        """One call with values from `get(slave, name)`. Returns {slave: {name: value}}: for a Chain."""
+        values: Dict[Name, Number] = {}
+        for name in self.reads:
+            text = get(*split(name))
+            try:
+                number = float(text)
+            except ValueError:
+                raise Refused(f"{name} is a text: a plant reads and sets numbers") from None
+            values[name] = int(number) if number.is_integer() else number
+        result: Dict[int, Dict[str, Number]] = {}
+        for name, value in self.step(now, values).items():
+            slave, signal = split(name)
+            result.setdefault(slave, {})[signal] = value
+        return result

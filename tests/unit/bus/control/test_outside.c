@@ -1,0 +1,440 @@
+/* SPDX-License-Identifier: MIT */
+/* Plants outside the process of the twins (outside.h), over the control socket. */
+#define _GNU_SOURCE
+#include "support/control_bench.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "bus/control/outside.h"
+
+enum { ROOM = 65536 };
+
+static struct {
+    unsigned int count;
+    char text[ECT_OUTSIDE_MESSAGE];
+} reported;
+
+static void on_report(void *ctx, const char *text)
+{
+    (void)ctx;
+    reported.count++;
+    (void)snprintf(reported.text, sizeof reported.text, "%s", text);
+}
+
+static void open_with_report(bench_t *b, size_t count, ect_stats_t *stats)
+{
+    memset(&reported, 0, sizeof reported);
+    open_bench(b, "fzm1", count);
+    stats->start_ns = b->wire.now_ns;
+    ect_control_show(b->control, stats, NULL);
+    ect_control_report(b->control, on_report, NULL);
+}
+
+/* Sends a line and serves it. @return what the client has received since the last call; valid until the next */
+static const char *say(bench_t *b, int fd, const char *line)
+{
+    static char got[ROOM];
+    send_text(fd, line);
+    serve(b);
+    receive_text(fd, got, sizeof got);
+    return got;
+}
+
+/* Lets time pass, and takes due steps as the exchange does. @return what the client has received */
+static const char *pass(bench_t *b, int fd, uint64_t ns)
+{
+    b->wire.now_ns += ns;
+    if (ect_control_step_due(b->control) <= b->wire.now_ns)
+        assert_false(ect_control_step(b->control, b->wire.chain, b->wire.now_ns));
+    return say(b, fd, "");
+}
+
+static int start_plant(bench_t *b, const char *request)
+{
+    const int fd = connect_client(b);
+    set_nonblocking(fd);
+    assert_string_equal(say(b, fd, request), OK);
+    return fd;
+}
+
+static void expect_stats(bench_t *b, const char *part)
+{
+    expect_part(b, "{\"op\":\"stats\"}\n", part);
+}
+
+#define PLANT                                                                                                          \
+    "{\"op\":\"plant\",\"name\":\"tank\",\"reads\":[\"data1\",\"busy\"],\"writes\":[\"data2\",\"data3\"],"             \
+    "\"period_us\":1000}\n"
+
+static void refused_requests(void **state)
+{
+    static const struct {
+        const char *request, *part;
+    } rows[] = {
+        {"{\"op\":\"plant\"}\n", "\\\"name\\\" of a plant is a text of 1 to 31"},
+        {"{\"op\":\"plant\",\"name\":\"\"}\n", "1 to 31"},
+        {"{\"op\":\"plant\",\"name\":\"a2345678901234567890123456789012\"}\n", "1 to 31"},
+        {"{\"op\":\"plant\",\"name\":\"t\",\"reads\":[\"datta1\"]}\n", "no signal 'datta1'; did you mean 'data1'?"},
+        {"{\"op\":\"plant\",\"name\":\"t\",\"reads\":[\"comment1\"]}\n", "comment1 is a text"},
+        {"{\"op\":\"plant\",\"name\":\"t\",\"reads\":[1]}\n", "lists of names"},
+        {"{\"op\":\"plant\",\"name\":\"t\",\"writes\":[\"nosuch\"]}\n", "no signal 'nosuch'"},
+        {"{\"op\":\"plant\",\"name\":\"t\",\"writes\":[\"comment1\"]}\n", "comment1 is a text"},
+        {"{\"op\":\"plant\",\"name\":\"t\",\"writes\":[\"busy\"]}\n", "busy is the twin's own"},
+        {"{\"op\":\"plant\",\"name\":\"t\",\"slave\":3,\"reads\":[\"data1\"]}\n", "no such slave"},
+        {"{\"op\":\"plant\",\"name\":\"t\",\"period_us\":1000}\n", "reads or sets a signal"},
+        {"{\"op\":\"plant\",\"name\":\"t\",\"reads\":[\"data1\"],\"period_us\":99}\n", "from 100 to"},
+        {"{\"op\":\"plant\",\"name\":\"t\",\"reads\":[\"data1\"],\"period_us\":4e9}\n", "from 100 to"},
+        {"{\"op\":\"plant\",\"name\":\"t\",\"reads\":[\"data1\"],\"period_us\":\"1000\"}\n", "from 100 to"},
+        {"{\"op\":\"plant\",\"name\":\"t\",\"reads\":[\"data1\"],\"period_us\":1000,\"wait\":true}\n",
+         "needs a virtual clock"},
+        {"{\"op\":\"step\",\"values\":[]}\n", "this connection has no plant"},
+    };
+    ect_stats_t stats = {0};
+    bench_t b;
+    (void)state;
+    open_with_report(&b, 2, &stats);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        expect_part(&b, rows[i].request, rows[i].part);
+    assert_int_equal(reported.count, 0); /* none of them has run */
+    assert_true(ect_control_step_due(b.control) == ECT_NEVER);
+    close_bench(&b);
+}
+
+static void values_of_a_step_come_together(void **state)
+{
+    ect_stats_t stats = {0};
+    bench_t b;
+    (void)state;
+    open_with_report(&b, 2, &stats);
+    const int fd = start_plant(&b, "{\"op\":\"plant\",\"name\":\"two\",\"slave\":2,\"reads\":[\"data1\"]}\n");
+    assert_string_equal(say(&b, fd,
+                            "{\"op\":\"plant\",\"reads\":[\"data1\",\"ecat.state\"],\"writes\":[\"data2\",\"data3\"],"
+                            "\"period_us\":1000}\n"),
+                        OK);
+    assert_non_null(strstr(say(&b, fd, PLANT), "this plant runs: its signals are fixed"));
+    expect_answer(&b, "{\"op\":\"set\",\"slave\":2,\"name\":\"data1\",\"value\":2.5}\n", OK);
+    assert_string_equal(pass(&b, fd, 0), "{\"step\":1,\"time\":0.000000,\"values\":[2.5,0,1]}\n");
+    assert_string_equal(say(&b, fd, "{\"op\":\"step\",\"values\":[-1.5,true]}\n"), "");
+    expect_answer(&b, "{\"op\":\"get\",\"pattern\":\"data[23]\"}\n",
+                  "{\"slave\":1,\"name\":\"data2\",\"value\":-1.5}\n{\"slave\":1,\"name\":\"data3\",\"value\":1}\n" OK);
+    assert_string_equal(pass(&b, fd, MS - 1), "");
+    assert_string_equal(pass(&b, fd, 1), "{\"step\":2,\"time\":0.001000,\"values\":[2.5,0,1]}\n");
+    assert_string_equal(say(&b, fd, "{\"op\":\"step\",\"values\":[null,7]}\n"), "");
+    expect_answer(&b, "{\"op\":\"get\",\"pattern\":\"data[23]\"}\n",
+                  "{\"slave\":1,\"name\":\"data2\",\"value\":-1.5}\n{\"slave\":1,\"name\":\"data3\",\"value\":7}\n" OK);
+    assert_int_equal(reported.count, 0);
+    close(fd);
+    serve(&b);
+    close_bench(&b);
+}
+
+static void refused_replies_change_nothing(void **state)
+{
+    static const struct {
+        const char *reply, *part;
+    } rows[] = {
+        {"{\"op\":\"step\",\"values\":[5,1e300]}\n", "data3 takes -999999999..999999999"},
+        {"{\"op\":\"step\",\"values\":[5]}\n", "a value for each signal"},
+        {"{\"op\":\"step\",\"values\":5}\n", "a value for each signal"},
+        {"{\"op\":\"step\",\"values\":[5,\"5\"]}\n", "a number, true, false or null"},
+        {"{\"op\":\"step\",\"values\":[5,1e999]}\n", "a number, true, false or null"},
+    };
+    ect_stats_t stats = {0};
+    char part[64];
+    bench_t b;
+    (void)state;
+    open_with_report(&b, 1, &stats);
+    const int fd = start_plant(&b, PLANT);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        assert_non_null(strstr(pass(&b, fd, MS), "\"values\":[0,0]"));
+        assert_non_null(strstr(say(&b, fd, rows[i].reply), rows[i].part));
+        expect_part(&b, "{\"op\":\"get\",\"pattern\":\"data2\"}\n", "\"value\":0}");
+        (void)snprintf(part, sizeof part, "\"refused\":%zu,", i + 1);
+        expect_stats(&b, part);
+    }
+    assert_non_null(strstr(say(&b, fd, "{\"op\":\"step\",\"values\":[5,5]}\n"), "no step of this plant is pending"));
+    close(fd);
+    serve(&b);
+    close_bench(&b);
+}
+
+static void a_late_plant_is_reported_once_and_counted(void **state)
+{
+    ect_stats_t stats = {0};
+    bench_t b;
+    (void)state;
+    open_with_report(&b, 1, &stats);
+    const int fd = start_plant(&b, PLANT);
+    assert_non_null(strstr(pass(&b, fd, 0), "\"step\":1,"));
+    assert_string_equal(pass(&b, fd, MS), "");
+    assert_int_equal(reported.count, 1);
+    assert_string_equal(reported.text, "plant 'tank' is late: its signals keep their last values");
+    assert_string_equal(pass(&b, fd, 3 * MS), ""); /* the twins have not run either: each period counts */
+    expect_stats(&b, "\"steps\":1,\"late\":4,\"refused\":0,");
+    b.wire.now_ns += MS / 2;
+    assert_string_equal(say(&b, fd, "{\"op\":\"step\",\"values\":[1,2]}\n"), "");
+    expect_part(&b, "{\"op\":\"get\",\"pattern\":\"data3\"}\n", "\"value\":2}");
+    expect_stats(&b, "\"longest_us\":4500}");
+    assert_non_null(strstr(pass(&b, fd, MS / 2), "\"step\":2,\"time\":0.005000,"));
+    assert_string_equal(say(&b, fd, "{\"op\":\"step\",\"values\":[1,2]}\n"), "");
+    assert_non_null(strstr(pass(&b, fd, 10 * MS), "\"step\":3,\"time\":0.015000,")); /* late twins, not a late plant */
+    expect_stats(&b, "\"steps\":3,\"late\":4,");
+    assert_int_equal(reported.count, 1);
+    close(fd);
+    serve(&b);
+    close_bench(&b);
+}
+
+static void a_plant_that_ends_leaves_its_values(void **state)
+{
+    ect_stats_t stats = {0};
+    bench_t b;
+    (void)state;
+    open_with_report(&b, 1, &stats);
+    int fd = start_plant(&b, PLANT);
+    (void)pass(&b, fd, 0);
+    assert_string_equal(say(&b, fd, "{\"op\":\"step\",\"values\":[1,2]}\n"), "");
+    expect_part(&b, PLANT, "a plant with this name is connected");
+    close(fd);
+    fd = connect_client(&b); /* before the twins have noticed the end */
+    set_nonblocking(fd);
+    assert_string_equal(say(&b, fd, PLANT), OK);
+    assert_int_equal(reported.count, 1);
+    assert_string_equal(reported.text, "plant 'tank' has ended: its signals keep their last values");
+    expect_part(&b, "{\"op\":\"get\",\"pattern\":\"data3\"}\n", "\"value\":2}");
+    expect_stats(&b, "{\"plant\":\"tank\",\"connected\":true,\"period_us\":1000,\"steps\":1,");
+    close(fd);
+    serve(&b);
+    expect_stats(&b, "{\"plant\":\"tank\",\"connected\":false,\"period_us\":1000,\"steps\":1,");
+    assert_true(ect_control_step_due(b.control) == ECT_NEVER);
+    close_bench(&b);
+    assert_int_equal(reported.count, 2);
+}
+
+static void a_client_that_does_not_read_is_late(void **state)
+{
+    enum { LINES = 4000 };
+    ect_stats_t stats = {0};
+    bench_t b;
+    (void)state;
+    open_with_report(&b, 1, &stats);
+    const int fd = start_plant(&b, PLANT);
+    (void)pass(&b, fd, 0);
+    for (unsigned int i = 0; i < LINES && reported.count == 0; i++) {
+        send_text(fd, "{\"op\":\"step\",\"values\":[1,2]}\n{\"op\":\"get\"}\n");
+        serve(&b);
+        b.wire.now_ns += MS;
+        (void)ect_control_step(b.control, b.wire.chain, b.wire.now_ns);
+    }
+    assert_string_equal(reported.text, "plant 'tank' is late: its signals keep their last values");
+    close(fd);
+    serve(&b);
+    close_bench(&b);
+}
+
+static void limits_of_plants_and_signals(void **state)
+{
+    static char request[ECT_OUTSIDE_VALUES * 16];
+    ect_stats_t stats = {0};
+    int fds[ECT_OUTSIDE_PLANTS];
+    bench_t b;
+    (void)state;
+    open_with_report(&b, 1, &stats);
+    for (unsigned int i = 0; i < ECT_OUTSIDE_PLANTS; i++) {
+        (void)snprintf(request, sizeof request,
+                       "{\"op\":\"plant\",\"name\":\"p%u\",\"reads\":[\"data1\"],\"period_us\":1000}\n", i);
+        fds[i] = start_plant(&b, request);
+    }
+    expect_part(&b, PLANT, "four plants are connected, which is the limit");
+    close(fds[1]);
+    serve(&b);
+    const int fd =
+        start_plant(&b, "{\"op\":\"plant\",\"name\":\"many\"}\n"); /* in the place of the one that has ended */
+    for (unsigned int writes = 0; writes < 2; writes++) {
+        size_t used = (size_t)snprintf(request, sizeof request, "{\"op\":\"plant\",\"%s\":[\"data1\"",
+                                       writes ? "writes" : "reads");
+        for (unsigned int i = 1; i < ECT_OUTSIDE_VALUES; i++)
+            used += (size_t)snprintf(request + used, sizeof request - used, ",\"data1\"");
+        (void)snprintf(request + used, sizeof request - used, "]}\n");
+        assert_string_equal(say(&b, fd, request), OK);
+        const char *got =
+            say(&b, fd,
+                writes ? "{\"op\":\"plant\",\"writes\":[\"data2\"]}\n" : "{\"op\":\"plant\",\"reads\":[\"data2\"]}\n");
+        assert_non_null(strstr(got, writes ? "a plant sets at most 128" : "a plant reads at most 128"));
+    }
+    assert_string_equal(say(&b, fd, "{\"op\":\"plant\",\"period_us\":2000000000}\n"), OK);
+    const char *got = pass(&b, fd, 0);
+    assert_int_equal(count_of(got, "{\"values\":[0,"), ECT_OUTSIDE_VALUES / ECT_OUTSIDE_VALUES_IN_LINE - 1);
+    assert_int_equal(count_of(got, "0,") + count_of(got, "0]"), 1 + ECT_OUTSIDE_VALUES); /* the time too */
+    for (unsigned int i = 0; i < ECT_OUTSIDE_PLANTS; i++) {
+        if (i != 1)
+            close(fds[i]);
+    }
+    close(fd);
+    serve(&b);
+    close_bench(&b);
+}
+
+static void without_memory_a_plant_is_refused(void **state)
+{
+    ect_stats_t stats = {0};
+    bench_t b;
+    (void)state;
+    open_with_report(&b, 1, &stats);
+    refuses_memory = true;
+    expect_answer(&b, PLANT, "{\"ok\":false,\"message\":\"not enough memory\"}\n");
+    refuses_memory = false;
+    const int fd = start_plant(&b, PLANT);
+    (void)pass(&b, fd, 0);
+    refuses_memory = true;
+    const char *got = say(&b, fd, "{\"op\":\"step\",\"values\":[1,2]}\n");
+    refuses_memory = false;
+    assert_string_equal(got, "{\"ok\":false,\"message\":\"not enough memory\"}\n");
+    close(fd);
+    serve(&b);
+    close_bench(&b);
+}
+
+static struct {
+    unsigned int count;
+    char request[2][128];
+} observed;
+
+static void on_change(void *ctx, const char *request, size_t length)
+{
+    (void)ctx;
+    if (observed.count < 2)
+        (void)snprintf(observed.request[observed.count], sizeof observed.request[0], "%.*s", (int)length, request);
+    observed.count++;
+}
+
+static void observers_get_replies_as_settings_of_each_twin(void **state)
+{
+    ect_stats_t stats = {0};
+    bench_t b;
+    (void)state;
+    memset(&observed, 0, sizeof observed);
+    open_with_report(&b, 3, &stats);
+    ect_control_observe(b.control, on_change, NULL);
+    const int fd = start_plant(&b, "{\"op\":\"plant\",\"name\":\"p\",\"slave\":3,\"writes\":[\"data1\",\"data4\"]}\n");
+    assert_string_equal(say(&b, fd, "{\"op\":\"plant\",\"writes\":[\"data2\"],\"period_us\":1000}\n"), OK);
+    assert_string_equal(pass(&b, fd, 0), "{\"step\":1,\"time\":0.000000,\"values\":[]}\n");
+    assert_string_equal(say(&b, fd, "{\"op\":\"step\",\"values\":[1,null,3]}\n"), "");
+    assert_int_equal(observed.count, 2);
+    assert_string_equal(observed.request[0], "{\"op\":\"set\",\"slave\":1,\"values\":{\"data2\":3}}");
+    assert_string_equal(observed.request[1], "{\"op\":\"set\",\"slave\":3,\"values\":{\"data1\":1}}");
+    close(fd);
+    serve(&b);
+    close_bench(&b);
+}
+
+/* --- a clock that stands still ------------------------------------------------------------------------------------ */
+
+/* A plant in a thread: replies to each step, or closes its connection at this one. */
+typedef struct replies {
+    int fd;
+    unsigned int until;
+} replies_t;
+
+static void *reply_to_steps(void *ctx)
+{
+    const replies_t *r = ctx;
+    char text[256];
+    for (unsigned int i = 1; i < r->until; i++) {
+        const ssize_t got = read(r->fd, text, sizeof text - 1); /* a step is one send */
+        char reply[64];
+        (void)snprintf(reply, sizeof reply, "{\"op\":\"step\",\"values\":[%u,0]}\n", i);
+        if (got <= 0 || write(r->fd, reply, strlen(reply)) < 0)
+            break;
+    }
+    (void)!read(r->fd, text, sizeof text - 1);
+    close(r->fd);
+    return NULL;
+}
+
+static void a_virtual_clock_waits_for_a_plant_and_not_for_one_that_has_ended(void **state)
+{
+    enum { STEPS = 20 };
+    ect_stats_t stats = {0};
+    pthread_t thread;
+    bench_t b;
+    (void)state;
+    open_with_report(&b, 1, &stats);
+    ect_control_let_wait(b.control);
+    assert_true(ect_control_step_due(b.control) == ECT_NEVER);
+    replies_t replies = {.fd = connect_client(&b), .until = STEPS};
+    send_text(replies.fd, "{\"op\":\"plant\",\"name\":\"tank\",\"reads\":[\"data1\"],\"writes\":[\"data2\",\"data3\"],"
+                          "\"period_us\":1000,\"wait\":true}\n");
+    assert_true(ect_control_await_plant(b.control, b.wire.chain, "tank", b.wire.now_ns));
+    char text[64] = "";
+    assert_int_equal(read(replies.fd, text, sizeof text - 1), strlen(OK));
+    assert_int_equal(pthread_create(&thread, NULL, reply_to_steps, &replies), 0);
+    for (unsigned int i = 1; i < STEPS; i++) {
+        char value[32];
+        assert_true(ect_control_step(b.control, b.wire.chain, b.wire.now_ns));
+        (void)snprintf(value, sizeof value, "\"value\":%u}", i);
+        expect_part(&b, "{\"op\":\"get\",\"pattern\":\"data2\"}\n", value);
+        b.wire.now_ns += MS;
+    }
+    assert_true(ect_control_step(b.control, b.wire.chain, b.wire.now_ns));
+    assert_string_equal(reported.text, "plant 'tank' has ended: its signals keep their last values");
+    assert_int_equal(pthread_join(thread, NULL), 0);
+    close_bench(&b);
+}
+
+static void a_plant_without_a_reply_is_given_up(void **state)
+{
+    ect_outsides_t all = {.may_wait = true, .report = on_report};
+    char message[ECT_SIGNAL_MESSAGE];
+    const int owner = 0;
+    ect_stats_t stats = {0};
+    ect_line_t line;
+    bench_t b;
+    (void)state;
+    open_with_report(&b, 1, &stats);
+    cJSON *request = cJSON_Parse("{\"name\":\"p\",\"reads\":[\"data1\"],\"period_us\":1000,\"wait\":true}");
+    assert_null(ect_outside_request(&all, &owner, b.wire.chain, 1, request, b.wire.now_ns, message));
+    cJSON_Delete(request);
+    assert_null(ect_outside_named(&all, "q"));
+    ect_outside_t *plant = ect_outside_named(&all, "p");
+    assert_true(ect_outside_begin(&all, plant, b.wire.chain, b.wire.now_ns));
+    assert_true(ect_outside_waits(plant));
+    ect_outside_give_up(&all, plant);
+    assert_false(ect_outside_waits(plant));
+    assert_string_equal(reported.text, "plant 'p' is late: its signals keep their last values");
+    assert_false(ect_outside_count(&all, ECT_OUTSIDE_PLANTS, &line));
+    ect_outsides_clear(&all);
+    close_bench(&b);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"A request of a plant that does not fit is refused in one line, before it runs", refused_requests, NULL, NULL,
+         NULL},
+        {"A plant gets its values of one time in each period; a reply sets all of its values but null",
+         values_of_a_step_come_together, NULL, NULL, NULL},
+        {"A reply with a value that is refused changes no signal, and is counted", refused_replies_change_nothing, NULL,
+         NULL, NULL},
+        {"Periods without a reply are counted and reported once; the signals keep their values",
+         a_late_plant_is_reported_once_and_counted, NULL, NULL, NULL},
+        {"A plant that ends is reported once; its signals and counters remain, its name is free again",
+         a_plant_that_ends_leaves_its_values, NULL, NULL, NULL},
+        {"A plant whose client does not read is late", a_client_that_does_not_read_is_late, NULL, NULL, NULL},
+        {"Four plants are connected, each reads and sets 128 signals; one more is refused",
+         limits_of_plants_and_signals, NULL, NULL, NULL},
+        {"Without memory a plant and a reply are refused", without_memory_a_plant_is_refused, NULL, NULL, NULL},
+        {"Records get the reply of a plant as a request set for each twin",
+         observers_get_replies_as_settings_of_each_twin, NULL, NULL, NULL},
+        {"A virtual clock stands still until a plant has replied, and goes on when it ends",
+         a_virtual_clock_waits_for_a_plant_and_not_for_one_that_has_ended, NULL, NULL, NULL},
+        {"A plant that never replies is late, and the clock does not wait for it again",
+         a_plant_without_a_reply_is_given_up, NULL, NULL, NULL},
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("Control socket: plants", tests, NULL, NULL);
+}
