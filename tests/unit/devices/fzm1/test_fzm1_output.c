@@ -192,6 +192,23 @@ static void repeated(void **state)
     assert_int_equal(signal_number(&s.w, "outputs"), before);
 }
 
+static void period_by_sdo(void **state)
+{
+    static const uint8_t tenth[2] = {100, 0}; /* 10 ms */
+    (void)state;
+    signal_set(&s.w, "output_period", "50000");
+    measure(6);
+    (void)sensor_until(&s, FZM1_GATE, FZM1_GATE);
+    (void)sensor_until(&s, FZM1_GATE, 0);
+    measure(7);
+    sensor_expect(&s, "the next output is due after seconds", FZM1_GATE, 0);
+    const uint64_t from_ns = s.w.now_ns;
+    assert_int_equal(wire_sdo_download(&s.w, 0, 0x2400, 2, false, tenth, sizeof tenth), 0);
+    (void)sensor_until(&s, FZM1_GATE, FZM1_GATE);
+    assert_in_range(s.w.now_ns - from_ns, 9 * MS, 12 * MS);
+    assert_int_equal(sensor_data(&s, 1), 7000);
+}
+
 static void time_below_period(void **state)
 {
     char message[ECT_SIGNAL_MESSAGE] = "";
@@ -520,6 +537,7 @@ static void errors_apart(void **state)
     sensor_set(&s, FZM1_DSA, false);
     sensor_expect(&s, "EXE is still on", FZM1_ERR, FZM1_ERR);
     sensor_set(&s, FZM1_EXE, false);
+    sensor_expect(&s, "EXE is off, and no command has followed", FZM1_ERR, FZM1_ERR);
     assert_int_equal(sensor_command(&s, FZM1_GET_SCENE, 0, 0, 0, NULL), 0);
     sensor_expect(&s, "a command as it should be", FZM1_ERR, 0);
     measure(3);
@@ -584,6 +602,7 @@ int main(int argc, char **argv)
         TEST("FZM-026 FZM-028 FZM-069: None: one GATE of 5 ms a measurement", one_pulse),
         TEST("FZM-027 FZM-028 FZM-073: None: period and time to the microsecond, data stable while GATE is on", period),
         TEST("FZM-073: None with output_repeat: the last data every period", repeated),
+        TEST("FZM-028 FZM-073: a new period by SDO counts from then on", period_by_sdo),
         TEST("FZM-027 FZM-028 FZM-029 OM-C13: ranges, and the output time stays below the period", time_below_period),
         TEST("FZM-048 FZM-066 FZM-069 FZM-073: None: measurements that come too fast: the newest are lost and counted, "
              "ERR shows it, BUSY is unaffected",

@@ -566,6 +566,24 @@ static void speed_windows(void **unused)
     assert_in_range(zero, 40, 100);  /* up to 62000 */
 }
 
+static void motor_speeds(void **unused)
+{
+    static const int32_t turns_a_minute[] = {1, 2, 60, 600};
+    (void)unused;
+    for (size_t i = 0; i < COUNT(turns_a_minute); i++) {
+        prepare();
+        power_on();
+        r.value[ECT_402_V_MOTOR_SPEED] = turns_a_minute[i];
+        ect_402_drive_touched(&r.d);
+        enable();
+        r.value[ECT_402_V_TARGET_SPEED] = 100 << 20;
+        cycle(500);
+        const int32_t want = (int32_t)(turns_a_minute[i] * 1048576.0 / 60);
+        if (r.value[ECT_402_V_SPEED] < want - want / 100 - 2 || r.value[ECT_402_V_SPEED] > want + want / 100 + 2)
+            fail_msg("6080h %d: expected a speed of %d, got %d", turns_a_minute[i], want, r.value[ECT_402_V_SPEED]);
+    }
+}
+
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
@@ -584,6 +602,7 @@ int main(void)
         {"DRV-005 DRV-014 DRV-022 DRV-023 DRV-032 actual values of a motion", actual_values, NULL, NULL, NULL},
         {"DRV-047 DRV-048 DRV-064 profiles other than the linear ones are refused", refused_profiles, NULL, NULL, NULL},
         {"DRV-246 DRV-247: bit 10 within 606Dh of the target, bit 12 up to 606Fh", speed_windows, NULL, NULL, NULL},
+        {"DRV-041: 6080h limits the speed, from one turn a minute on", motor_speeds, NULL, NULL, NULL},
         {"DRV-519: speeds in turns a minute, and in tenths", speed_units, NULL, NULL, NULL},
         {"Options, modes and methods that do not exist are refused", refused_values, NULL, NULL, NULL},
     };
