@@ -393,6 +393,7 @@ static void polls_fold(void **state)
     assert_int_equal(e.items[0].bytes[26], 0x11);
     assert_int_equal(e.items[0].folded, 0);
     assert_string_equal((const char *)e.items[2].bytes, "polling");
+    assert_int_equal(e.items[2].length, sizeof "polling");
     assert_int_equal(e.items[3].folded, 999);
     assert_int_equal(e.items[4].folded, 999);
     assert_int_equal(e.items[4].frame, 2002);
@@ -417,6 +418,28 @@ static void first_polls_fold(void **state)
     assert_int_equal(e.count, 2);
     assert_int_equal(e.items[0].folded, 1);
     assert_int_equal(e.items[1].folded, 1);
+    cf_evidence_free(&e);
+    cf_record_close();
+    close(wire[0]);
+    close(wire[1]);
+}
+
+static void short_frames_stay(void **state)
+{
+    enum { HEADERS = 17 }; /* Ethernet, EtherCAT, command: without the datagram's index */
+    uint8_t frame[HEADERS + 1] = {0};
+    (void)state;
+    assert_int_equal(socketpair(AF_UNIX, SOCK_DGRAM, 0, wire), 0);
+    cf_record_open(NULL);
+    for (unsigned int i = 0; i < 4; i++) {
+        const size_t length = i < 2 ? HEADERS : HEADERS + 1;
+        assert_int_equal(send(wire[0], frame, length, 0), length);
+        assert_int_equal(recv(wire[1], frame, sizeof frame, 0), length);
+    }
+    cf_evidence_t e = cf_record_end(100);
+    assert_int_equal(e.count, 6); /* the two with an index are one */
+    assert_int_equal(e.items[2].folded, 0);
+    assert_int_equal(e.items[4].folded, 1);
     cf_evidence_free(&e);
     cf_record_close();
     close(wire[0]);
@@ -502,8 +525,13 @@ static void unicast_source(void **state)
     assert_int_equal(e.count, 5);
     assert_memory_equal(e.items[3].bytes + 6, mac, 6);
     assert_memory_equal(e.items[4].bytes, cut, sizeof cut - 1);
-    assert_memory_equal(e.items[0].bytes + 6, mac, 6);      /* as recorded */
-    assert_memory_equal(e.items[1].bytes + 6, mac, 6);      /* and as it left */
+    assert_memory_equal(e.items[0].bytes + 6, mac, 6); /* as recorded */
+    assert_memory_equal(e.items[1].bytes + 6, mac, 6); /* and as it left */
+    for (unsigned int i = 0; i < 2; i++) {
+        assert_int_equal(e.items[i].bytes[0], 0xFF); /* the rest is that of the sender */
+        assert_int_equal(e.items[i].bytes[13], 0xA4);
+        assert_int_equal(e.items[i].bytes[26], 1);
+    }
     assert_memory_equal(e.items[2].bytes, own, sizeof own); /* a unicast address stays */
     cf_evidence_free(&e);
     cf_record_close();
@@ -686,6 +714,7 @@ int main(void)
         {"The record keeps the newest items", ring_of_evidence, NULL, NULL, NULL},
         {"A reception without a byte is no frame", receptions_without_a_frame, NULL, NULL, NULL},
         {"The first two polls of a case fold", first_polls_fold, NULL, NULL, NULL},
+        {"Frames without a datagram do not fold", short_frames_stay, NULL, NULL, NULL},
         {"A file that cannot be read has no hash", no_hash, NULL, NULL, NULL},
         cmocka_unit_test(cleaning),
         cmocka_unit_test(times_of_frames),

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The runner of cases: needs, the known state, the order in which changes are undone, the canary; and the catalogue. */
+#define _GNU_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -490,6 +491,37 @@ static void items_kept(void **state)
     end_run(&run);
 }
 
+/* @return the place behind the text; the test fails if it is not between from and end */
+static const char *behind(const char *from, const char *end, const char *text)
+{
+    const size_t length = strlen(text);
+    for (; from + length <= end; from++) {
+        if (memcmp(from, text, length) == 0)
+            return from + length;
+    }
+    fail_msg("the capture has no '%s', or not there", text);
+    return end;
+}
+
+static void comments_of_the_capture(void **state)
+{
+    char *bytes = NULL;
+    size_t size = 0;
+    cf_run_t run;
+    cf_result_t result;
+    (void)state;
+    start_run(&run);
+    cf_record_close();
+    FILE *file = open_memstream(&bytes, &size);
+    cf_record_open(file);
+    assert_int_equal(run_one(&run, fails_plainly, 0, &result), CF_FAIL);
+    end_run(&run);
+    fclose(file);
+    const char *end = bytes + size;
+    (void)behind(behind(bytes, end, "CF-900 A case of a test"), end, "CF-900 afterwards: back to INIT");
+    free(bytes);
+}
+
 /* --- limits ------------------------------------------------------------------------------------------------------- */
 
 static void waits_for_ever(cf_t *c)
@@ -819,6 +851,7 @@ static void canary(void **state)
     dead = false;
     ran = 0;
     assert_int_equal(run_one(&run, passes, 0, &result), CF_PASS);
+    assert_false(run.engine.running);
     assert_int_equal(run_one(&run, kills, 0, &result), CF_FAIL);
     run.last = "CF-016";
     for (int i = 0; i < 2; i++) {
@@ -1079,6 +1112,7 @@ int main(void)
         {"A file is taken back", file_taken_back, NULL, NULL, NULL},
         {"A slave that fails the canary is switched off and on with --power", power_cycle, NULL, NULL, NULL},
         {"A case ends the function that it has named for waits", function_of_another_case, NULL, NULL, NULL},
+        {"The capture names a case, and the way back", comments_of_the_capture, NULL, NULL, NULL},
         {"The EEPROM gets its old values in INIT", eeprom_in_init, NULL, NULL, NULL},
         {"The canary uploads the vendor ID, 1018h:1", canary_reads_the_vendor, NULL, NULL, NULL},
         {"Ctrl-C leaves the preparation of a case", interrupted_preparation, NULL, NULL, NULL},
