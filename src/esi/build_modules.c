@@ -43,18 +43,20 @@ static void add_pdo(ect_build_t *build, const ect_esi_pdo_t *model, const ect_bu
         }
     }
     build->pdos = ect_arena_grow(build->arena, build->pdos, build->pdo_count, sizeof *build->pdos);
-    build->pdos[build->pdo_count++] =
-        (ect_build_pdo_t){.model = model, .index = index, .steps = steps, .module = build->module};
+    build->pdos[build->pdo_count++] = (ect_build_pdo_t){
+        .model = model, .index = index, .steps = steps, .module = build->module, .group = build->pdo_group};
 }
 
 void ect_build_module(ect_build_t *build, const ect_esi_module_t *module, const ect_build_steps_t *steps)
 {
     build->module = module->ident;
+    build->pdo_group = module->pdo_group;
     for (size_t i = 0; i < module->pdo_count; i++)
         add_pdo(build, &module->pdos[i], steps);
     ect_build_objects(build, &module->dictionary, steps);
     ect_build_inits(build, module->inits, module->init_count, steps);
     build->module = 0;
+    build->pdo_group = 0;
 }
 
 /* One place for a module. */
@@ -98,6 +100,7 @@ void ect_build_modules(ect_build_t *build, const ect_module_choice_t *choices, s
 {
     const ect_esi_device_t *model = build->model;
     place_t place = {.number = 0};
+    build->pdo_group = model->pdo_group;
     for (size_t i = 0; i < model->pdo_count; i++)
         add_pdo(build, &model->pdos[i], &ect_build_device);
     for (size_t i = 0; i < model->slot_count; i++) {
@@ -114,4 +117,5 @@ void ect_build_modules(ect_build_t *build, const ect_module_choice_t *choices, s
         if (choices[i].slot >= place.number)
             ect_build_fail(build, "there is no slot %u; the device has %u", choices[i].slot + 1, place.number);
     }
+    ect_build_pdo_groups(build);
 }

@@ -18,6 +18,7 @@
  *   modules.c          slots, and the modules that they accept
  *   build.c            the growing list of objects; notes
  *   build_objects.c    objects of the dictionary
+ *   pdo_groups.c       order and padding of the PDOs of modules
  *   build_modules.c    modules in their slots
  *   idents.c           lists of the idents of modules
  *   build_pdos.c       PDOs, mappings and assignments
@@ -134,6 +135,7 @@ typedef struct ect_build_pdo {
     uint16_t index;                 /**< shifted by the slot */
     const ect_build_steps_t *steps; /**< of the place */
     uint32_t module;                /**< ident of the module that brings it, 0: the device */
+    uint32_t group;                 /**< of PDOs, from 1; 0: none */
     bool assigned;                  /**< to a SyncManager with process data, by default */
     bool usable;
     bool on_virtual; /**< of a virtual SyncManager: the master accesses registers instead */
@@ -164,6 +166,7 @@ typedef struct ect_build {
     uint32_t *idents; /**< of the modules in the slots, 0: an empty slot */
     size_t ident_count;
     uint32_t module;           /**< whose objects are being added, 0: the device's */
+    uint32_t pdo_group;        /**< of the PDOs that are being added */
     struct ect_esi_rack *rack; /**< the modules can change; NULL: they cannot */
     const char **notes;        /**< features of the file that are not represented, one line each */
     ect_build_note_kind_t *note_kinds;
@@ -253,6 +256,9 @@ void ect_build_inits(ect_build_t *build, const ect_esi_init_t *inits, size_t cou
 
 /** build_modules.c. Adds the PDOs of the device and of the modules in its slots, and the modules' objects. */
 void ect_build_modules(ect_build_t *build, const ect_module_choice_t *choices, size_t count);
+
+/** pdo_groups.c: puts the PDOs of each group behind one another, and a padding PDO behind them. After the last PDO. */
+void ect_build_pdo_groups(ect_build_t *build);
 
 /** idents.c: adds F030h and F050h, after all other objects; F000h too if the file requires the download of idents. */
 void ect_build_idents(ect_build_t *build);

@@ -209,6 +209,12 @@ typedef struct ect_esi_slot {
     size_t class_count;
 } ect_esi_slot_t;
 
+/** `<ModulePdoGroup>`: modules whose PDOs follow one another. */
+typedef struct ect_esi_pdo_group {
+    uint8_t alignment; /**< bytes, up to which the PDO of the direction fills the group; 0: not filled */
+    uint16_t rx, tx;   /**< indices of these PDOs; 0: none */
+} ect_esi_pdo_group_t;
+
 /** `<Module>`. */
 typedef struct ect_esi_module {
     uint32_t ident;
@@ -221,6 +227,7 @@ typedef struct ect_esi_module {
     ect_esi_dictionary_t dictionary;
     const ect_esi_init_t *inits;
     size_t init_count;
+    uint32_t pdo_group; /**< `ModulePdoGroup` + 1: its number among those of the device, from 1; 0: none */
     int line;
 } ect_esi_module_t;
 
@@ -287,7 +294,10 @@ typedef struct ect_esi_device {
     uint32_t group_pdo_increment, group_index_increment; /**< `SlotGroupPdoIncrement`, `SlotGroupIndexIncrement` */
     bool download_idents;                                /**< `DownloadModuleIdentList`: a master writes F030h */
     bool download_addresses;                             /**< `DownloadModuleAddressList`: a master writes F020h */
-    const ect_esi_module_t *modules;                     /**< all of the file */
+    const ect_esi_pdo_group_t *pdo_groups;
+    size_t pdo_group_count;
+    uint32_t pdo_group;              /**< `ModulePdoGroup` + 1 of the device itself; 0: none */
+    const ect_esi_module_t *modules; /**< all of the file */
     size_t module_count;
 
     const ect_field_t *fields; /**< named bits and values, as ect_plant_t::fields; NULL: none; no ESI file has them */

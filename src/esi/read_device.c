@@ -319,6 +319,28 @@ static void read_slot(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t 
     slot->classes = classes;
 }
 
+static void read_pdo_groups(ect_esi_xml_t *xml, const xmlNode *slots, ect_esi_device_t *device)
+{
+    enum { ALIGNMENT_MOST = 16 /* bytes; more is none that modules have */ };
+    ect_esi_pdo_group_t *groups = NULL;
+    ect_esi_pdo_group_t *group;
+    ECT_ESI_EACH(node, slots, "ModulePdoGroup")
+    {
+        ECT_APPEND(xml, groups, device->pdo_group_count, group);
+        const int64_t bytes = ect_esi_attribute_number(xml, node, "Alignment", INT32_MIN, INT32_MAX, 0);
+        group->alignment = (uint8_t)(bytes > 0 && bytes <= ALIGNMENT_MOST ? bytes : 0);
+        group->rx = (uint16_t)ect_esi_attribute_number(xml, node, "RxPdo", 0, UINT16_MAX, 0);
+        group->tx = (uint16_t)ect_esi_attribute_number(xml, node, "TxPdo", 0, UINT16_MAX, 0);
+    }
+    device->pdo_groups = groups;
+}
+
+/* @return `ModulePdoGroup` of a `<Type>`, from 1; 0: none */
+static uint32_t pdo_group_of(ect_esi_xml_t *xml, const xmlNode *type)
+{
+    return (uint32_t)(ect_esi_attribute_number(xml, type, "ModulePdoGroup", -1, INT32_MAX, -1) + 1);
+}
+
 static void read_slots(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t *device)
 {
     if (node == NULL)
@@ -335,6 +357,7 @@ static void read_slots(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t
         (uint32_t)ect_esi_attribute_number(xml, node, "SlotGroupIndexIncrement", 0, UINT16_MAX, 0);
     device->download_idents = ect_esi_flag(xml, node, "DownloadModuleIdentList");
     device->download_addresses = ect_esi_flag(xml, node, "DownloadModuleAddressList");
+    read_pdo_groups(xml, node, device);
     ECT_ESI_EACH(child, node, "Slot")
     {
         ECT_APPEND(xml, slots, device->slot_count, slot);
@@ -362,6 +385,7 @@ static void read_modules(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device
         module->ident = (uint32_t)ect_esi_attribute_number(xml, type, "ModuleIdent", 0, UINT32_MAX, 0);
         module->module_class = ect_esi_attribute(xml, type, "ModuleClass");
         module->type = ect_esi_text(xml, type);
+        module->pdo_group = pdo_group_of(xml, type);
         const xmlNode *profile = ect_esi_child(child, "Profile");
         module->profile = profile != NULL ? read_profile(xml, profile) : 0;
         module->name = ect_esi_name(xml, child, "Name");
@@ -424,6 +448,7 @@ ect_esi_device_t *ect_esi_read_device(ect_esi_xml_t *xml, const xmlNode *root, c
         if (device->profile == 0)
             device->profile = read_profile(xml, profile);
     }
+    device->pdo_group = pdo_group_of(xml, ect_esi_child(node, "Type"));
     read_slots(xml, ect_esi_child(node, "Slots"), device);
     if (device->slot_count > 0)
         read_modules(xml, ect_esi_child(ect_esi_child(root, "Descriptions"), "Modules"), device);
