@@ -3,10 +3,8 @@
 
 #include <string.h>
 
-#include "esc/route.h"
+#include "defect_datagram.h"
 #include "sii/sii.h"
-#include "wire/bytes.h"
-#include "wire/registers.h"
 
 enum { ETHERNET = 14, MAIL_HEADER = 6, UNKNOWN_COMMAND = 99, ANY_MAIL = 0xFFFF };
 enum {
@@ -16,16 +14,6 @@ enum {
     SM_3 = SM_2 + ECT_SM_SIZE,
     SMS = 16
 };
-
-/* A datagram of the received frame: `sent` as received, `now` as processed so far. */
-typedef struct datagram {
-    const uint8_t *sent;
-    uint8_t *now;
-    uint8_t command;
-    uint16_t adp, ado, length;
-    const uint8_t *chip; /* the first twin's registers and RAM */
-    const ect_esc_config_t *config;
-} datagram_t;
 
 typedef enum kind {
     ANSWER,   /* changes data of the reply */
@@ -69,24 +57,9 @@ static bool covers(const datagram_t *g, uint16_t address, uint16_t width)
     return address >= g->ado && (uint32_t)address + width <= (uint32_t)g->ado + g->length;
 }
 
-static uint8_t *data(const datagram_t *g)
-{
-    return g->now + ECT_DATAGRAM_DATA;
-}
-
-static uint16_t counter(const datagram_t *g)
-{
-    return ect_load_le16(g->now + ECT_DATAGRAM_DATA + g->length);
-}
-
 static void set_counter(const datagram_t *g, uint16_t value)
 {
     ect_store_le16(g->now + ECT_DATAGRAM_DATA + g->length, value);
-}
-
-static uint16_t out_start(const datagram_t *g)
-{
-    return ect_load_le16(g->chip + SM_0);
 }
 
 static uint16_t out_size(const datagram_t *g)
@@ -94,21 +67,9 @@ static uint16_t out_size(const datagram_t *g)
     return ect_load_le16(g->chip + SM_0 + ECT_SM_LENGTH);
 }
 
-static uint16_t in_start(const datagram_t *g)
-{
-    return ect_load_le16(g->chip + SM_1);
-}
-
 static uint16_t in_size(const datagram_t *g)
 {
     return ect_load_le16(g->chip + SM_1 + ECT_SM_LENGTH);
-}
-
-/* A whole mail to or from the slave. */
-static bool is_mail(const datagram_t *g, bool to_slave)
-{
-    uint16_t start = to_slave ? out_start(g) : in_start(g);
-    return g->command == (to_slave ? ECT_FPWR : ECT_FPRD) && start >= ECT_RAM && g->ado == start && g->length >= 16;
 }
 
 static void apply(const change_t *c, uint8_t *at)
@@ -504,26 +465,6 @@ static bool is_ethernet(const datagram_t *g, bool to_slave)
     return is_mail(g, to_slave) && (to_slave || counter(g) == 1) && (data(g)[5] & 0x0F) == 2;
 }
 
-/* @return whether the datagram is a mail of AoE from the slave with more than an AMS header */
-static bool is_ads(const datagram_t *g)
-{
-    return is_mail(g, false) && counter(g) == 1 && (data(g)[5] & 0x0F) == 1 && ect_load_le16(data(g)) >= 36;
-}
-
-static void ads_value_is_wrong(defect_t *d, datagram_t *g)
-{
-    (void)d;
-    if (is_ads(g) && data(g)[6 + 16] == 2 && ect_load_le16(data(g)) > 40)
-        data(g)[6 + 40] ^= 1;
-}
-
-static void ads_refuses_nothing(defect_t *d, datagram_t *g)
-{
-    (void)d;
-    if (is_ads(g))
-        ect_store_le32(data(g) + 6 + 32, 0);
-}
-
 static void gateway_is_not_known(defect_t *d, datagram_t *g)
 {
     (void)d;
@@ -811,8 +752,15 @@ static const defect_row_t rows[] = {
     {"CF-097c", "the IRQ field is always 0", CUSTOM, .after = no_interrupt},
     {"CF-098", "mails have a foreign address", MAIL, .length = ANY_MAIL, .at = 2, .change = ANY(2, 0x7777)},
     {"CF-098b", "mails have channel 1", MAIL, .length = ANY_MAIL, .at = 4, .change = ANY(1, 1)},
-    {"CF-A01", "AoE reads another value than CoE (needs AoE)", CUSTOM, .after = ads_value_is_wrong},
-    {"CF-A02", "each result of AoE is 0 (needs AoE)", CUSTOM, .after = ads_refuses_nothing},
+    {"CF-A01", "AoE reads another value than CoE (needs AoE)", CUSTOM, .after = defect_ads_value_is_wrong},
+    {"CF-A02", "each result of AoE is 0 (needs AoE)", CUSTOM, .after = defect_ads_refuses_nothing},
+    {"CF-S01", "an unknown IDN gets a general error (needs SoE)", CUSTOM, .after = defect_idn_is_known},
+    {"CF-S02", "an attribute has another width (needs SoE)", CUSTOM, .after = defect_width_is_wrong},
+    {"CF-S03", "a write of too many bytes is confirmed (needs SoE)", CUSTOM, .after = defect_long_value_is_taken},
+    {"CF-S04", "an unknown drive is an unknown IDN (needs SoE)", CUSTOM, .after = defect_drive_is_known},
+    {"CF-S05", "mails behind the present one are always 1 (needs SoE)", CUSTOM, .after = defect_pieces_are_not_counted},
+    {"CF-S06", "an attribute that is read alone has another width (needs SoE)", CUSTOM,
+     .after = defect_width_alone_is_wrong},
     {"CF-E01", "the gateway is not reported (needs EoE)", CUSTOM, .after = gateway_is_not_known},
     {"CF-E02", "a last fragment of whole units is not marked as the last (needs EoE)", CUSTOM,
      .after = end_is_not_marked},

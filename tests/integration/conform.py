@@ -148,7 +148,7 @@ DEFECT_TWINS = {**{id_: [RACK] for id_ in ("CF-M01", "CF-M02", "CF-M02b")}, "CF-
                 **{f"CF-E{number}": [GATEWAY] for number in ("01", "02", "03", "04", "05", "06", "07", "08", "09", "10", "12")},
                 "CF-032": ["fzm1,vr-bu-ect-map7"], "CF-073": ["vr-bu-ect-map7"]}
 ALIAS = ["--alias", "5"] # without one, CF-046 waits for 2 s in each run, and is skipped
-IN_OTHERS = ["CF-072b"] # no product can have them; devices made for tests do
+IN_OTHERS = ["CF-072b", *(f"CF-S0{number}" for number in range(1, 7))] # no product can have them; devices made for tests do
 DEFECTS_LEAST = 113
 
 
@@ -228,6 +228,8 @@ def everywhere(ectwin, conform, only):
 # --- devices made for tests ---------------------------------------------------------------------------------------------
 
 
+SOE_FOLLOW = {6: ["CF-S02"]} # an attribute alone is that of the read of all elements
+
 # Device, options of its run, the case that it is made for, cases that fail.
 OTHERS = (
     ("network", ["--only", "CF-07*"], "CF-072", []),
@@ -243,6 +245,9 @@ OTHERS = (
     (f"--module 2=0x120 {RACK}", ["--only", "CF-M*"], "CF-M02", []),
     (f"--set modules.strict=1 {RACK}", ["--only", "CF-M*"], "CF-M02", []),
     (STATES, ["--only", "CF-M*,CF-07*"], "CF-M03", []),
+    ("soedev", [], "CF-S01", []),
+    *((f"--break CF-S0{number} soedev", ["--only", "CF-S*,CF-02*"], f"CF-S0{number}", SOE_FOLLOW.get(number, []) + [f"CF-S0{number}"])
+      for number in range(1, 7)),
     ("hesitant", ["--only", "CF-084", "--file", "data", "--destructive"], "CF-084", []),
 )
 

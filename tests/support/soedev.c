@@ -65,6 +65,9 @@ static const ect_object_t objects[] = {
 #define COMMAND    (1u | ECT_SOE_16 | ECT_SOE_COMMAND)
 #define OF(member) offsetof(soedev_t, member)
 
+/* A reply that takes three mails. */
+static const char long_text[SOEDEV_TEXT] = "A text that does not fit one mail";
+
 static const uint8_t at_default[] = {40, 0, 51, 0}, mdt_default[] = {36, 0, 47, 0};
 
 #define DRIVE(n)                                                                                                       \
@@ -223,6 +226,11 @@ static const uint8_t at_default[] = {40, 0, 51, 0}, mdt_default[] = {36, 0, 47, 
          .attribute = NUMBER(16) | ECT_SOE_LOCK_PREOP,                                                                 \
          .name = "Not in PREOP",                                                                                       \
          .offset = OF(drive[n].locked)},                                                                               \
+        {.idn = ECT_SOE_P(10),                                                                                         \
+         .attribute = 1u | ECT_SOE_8 | ECT_SOE_LIST | ECT_SOE_TEXT | ECT_SOE_READ_ONLY,                                \
+         .name = "Long text",                                                                                          \
+         .content = long_text,                                                                                         \
+         .used = SOEDEV_TEXT},                                                                                         \
     }
 
 static const ect_soe_idn_t idns_0[] = DRIVE(0), idns_1[] = DRIVE(1);
@@ -365,8 +373,6 @@ const ect_device_t soedev = {
     .sm_count = 4,
     .fmmu = {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS},
     .fmmu_count = 2,
-    .boot_out = {0x1800, SOEDEV_MAILBOX},
-    .boot_in = {0x1A00, SOEDEV_MAILBOX},
     .mailbox_protocols = ECT_MAILBOX_SOE,
     .protocols = protocols,
     .soe_channels = SOEDEV_DRIVES,

@@ -20,6 +20,7 @@ enum {
     SOEDEV_MAPPED = 13, /* elements of a mapping, with the word */
     SOEDEV_CHOICE = 24, /* capacity of S-0-0016 and S-0-0024, bytes */
     SOEDEV_LONG = 296,  /* capacity of S-0-0016 of drive 2 */
+    SOEDEV_TEXT = 300,  /* length of P-0-0010 */
     SOEDEV_BUFFER = 512,
 };
 

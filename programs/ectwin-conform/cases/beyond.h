@@ -55,5 +55,17 @@ void cf_eoe_unsupported(cf_t *c);
 void cf_ads_reads(cf_t *c);
 /** CF-A02: unknown groups, objects, commands, and lengths. */
 void cf_ads_refusals(cf_t *c);
+/** CF-S01: SoE requests that no drive serves. */
+void cf_soe_refusals(cf_t *c);
+/** CF-S02: elements of each IDN. */
+void cf_soe_elements(cf_t *c);
+/** CF-S03: refused writes. */
+void cf_soe_writes(cf_t *c);
+/** CF-S04: drives of the SII, and those beyond. */
+void cf_soe_drives(cf_t *c);
+/** CF-S05: replies and writes in pieces. */
+void cf_soe_pieces(cf_t *c);
+/** CF-S06: process data by S-0-0016 and S-0-0024. */
+void cf_soe_process_data(cf_t *c);
 
 #endif

@@ -274,6 +274,15 @@ static const cf_case_t cases[] = {
     {"CF-A01", "AoE: state, device information and identity are read", 'R', CF_MAILBOX, 0, cf_ads_reads},
     {"CF-A02", "AoE: unknown groups, objects and commands, and wrong lengths are refused", 'R', CF_MAILBOX, 0,
      cf_ads_refusals},
+    {"CF-S01", "SoE: unknown IDNs, no elements and malformed mails are refused", 'R', CF_MAILBOX, 0, cf_soe_refusals},
+    {"CF-S02", "SoE: each IDN of S-0-0017 has its elements, alone and together", 'R', CF_MAILBOX, 60000,
+     cf_soe_elements},
+    {"CF-S03", "SoE: writes of a wrong length or beyond the limits are refused, and the value stays", 'R', CF_MAILBOX,
+     0, cf_soe_writes},
+    {"CF-S04", "SoE: the drives of the SII reply, the others are refused", 'R', CF_MAILBOX | CF_SII, 0, cf_soe_drives},
+    {"CF-S05", "SoE: replies and writes in pieces", 'R', CF_MAILBOX, 60000, cf_soe_pieces},
+    {"CF-S06", "SoE: S-0-0016 and S-0-0024 give the sizes of the process data", 'F', CF_MAILBOX, 0,
+     cf_soe_process_data},
     {"CF-086", "AoE, SoE and VoE get a mailbox error if not supported", 'R', CF_MAILBOX, 0, not_offered},
 };
 
