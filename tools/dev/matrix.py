@@ -36,6 +36,10 @@ DRIVE_RANGES = [(1, 7), (9, 16), (18, 18), (20, 20), (22, 27), (30, 30), (32, 32
                 (523, 524), (526, 530), (601, 605), (607, 624)]
 DRIVE_TESTED = 250
 
+# The statements on SoE: services, then commands, IDNs and process data.
+SOE_RANGES = [(1, 22), (30, 46)]
+SOE_TESTED = 34
+
 
 def ids(prefix, text):
     for first, last in re.findall(prefix + r"-(\d{3})(?:\.\.(\d{3}))?", text):
@@ -78,26 +82,27 @@ def judge(prefix, last, no_test, not_on_the_wire, all_titles):
                    f"{len(no_test)} have a reason for none")
 
 
-def judge_drives(all_titles):
-    """Prints the matrix of the drives. @return how much of it is wrong, and a summary"""
-    known = {number for first, last in DRIVE_RANGES for number in range(first, last + 1)}
+def judge_statements(prefix, ranges, least, all_titles):
+    """Prints the matrix of numbered statements. @return how much of it is wrong, and a summary"""
+    known = {number for first, last in ranges for number in range(first, last + 1)}
     found = {}
     for path, title in all_titles:
-        for number in ids("DRV", title):
+        for number in ids(prefix, title):
             found.setdefault(number, []).append((path, title))
     for number in sorted(known | set(found)):
         for path, title in found.get(number, []):
-            print(f"DRV-{number:03}  {path}: {title}{'' if number in known else '  WRONG: no such statement'}")
+            print(f"{prefix}-{number:03}  {path}: {title}{'' if number in known else '  WRONG: no such statement'}")
         if number not in found:
-            print(f"DRV-{number:03}  no test")
+            print(f"{prefix}-{number:03}  no test")
     tested_ids = known & set(found)
-    return (len(set(found) - known) + (len(tested_ids) < DRIVE_TESTED),
-            f"DRV: {len(tested_ids)} of {len(known)} requirements have tests; at least {DRIVE_TESTED} must")
+    return (len(set(found) - known) + (len(tested_ids) < least),
+            f"{prefix}: {len(tested_ids)} of {len(known)} requirements have tests; at least {least} must")
 
 
 tested = [(path.relative_to(TESTS), title) for path in sorted(TESTS.rglob("*")) if path.suffix in (".c", ".sh", ".py")
           for title in titles(path)]
-results = [judge(*product, tested) for product in PRODUCTS] + [judge_drives(tested)]
+results = [judge(*product, tested) for product in PRODUCTS] + [
+    judge_statements("DRV", DRIVE_RANGES, DRIVE_TESTED, tested), judge_statements("SOE", SOE_RANGES, SOE_TESTED, tested)]
 for _, summary in results:
     print(summary)
 sys.exit(1 if any(wrong for wrong, _ in results) else 0)

@@ -870,7 +870,7 @@ int main(void)
         TEST("SOE-010 SOE-011 elements other than the value, and constants, are read only", other_elements),
         TEST("SOE-011 protection by AL state and by process data", protection),
         TEST("SOE-011 SOE-012 the device has the last word on a value", refused_by_the_device),
-        TEST("SOE-V7 SOE-014 SOE-015 SOE-016 a write in pieces", write_fragments),
+        TEST("SOE-014 SOE-015 SOE-016 SOE-V7 a write in pieces", write_fragments),
         TEST("SOE-017 too much data are swallowed, the last piece gets the error", write_too_much),
         TEST("SOE-017 a write in pieces ends at another request", write_interrupted),
         TEST("SOE-013 replies in pieces, of each length, through mailboxes of 24 to 128 bytes", read_fragments),
