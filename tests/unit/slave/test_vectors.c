@@ -7,6 +7,7 @@
 
 #include "bus/chain/settings.h"
 #include "support/filedev.h"
+#include "support/soedev.h"
 #include "support/wire.h"
 
 enum { MOST = 256, MAILBOX = 128, LINE = 1024, FRAME_TWINS = 3 };
@@ -237,7 +238,7 @@ static void send_mail(wire_t *w, const char *text)
 {
     uint8_t mail[MAILBOX];
     (void)parse(text, mail);
-    assert_int_equal(wire_write(w, 0, testdev.sm[0].start, mail, MAILBOX), 1);
+    assert_int_equal(wire_write(w, 0, wire_device(w, 0)->sm[0].start, mail, MAILBOX), 1);
     record(w);
 }
 
@@ -252,7 +253,7 @@ static void expect_mail(wire_t *w, const char *text, const char *name)
     }
     if (!full)
         fail_msg("%s: expected%s  got no answer", name, text);
-    assert_int_equal(wire_read(w, 0, testdev.sm[1].start, got, MAILBOX), 1);
+    assert_int_equal(wire_read(w, 0, wire_device(w, 0)->sm[1].start, got, MAILBOX), 1);
     record(w);
     (void)parse(text, want);
     if (memcmp(want, got, MAILBOX) == 0)
@@ -261,6 +262,14 @@ static void expect_mail(wire_t *w, const char *text, const char *name)
     for (unsigned int i = 0; i < 6u + ect_load_le16(got) && i < MAILBOX; i++)
         fprintf(stderr, " %02X", got[i]);
     fail_msg("alone: test_vectors '%s'", name);
+}
+
+/* The device of a file of mails. */
+static const ect_device_t *device_of(const vector_t *v)
+{
+    if (strncmp(v->name, "foe:", 4) == 0)
+        return filedev();
+    return strncmp(v->name, "soe:", 4) == 0 ? &soedev : &testdev;
 }
 
 static void run_vector(void **state)
@@ -276,7 +285,7 @@ static void run_vector(void **state)
     unsigned int exchanges = 0;
     assert_non_null(file);
     assert_int_equal(fseek(file, v->at, SEEK_SET), 0);
-    wire_open_one(&w, strncmp(v->name, "foe:", 4) == 0 ? filedev() : &testdev);
+    wire_open_one(&w, device_of(v));
     wire_go(&w, 0, ECT_STATE_PREOP);
     while (fgets(line, sizeof line, file) && strncmp(line, "vector ", 7) != 0) {
         w.now_ns += MS;
