@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Clones of random twins, on the virtual clock (CLN-015): `verify` finds no difference, and a clone of the clone is the same byte by byte.
+"""Clones of random twins and of a SOES application (CLN-015): `verify` finds no difference, a clone of the clone is the same byte by byte.
 
-usage: clones.py ECTWIN ESI-FOLDER
+usage: clones.py ECTWIN ESI-FOLDER | clones.py ECTWIN --external 'SOES-SLAVE ARG...'
 
 ECTWIN_SEED=N chooses other twins (default 1), ECTWIN_TWINS=N their number (default 50). ECTWIN_ESI_FOLDER=DIR takes them from the ESI
 files below DIR, such as those of vendors, in place of ESI-FOLDER and of random device files. A file or device that cannot be a twin is
@@ -21,6 +21,7 @@ TWINS = int(os.environ.get("ECTWIN_TWINS", "50"))
 VENDORS = os.environ.get("ECTWIN_ESI_FOLDER")
 A_BUS = 10  # twins
 LONG = 900  # seconds; no assertion depends on them
+TRIES = 20
 TYPES = ["BOOL", "BIT3", "USINT", "UINT", "UDINT", "ULINT", "SINT", "INT", "DINT", "LINT", "REAL", "LREAL", "STRING(7)", "BYTES(5)"]
 INTEGERS = {"USINT": 8, "UINT": 16, "UDINT": 32, "INT": 15, "DINT": 31}
 MAPPED = ["USINT", "UINT", "UDINT", "INT", "DINT", "REAL", "BYTES(5)"]
@@ -140,15 +141,19 @@ def draw(ectwin, rng, pool, count):
 # --- clones --------------------------------------------------------------------------------------------------------------------------
 
 def clone_and_verify(ectwin, bus, folder, work):
-    """Clones a bus to a folder, and compares it with the folder."""
+    """Clones a bus to a folder, and compares it with the folder. On the wall clock a machine that stands still lets a slave be late:
+    a reading without an end is repeated."""
     script = work / "script.sh"
-    script.write_text(f"'{ectwin}' clone --preop -i \"$1\" -o '{folder}' || exit\n'{ectwin}' verify '{folder}' \"slave:$1\"\n")
-    done = run(ectwin, "with", *bus, "--", "sh", script, "{}", env={**os.environ, "SOURCE_DATE_EPOCH": "0"})
-    cloned = sorted(path.name for path in folder.glob("*.xml"))
-    differences = [line for line in done.stdout.splitlines() if not re.match(r"\d+ .* EEPROM \d+ bytes", line)]
-    expect(f"{bus}: exit code, {done.stdout}{done.stderr}", 0, done.returncode)
+    script.write_text(f"rm -rf '{folder}'\n'{ectwin}' clone --preop -i \"$1\" -o '{folder}' || exit\n"
+                      f"'{ectwin}' verify '{folder}' \"slave:$1\"\n")
+    for _ in range(TRIES if "--external" in bus else 1):
+        done = run(ectwin, "with", *bus, "--", "sh", script, "{}", env={**os.environ, "SOURCE_DATE_EPOCH": "0"})
+        differences = [line for line in done.stdout.splitlines() if not re.match(r"\d+ .* EEPROM \d+ bytes", line)]
+        if done.returncode == 0 or differences:
+            break
     expect(f"{bus}: differences", [], differences)
-    return cloned
+    expect(f"{bus}: exit code, {done.stdout}{done.stderr}", 0, done.returncode)
+    return sorted(path.name for path in folder.glob("*.xml"))
 
 
 def same_files(first, second):
@@ -183,5 +188,15 @@ def random_twins(ectwin, files):
                 clones_of(ectwin, [*words, ",".join(name for name, _ in some)], len(some), pathlib.Path(work))
 
 
+def soes_application(ectwin, command):
+    """Its clone is a twin on the virtual clock."""
+    with tempfile.TemporaryDirectory() as work:
+        clones_of(ectwin, ["--external", command], 1, pathlib.Path(work))
+
+
 if __name__ == "__main__":
-    random_twins(os.path.abspath(sys.argv[1]), pathlib.Path(VENDORS or sys.argv[2]))
+    program = os.path.abspath(sys.argv[1])
+    if sys.argv[2] == "--external":
+        soes_application(program, sys.argv[3])
+    else:
+        random_twins(program, pathlib.Path(VENDORS or sys.argv[2]))
