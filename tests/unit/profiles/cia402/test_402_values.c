@@ -566,6 +566,48 @@ static void speed_windows(void **unused)
     assert_in_range(zero, 40, 100);  /* up to 62000 */
 }
 
+/* An acceleration that no torque reaches: the drive gives 6072h, in thousandths of the rated torque. */
+static void most_torque(void **unused)
+{
+    static const int32_t limits[] = {500, 1500, 3000};
+    (void)unused;
+    for (size_t i = 0; i < COUNT(limits); i++) {
+        int32_t most = 0;
+        prepare();
+        power_on();
+        r.value[ECT_402_V_MAX_TORQUE] = limits[i];
+        ect_402_drive_touched(&r.d);
+        enable();
+        r.around.machine.load = 1;
+        r.value[ECT_402_V_TARGET_SPEED] = 20 << 20;
+        for (unsigned int ms = 0; ms < 100; ms++) {
+            cycle(1);
+            most = r.value[ECT_402_V_TORQUE] > most ? r.value[ECT_402_V_TORQUE] : most;
+        }
+        if (most < limits[i] - 1 || most > limits[i])
+            fail_msg("6072h %d: expected this as the greatest 6077h, got %d", limits[i], most);
+    }
+}
+
+static void jammed(void **unused)
+{
+    (void)unused;
+    prepare();
+    power_on();
+    enable();
+    r.around.machine.jam = 1;
+    r.value[ECT_402_V_TARGET_SPEED] = 1 << 20;
+    for (unsigned int ms = 0; ms < 200; ms++) {
+        cycle(1);
+        assert_int_equal(r.value[ECT_402_V_SPEED], 0);
+        assert_int_equal(r.value[ECT_402_V_POSITION], 0);
+    }
+    assert_true(r.value[ECT_402_V_TORQUE] > 0);
+    r.around.machine.jam = 0;
+    cycle(200);
+    assert_true(r.value[ECT_402_V_POSITION] > 0);
+}
+
 static void motor_speeds(void **unused)
 {
     static const int32_t turns_a_minute[] = {1, 2, 60, 600};
@@ -602,6 +644,8 @@ int main(void)
         {"DRV-005 DRV-014 DRV-022 DRV-023 DRV-032 actual values of a motion", actual_values, NULL, NULL, NULL},
         {"DRV-047 DRV-048 DRV-064 profiles other than the linear ones are refused", refused_profiles, NULL, NULL, NULL},
         {"DRV-246 DRV-247: bit 10 within 606Dh of the target, bit 12 up to 606Fh", speed_windows, NULL, NULL, NULL},
+        {"DRV-027 DRV-032: 6077h rises to 6072h and not beyond", most_torque, NULL, NULL, NULL},
+        {"A jammed shaft stands", jammed, NULL, NULL, NULL},
         {"DRV-041: 6080h limits the speed, from one turn a minute on", motor_speeds, NULL, NULL, NULL},
         {"DRV-519: speeds in turns a minute, and in tenths", speed_units, NULL, NULL, NULL},
         {"Options, modes and methods that do not exist are refused", refused_values, NULL, NULL, NULL},

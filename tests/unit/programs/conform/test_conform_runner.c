@@ -132,12 +132,14 @@ static unsigned int downloads;
 static uint8_t uploaded[3]; /* index and sub-index of the last upload */
 
 static bool takes_files;
+static uint8_t file_state; /* AL status at the last request of FoE */
 
 static void reply_to(const uint8_t *mail)
 {
     uint8_t *reply = memory + 0x1080;
     memset(reply, 0, 128);
     if ((mail[5] & 0x0F) == CF_MBX_FOE) {
+        file_state = memory[ECT_REG_AL_STATUS];
         ect_store_le16(reply, 6);
         reply[5] = 0x10 | CF_MBX_FOE;
         reply[6] = takes_files ? CF_FOE_ACK : CF_FOE_ERROR;
@@ -237,6 +239,7 @@ static void file_taken_back(void **state)
     run.c.file = "parameters";
     assert_int_equal(run_one(&run, changes_file, CF_COE, &result), CF_PASS);
     assert_string_equal(result.reason, "");
+    assert_int_equal(file_state, CF_PREOP);
     end_run(&run);
 }
 
@@ -1109,7 +1112,7 @@ int main(void)
         cmocka_unit_test(undo_order),
         {"A value of CF_CHANGE_MOST bytes can be kept", longest_value_kept, NULL, NULL, NULL},
         {"A step has at most CF_STEP - 1 bytes", longest_step, NULL, NULL, NULL},
-        {"A file is taken back", file_taken_back, NULL, NULL, NULL},
+        {"A file is taken back, in the state in which it was read", file_taken_back, NULL, NULL, NULL},
         {"A slave that fails the canary is switched off and on with --power", power_cycle, NULL, NULL, NULL},
         {"A case ends the function that it has named for waits", function_of_another_case, NULL, NULL, NULL},
         {"The capture names a case, and the way back", comments_of_the_capture, NULL, NULL, NULL},
