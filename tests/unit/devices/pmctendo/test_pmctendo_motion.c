@@ -69,6 +69,9 @@ static void cyclic_speed(void **state)
     drive_set(&d, -3 * TURN);
     drive_cycles(&d, 500);
     expect_near("speed", -3.0 * TURN, 100);
+    char text[ECT_SIGNAL_TEXT_ROOM];
+    signal_get(&d.w, "speed", text); /* turns a minute */
+    assert_true(strtod(text, NULL) > -180.1 && strtod(text, NULL) < -179.9);
     int32_t before = drive_position(&d);
     drive_cycles(&d, 1000);
     expect_near("position", before - 3.0 * TURN, 100);
