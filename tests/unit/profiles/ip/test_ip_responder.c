@@ -218,6 +218,7 @@ static void every_length_is_safe(void **state)
         (void)ping(frame, 56);
         assert_int_equal(ect_ip_reply(&own, frame, (uint16_t)length, reply), 0);
         (void)arp(frame);
+        memcpy(reply, frame, ARP_LENGTH); /* the end of another request, which is no part of this one */
         assert_int_equal(ect_ip_reply(&own, frame, (uint16_t)length, reply), length < ARP_LENGTH ? 0 : 60);
     }
 }
