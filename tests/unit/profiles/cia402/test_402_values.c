@@ -645,7 +645,7 @@ int main(void)
         {"DRV-047 DRV-048 DRV-064 profiles other than the linear ones are refused", refused_profiles, NULL, NULL, NULL},
         {"DRV-246 DRV-247: bit 10 within 606Dh of the target, bit 12 up to 606Fh", speed_windows, NULL, NULL, NULL},
         {"DRV-027 DRV-032: 6077h rises to 6072h and not beyond", most_torque, NULL, NULL, NULL},
-        {"A jammed shaft stands", jammed, NULL, NULL, NULL},
+        {"A jammed shaft does not move", jammed, NULL, NULL, NULL},
         {"DRV-041: 6080h limits the speed, from one turn a minute on", motor_speeds, NULL, NULL, NULL},
         {"DRV-519: speeds in turns a minute, and in tenths", speed_units, NULL, NULL, NULL},
         {"Options, modes and methods that do not exist are refused", refused_values, NULL, NULL, NULL},
