@@ -108,9 +108,13 @@ check "a name that is taken" "3 ectwin: two devices have the name 'fzm1'; give t
 
 # The core alone, and the board with the same device.
 arm="-DCMAKE_BUILD_TYPE=MinSizeRel -DCMAKE_TOOLCHAIN_FILE=$root/examples/board/cortex-m4.cmake"
-# shellcheck disable=SC2086
-project "$root" core $arm -DCMAKE_BUILD_TYPE=None -DECTWIN_HOST=OFF # installed and linked is the subject, not optimised
-quietly cmake --install "$work/core" --prefix "$work/arm"
+core=$root/build/mps2-an385 # for a Cortex-M3, which a Cortex-M4 executes; the test board_image builds it
+if [ ! -e "$core/build.ninja" ]; then
+  core=$work/core
+  # shellcheck disable=SC2086
+  project "$root" core $arm -DCMAKE_BUILD_TYPE=None -DECTWIN_HOST=OFF # installed and linked is the subject, not optimised
+fi
+quietly cmake --install "$core" --prefix "$work/arm"
 # shellcheck disable=SC2086
 project "$work/examples/board" board $arm -DCMAKE_PREFIX_PATH="$work/arm"
 check "the firmware is there" yes "$([ -s "$work/board/heater-firmware" ] && echo yes)"
