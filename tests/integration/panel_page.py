@@ -17,6 +17,10 @@ import urllib.request
 ECTWIN, MASTER = sys.argv[1:3]
 SHOTS = sys.argv[3] if len(sys.argv) > 3 else None
 ELEMENT = "element-6066-11e4-a52e-4f735466cecf"  # the key of an element in WebDriver
+# No services beside the page, and few processes: a tenth of the processor time less.
+LEAN = ["--disable-extensions", "--disable-component-update", "--disable-background-networking", "--disable-sync", "--no-first-run",
+        "--disable-default-apps", "--in-process-gpu", "--renderer-process-limit=1", "--disable-site-isolation-trials",
+        "--disable-features=Translate,OptimizationHints,MediaRouter,AutofillServerCommunication"]
 failures = []
 
 
@@ -37,7 +41,7 @@ class Browser:
                 self.base = "http://127.0.0.1:" + line.rsplit("on port ", 1)[1].strip().rstrip(".")
                 break
         options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--window-size=1400,1000",
-                   "--force-device-scale-factor=1", "--no-proxy-server", f"--user-data-dir={profile}"]
+                   "--force-device-scale-factor=1", "--no-proxy-server", f"--user-data-dir={profile}", *LEAN]
         wanted = {"browserName": "chrome", "goog:chromeOptions": {"args": options}, "goog:loggingPrefs": {"browser": "ALL"}}
         self.session = self.call("POST", "/session", {"capabilities": {"alwaysMatch": wanted}}, bare=True)["sessionId"]
 
