@@ -1,5 +1,7 @@
 #!/usr/bin/env bash
 # The example controller and the operator's side, over the wire and in real time.  usage: controller.sh ECTWIN CONTROLLER [CASE]
+# A case lasts until its result is there: a machine that stands still for seconds makes it longer, and takes the unit out of its state
+# for a while.
 set -u
 export ectwin=$1 controller=$2
 only=${3:-}
@@ -25,6 +27,18 @@ until_lines() { # COUNT PATTERN COMMAND...: waits until a command prints so many
 }
 export -f until_lines
 
+until_gets() { # VALUES NAME...: waits until signals have these values, in lines; prints the last ones
+  local wanted=$1 got
+  shift
+  for _ in $(seq 1200); do
+    got=$("$ectwin" get "$@")
+    [ "$got" = "$wanted" ] && break
+    sleep 0.05
+  done
+  echo "$got"
+}
+export -f until_gets
+
 # ECL-023, ECL-024, ECL-050, ECL-051, ECL-060, ECL-062: commands both ways, an unarmed remote hears them too
 commands_go_both_ways() {
   "$ectwin" with vr-bu-ect-map7 -- bash -c '
@@ -47,39 +61,34 @@ commands_go_both_ways() {
 # ECL-028, ECL-057, ECL-066, ECL-068: the messages and states, from nothing to armed and back
 the_display_follows_the_controller() {
   "$ectwin" with vr-bu-ect-map7 -- bash -c '
-    show() { echo "$1 $("$ectwin" get "bu.state") $("$ectwin" get "bu.es_link") $("$ectwin" get "bu.message")"; }
+    show() { # STATE ES_LINK MESSAGE
+      until_gets "bu.state=$1
+bu.es_link=$2
+bu.message=$3" bu.state bu.es_link bu.message | paste -sd " "
+    }
     "$ectwin" set ru1.on=1
-    show before >"$work/values"
+    show 0 0 "EC: No Data" >"$work/values"
     "$controller" "$ECTWIN_IFACE" --seconds 600 >"$work/log" & pid=$!
-    until_event enabled
-    show enabled >>"$work/values"
+    show 16 1 "" >>"$work/values"
     "$ectwin" set ru1.armed=1
-    show armed >>"$work/values"
+    show 17 1 "" >>"$work/values"
     "$ectwin" set ru1.stop=1
-    show stopped >>"$work/values"
+    show 1 0 "" >>"$work/values"
     kill -INT $pid; wait $pid
-    show gone >>"$work/values"' 2>/dev/null
-  check "state, ES-Link and message" "before bu.state=0 bu.es_link=0 bu.message=EC: No Data
-enabled bu.state=16 bu.es_link=1 bu.message=
-armed bu.state=17 bu.es_link=1 bu.message=
-stopped bu.state=1 bu.es_link=0 bu.message=
-gone bu.state=2 bu.es_link=0 bu.message=EC: No Data" "$(cat "$work/values")"
+    show 2 0 "EC: No Data" >>"$work/values"' 2>/dev/null
+  check "state, ES-Link and message: before, enabled, armed, stopped, without the controller" "bu.state=0 bu.es_link=0 bu.message=EC: No Data
+bu.state=16 bu.es_link=1 bu.message=
+bu.state=17 bu.es_link=1 bu.message=
+bu.state=1 bu.es_link=0 bu.message=
+bu.state=2 bu.es_link=0 bu.message=EC: No Data" "$(cat "$work/values")"
 }
 
 # ECL-002, ECL-022: no slave answers: safe state after 500 ms without PCI, and back when it answers again
 the_controller_is_safe_without_a_unit() {
-  "$ectwin" with vr-bu-ect-map7 -- bash -c '
-    "$controller" "$ECTWIN_IFACE" --seconds 600 >"$work/log" & pid=$!
-    until_event enabled
-    "$ectwin" set bu.enabled=0
-    for _ in $(seq 1200); do [ "$(grep -c safe "$work/log")" -ge 2 ] && break; sleep 0.05; done
-    grep -c enabled "$work/log" >"$work/values"
-    grep -c safe "$work/log" >>"$work/values"
-    "$ectwin" set bu.enabled=1
-    for _ in $(seq 1200); do [ "$(grep -c enabled "$work/log")" -ge 2 ] && break; sleep 0.05; done
-    grep -c enabled "$work/log" >>"$work/values"
-    kill -INT $pid; wait $pid' 2>/dev/null
-  check "enabled once, safe twice (at first, and without the unit), enabled again" "1 2 2" "$(xargs <"$work/values")"
+  printf '%s\n' 'at 2s set bu.enabled=0' 'at 4s set bu.enabled=1' >"$work/script"
+  "$ectwin" with --in-process --virtual-time --scenario "$work/script" vr-bu-ect-map7 -- "$controller" '{}' --seconds 6 >"$work/log" 2>/dev/null
+  check "safe at first, enabled, safe without the unit, enabled again" "safe enabled safe enabled" \
+    "$(grep -o 'safe\|enabled' "$work/log" | xargs)"
 }
 
 # ECL-023, ECL-050: the controller dies and comes back with its counters: no command is lost, none comes twice

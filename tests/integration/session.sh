@@ -280,10 +280,10 @@ example_masters_at_the_wrong_place() {
   local masters
   masters=$(dirname "$ectwin")
   [ -x "$masters/ectwin-plc" ] || { echo "SKIPPED example masters: not built"; return; }
-  "$ectwin" with fzm1 -- "$masters/ectwin-controller" {} >/dev/null 2>"$work/err"
+  "$ectwin" with --in-process --virtual-time fzm1 -- "$masters/ectwin-controller" {} >/dev/null 2>"$work/err"
   check "controller: a sensor" 3 $?
   says "controller" "no base unit"
-  "$ectwin" with vr-bu-ect-map7 -- "$masters/ectwin-plc" {} >/dev/null 2>"$work/err"
+  "$ectwin" with --in-process --virtual-time vr-bu-ect-map7 -- "$masters/ectwin-plc" {} >/dev/null 2>"$work/err"
   check "plc: a base unit" 3 $?
   says "plc" "is no FZM1"
   for option in "ectwin-controller --seconds 1s" "ectwin-controller --periodic 51201" "ectwin-plc --scene 0x1" \
