@@ -74,7 +74,7 @@ signals_of_a_device() {
 }
 
 numbers_are_numbers() {
-  beside_an_fzm1 "timeout 1 '$ectwin' watch 'data1' | head -1; timeout 1 '$ectwin' watch comment1 | head -1"
+  beside_an_fzm1 "timeout 300 '$ectwin' watch 'data1' | head -1; timeout 300 '$ectwin' watch comment1 | head -1"
   check "watch: a number, and a text" 'int str' \
     "$(python3 -c 'import json, sys; print(*(type(json.loads(l)["value"]).__name__ for l in sys.stdin))' <"$work/out")"
 }
@@ -82,7 +82,7 @@ numbers_are_numbers() {
 # A reader that ends, ends the watch: at once, though no signal changes.
 watch_ends_with_its_reader() {
   # shellcheck disable=SC2016
-  "$ectwin" with fzm1 -- bash -c 'timeout 10 "$1" watch data1 | head -1; echo "${PIPESTATUS[0]}"' bash "$ectwin" >"$work/out" 2>"$work/err"
+  "$ectwin" with fzm1 -- bash -c 'timeout 300 "$1" watch data1 | head -1; echo "${PIPESTATUS[0]}"' bash "$ectwin" >"$work/out" 2>"$work/err"
   check "watch: 'head -1' ends it, without a word" '0 {"event":"ready","iface":"ecat0","slaves":1}' \
     "$(tail -1 "$work/out") $(cat "$work/err")"
 }
