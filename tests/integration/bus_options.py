@@ -72,6 +72,7 @@ NOT_OF_A_BUS = {
     "interface": "the interface belongs to the machine",
     "leave-children": "how CMD is run",
     "output": "the interface belongs to the machine",
+    "plant": "how CMD is run",
     "require-private": "how CMD is run",
     "usage": "of the command",
     "virtual-time": "how CMD is run",
