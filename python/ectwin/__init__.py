@@ -13,8 +13,8 @@ No dependencies; Python 3.8 or newer, Linux.
 
 from ._control import Change, Signal, Watch
 from ._errors import Error, Refused
-from ._plant import Plant
+from ._plant import Plant, camera
 from ._twin import Twin, connect, ps, start
 from .chain import Chain, Reply
 
-__all__ = ["Chain", "Change", "Error", "Plant", "Refused", "Reply", "Signal", "Twin", "Watch", "connect", "ps", "start"]
+__all__ = ["Chain", "Change", "Error", "Plant", "Refused", "Reply", "Signal", "Twin", "Watch", "camera", "connect", "ps", "start"]

@@ -58,6 +58,9 @@ class Plant:
     `writes`: all are set at once, or none; a signal that is left out keeps its value, None sets nothing. A name is "level",
     "gripper.level", "2:level" or (2, "level"). `period` is in seconds; `name` is the plant's name in `ectwin stats`.
 
+    With `on`, the name of a signal, the function is called at each change of this signal in place of each period. A result that comes more
+    than `timeout` seconds later is dropped and counted.
+
     The same plant serves a Chain (Chain.attach), where each call is made at its exact time.
     """
 
@@ -69,18 +72,23 @@ class Plant:
         *,
         period: float = 0.001,
         name: str = "plant",
+        on: Optional[Name] = None,
+        timeout: float = 0.005,
     ) -> None:
         self.function = function
         self.reads = list(reads)
         self.writes = list(writes)
         self.period = period
         self.name = name
+        self.on = on
+        self.timeout = timeout
         #: Calls so far.
         self.steps = 0
         if not (self.reads or self.writes):
             raise Error("a plant reads or sets a signal: name some in reads= and writes=")
-        if not 1e-4 <= period <= 2000:
-            raise Error(f"the period of a plant is 0.0001 to 2000 s, not {period}")
+        for what, seconds in (("period", period), ("timeout", timeout)):
+            if not 1e-4 <= seconds <= 2000:
+                raise Error(f"the {what} of a plant is 0.0001 to 2000 s, not {seconds}")
         self._known = frozenset(self.writes)
         self._connection: Optional[Connection] = None
         self._thread: Optional[threading.Thread] = None
@@ -116,12 +124,19 @@ class Plant:
         try:
             for request in _batches(self.reads, self.writes):
                 connection.ask({"op": "plant", "name": self.name, **request})
-            connection.ask({"op": "plant", "period_us": self.period * 1e6, "wait": wait})
+            connection.ask({"op": "plant", "wait": wait, **self._rhythm()})
         except BaseException:
             connection.close()
             raise
         self._connection = connection
         self._stopped = False
+
+    def _rhythm(self) -> Dict[str, Any]:
+        """The members of a request that start the plant."""
+        if self.on is None:
+            return {"period_us": self.period * 1e6}
+        slave, name = split(self.on)
+        return {"slave": slave, "on": name, "timeout_us": self.timeout * 1e6}
 
     @staticmethod
     def _reach(path: Optional[str], timeout: float) -> Connection:
@@ -145,16 +160,16 @@ class Plant:
                 step = self._next_step(connection)
                 if step is None:
                     return
-                result = self.step(*step)
-                connection.send({"op": "step", "values": [result.get(name) for name in self.writes]})
+                result = self.step(*step[1:])
+                connection.send({"op": "step", "step": step[0], "values": [result.get(name) for name in self.writes]})
         finally:
             self._connection = None
             connection.close()
 
-    def _next_step(self, connection: Connection) -> Optional[Tuple[float, Dict[Name, Number]]]:
-        """Time and values of the next step; None: the twins have ended, or `stop` was called."""
+    def _next_step(self, connection: Connection) -> Optional[Tuple[int, float, Dict[Name, Number]]]:
+        """Number, time and values of the next step; None: the twins have ended, or `stop` was called."""
         values: List[Number] = []
-        now = 0.0
+        number, now = 0, 0.0
         while True:
             try:
                 line = connection.line(PATIENCE)
@@ -167,10 +182,10 @@ class Plant:
             if line.get("ok") is False:
                 raise Refused(line["message"])
             if "step" in line:
-                now, values = line["time"], []
+                number, now, values = line["step"], line["time"], []
             values += line.get("values", [])
             if len(values) == len(self.reads):
-                return now, dict(zip(self.reads, values))
+                return number, now, dict(zip(self.reads, values))
 
     def run(self, twin: Union[None, str, "Twin"] = None, *, wait: bool = False, timeout: float = 10.0) -> None:
         """`attach`, then `serve`."""
@@ -226,3 +241,22 @@ class Plant:
             slave, signal = split(name)
             result.setdefault(slave, {})[signal] = value
         return result
+
+
+def camera(function: Callable[[float, int], Tuple[bool, Sequence[Number]]], slave: Union[int, str] = 1, *, timeout: float = 0.005, name: str = "camera") -> Plant:
+    """A plant that decides the content of each image of an FZM1: `function(now, scene)` returns its judgement (True: OK) and its values D1, D2, …
+
+    It is called when an image input begins, by STEP or another start; the image has this judgement and these values if they come within the image
+    input (signal `image_input`, 5 ms), else those of the image before. `slave` is a number or the name of a twin.
+    """
+
+    def signal(of: str) -> Name:
+        return f"{slave}.{of}" if isinstance(slave, str) else (slave, of)
+
+    data = [signal(f"data{n}") for n in range(1, 9)]
+
+    def judge(now: float, values: Dict[Name, Number]) -> Dict[Name, Number]:
+        good, measured = function(now, int(values[signal("scene")]))
+        return {signal("judgement"): 1 if good else -1, **dict(zip(data, measured))}
+
+    return Plant(judge, [signal("scene")], [signal("judgement"), *data], name=name, on=signal("exposures"), timeout=timeout)

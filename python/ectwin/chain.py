@@ -98,6 +98,7 @@ class Chain:
     ) -> None:
         self._bus: Optional[int] = None
         self._plants: List[Tuple[int, int, Plant]] = []  # time of the next call, order of attachment
+        self._triggered: List[Tuple[Plant, str]] = []  # plants with `on`, and the value at the last call
         self._start_ns = now_ns
         self._library = _load(library)
         words = list(options)
@@ -147,13 +148,14 @@ class Chain:
         """Lets time pass: devices, late replies and plants that are due. Returns the frames that have left by then."""
         self._run_plants(now_ns)
         next_ns = self._library.ectwin_bus_run(self._open(), self._advance(now_ns))
+        self._call_triggered()
         if self._plants:
             next_ns = min(next_ns, self._plants[0][0])
         self._next_ns = None if next_ns == NEVER else next_ns
         return self._replies()
 
     def attach(self, plant: Plant) -> None:
-        """Calls a plant once in each of its periods from now on, the first time at once, each time at its exact time.
+        """Calls a plant once in each of its periods from now on, the first time at once, each time at its exact time; or at each change of `on`.
 
         At each of these times the devices run, the plant reads, its values are set, and the devices run again. A frame of the same time
         passes after that. An exception of the function leaves `frame` and `run`. Raises Refused for a signal that does not exist or does not fit.
@@ -161,6 +163,9 @@ class Chain:
         for name in plant.writes:
             slave, signal = split(name)
             self.set({signal: self.get(signal, slave)}, slave)
+        if plant.on is not None:
+            self._triggered.append((plant, self._value_of_trigger(plant)))
+            return
         due_ns = self._call(plant, self._now_ns)
         self._plants.append((due_ns, len(self._plants), plant))
         self._plants.sort(key=lambda entry: entry[:2])
@@ -173,11 +178,24 @@ class Chain:
             self.set(values, slave)
         return now_ns + round(plant.period * 1e9)
 
+    def _value_of_trigger(self, plant: Plant) -> str:
+        slave, name = split(plant.on or "")
+        return self.get(name, slave)
+
+    def _call_triggered(self) -> None:
+        """Calls the plants whose signal `on` has changed."""
+        for index, (plant, seen) in enumerate(self._triggered):
+            value = self._value_of_trigger(plant)
+            if value != seen:
+                self._triggered[index] = (plant, value)
+                self._call(plant, self._now_ns)
+
     def _run_plants(self, now_ns: Optional[int]) -> None:
         """Calls the plants that are due by a time, in the order of their times."""
         while self._plants and self._plants[0][0] <= max(self._now_ns, now_ns or 0):
             due_ns, order, plant = self._plants[0]
             self._plants[0] = (self._call(plant, due_ns), order, plant)
+            self._call_triggered()
             self._plants.sort(key=lambda entry: entry[:2])
 
     def link(self, end: int, plugged: bool, now_ns: Optional[int] = None) -> None:

@@ -315,7 +315,7 @@ static uint64_t planned(const ect_exchange_t *x)
 /* Steps of plants that are due. @return whether the devices must run again at this time */
 static bool step_plants(ect_exchange_t *x)
 {
-    if (!x->control || ect_control_step_due(x->control) > x->polled_ns)
+    if (!x->control || !ect_control_wants_step(x->control, x->polled_ns))
         return false;
     return ect_control_step(x->control, x->chain, ect_exchange_touch(x));
 }

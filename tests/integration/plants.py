@@ -75,6 +75,24 @@ class OnTheVirtualClock(unittest.TestCase):
         self.assertEqual(code, 3)
 
 
+    def test_a_camera_decides_each_image_of_an_fzm1(self):
+        plc = os.path.join(os.path.dirname(PLC), "ectwin-plc")
+        command = [os.environ["ECTWIN"], "with", "--in-process", "--virtual-time", "--name", "camera", "--plant", "camera", "fzm1"]
+        images = []
+
+        def look(now, scene):
+            images.append((now, scene))
+            return len(images) % 2 == 0, [len(images), scene + 0.5]
+
+        process = subprocess.Popen([*command, "--", plc, "--scene", "3", "-m", "4", "{}"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        ectwin.camera(look).run("camera", wait=True, timeout=PATIENCE)
+        output, messages = process.communicate(timeout=PATIENCE)
+        self.assertEqual(process.returncode, 0, messages)
+        data = re.findall(r'"event":"data","data":\[([\d.]+),([\d.]+),', output)
+        self.assertEqual(data, [(f"{n}.000", "3.500") for n in range(1, 5)])
+        self.assertEqual([scene for _, scene in images], [3] * 4)
+
+
 class BesideRunningTwins(unittest.TestCase):
     def test_signals_follow_and_counters_tell(self):
         with ectwin.start("fzm1,fzm1") as twin:

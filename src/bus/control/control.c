@@ -458,6 +458,11 @@ void ect_control_act(ect_control_t *c, ect_chain_t *chain, uint64_t now_ns)
 
 /* --- plants ------------------------------------------------------------------------------------------------------- */
 
+bool ect_control_wants_step(const ect_control_t *c, uint64_t now_ns)
+{
+    return ect_outsides_due(&c->outsides) <= now_ns || ect_outsides_triggered(&c->outsides);
+}
+
 uint64_t ect_control_step_due(const ect_control_t *c)
 {
     return ect_outsides_due(&c->outsides);

@@ -114,6 +114,9 @@ void ect_control_let_wait(ect_control_t *control);
  */
 bool ect_control_await_plant(ect_control_t *control, ect_chain_t *chain, const char *name, uint64_t now_ns);
 
+/** Whether ::ect_control_step has work at a time. Cost: one comparison for each plant. */
+bool ect_control_wants_step(const ect_control_t *control, uint64_t now_ns);
+
 /** Time of the next step of a plant; ECT_NEVER: none. */
 uint64_t ect_control_step_due(const ect_control_t *control);
 

@@ -14,13 +14,16 @@
 
 struct ect_outside {
     char name[ECT_OUTSIDE_NAME];
-    const void *owner; /* NULL: has ended */
-    bool runs;         /* has a period */
-    bool waits;        /* the clock stands still during its steps */
-    bool pending;      /* no reply to the present step yet */
-    bool was_late;     /* reported */
-    uint64_t period_ns, due_ns;
-    uint64_t begun_ns; /* time of the present step */
+    const void *owner;      /* NULL: has ended */
+    bool runs;              /* has a period */
+    bool waits;             /* the clock stands still during its steps */
+    bool pending;           /* no reply to the present step yet */
+    bool was_late;          /* reported */
+    uint64_t period_ns;     /* from step to step; with `on`: longest time to a reply */
+    uint64_t due_ns;        /* next step; with `on`: end of the present one, ECT_NEVER: none */
+    ect_setting_place_t on; /* a change of this signal begins a step; signal NULL: the period does */
+    uint8_t seen[8];        /* its value at the last step */
+    uint64_t begun_ns;      /* time of the present step */
     uint64_t steps, late, refused;
     ect_stats_t took; /* replies by the time that they took */
     size_t read_count, write_count;
@@ -114,7 +117,21 @@ static ect_outside_t *enter(ect_outsides_t *all, const void *owner, const char *
     plant->owner = owner;
     plant->runs = plant->waits = plant->pending = false;
     plant->read_count = plant->write_count = 0;
+    plant->on.ref.signal = NULL;
     return plant;
+}
+
+/* Whether the signal that begins the steps has changed. */
+static bool is_triggered(const ect_outside_t *plant)
+{
+    const ect_signal_ref_t *on = &plant->on.ref;
+    return on->signal && memcmp(plant->seen, on->value, ect_signal_size(on->signal)) != 0;
+}
+
+static void see(ect_outside_t *plant)
+{
+    if (plant->on.ref.signal)
+        memcpy(plant->seen, plant->on.ref.value, ect_signal_size(plant->on.ref.signal));
 }
 
 static bool is_number(const ect_signal_ref_t *ref, char *message)
@@ -163,19 +180,21 @@ static bool add_all(ect_outside_t *plant, const ect_chain_t *chain, size_t slave
 /* @return the reason of a refusal; NULL: started, or not to be started yet */
 static const char *start(const ect_outsides_t *all, ect_outside_t *plant, const cJSON *request, uint64_t now_ns)
 {
-    const cJSON *period = cJSON_GetObjectItemCaseSensitive(request, "period_us");
+    const char *key = plant->on.ref.signal ? "timeout_us" : "period_us";
+    const cJSON *period = cJSON_GetObjectItemCaseSensitive(request, key);
     const bool wait = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(request, "wait"));
     if (!period)
         return NULL;
     if (!cJSON_IsNumber(period) || !(period->valuedouble >= (double)ECT_OUTSIDE_PERIOD_LEAST_US) ||
         !(period->valuedouble <= (double)ECT_OUTSIDE_PERIOD_MOST_US))
-        return "\"period_us\" is a number of microseconds from 100 to 2000000000";
+        return "\"period_us\" and \"timeout_us\" are numbers of microseconds from 100 to 2000000000";
     if (wait && !all->may_wait)
         return "\"wait\" needs a virtual clock (ectwin with --in-process --virtual-time): a bus does not wait";
     if (plant->read_count + plant->write_count == 0)
         return "a plant reads or sets a signal: name some in \"reads\" and \"writes\"";
     plant->period_ns = (uint64_t)(period->valuedouble * 1000 + 0.5);
-    plant->due_ns = now_ns;
+    plant->due_ns = plant->on.ref.signal ? ECT_NEVER : now_ns;
+    see(plant);
     plant->runs = true;
     plant->waits = wait;
     return NULL;
@@ -195,6 +214,23 @@ static const char *find_or_enter(ect_outsides_t *all, const void *owner, const c
     return *plant ? NULL : why;
 }
 
+/* Takes the signal whose changes begin the steps. */
+static bool take_on(ect_outside_t *plant, const ect_chain_t *chain, size_t slave, const cJSON *request, char *message)
+{
+    const cJSON *on = cJSON_GetObjectItemCaseSensitive(request, "on");
+    ect_setting_place_t place;
+    if (!on)
+        return true;
+    if (!cJSON_IsString(on)) {
+        (void)snprintf(message, ECT_SIGNAL_MESSAGE, "\"on\" is the name of a signal");
+        return false;
+    }
+    if (!ect_settings_find(chain, slave - 1, on->valuestring, &place, message) || !is_number(&place.ref, message))
+        return false;
+    plant->on = place;
+    return true;
+}
+
 const char *ect_outside_request(ect_outsides_t *all, const void *owner, const ect_chain_t *chain, size_t slave,
                                 const cJSON *request, uint64_t now_ns, char *message)
 {
@@ -206,8 +242,9 @@ const char *ect_outside_request(ect_outsides_t *all, const void *owner, const ec
         return why;
     const size_t read_count = plant->read_count;
     const size_t write_count = plant->write_count;
-    const bool added =
-        add_all(plant, chain, slave, reads, false, message) && add_all(plant, chain, slave, writes, true, message);
+    const bool added = add_all(plant, chain, slave, reads, false, message) &&
+                       add_all(plant, chain, slave, writes, true, message) &&
+                       take_on(plant, chain, slave, request, message);
     why = added ? start(all, plant, request, now_ns) : message;
     if (why) {
         plant->read_count = read_count;
@@ -232,7 +269,17 @@ uint64_t ect_outsides_due(const ect_outsides_t *all)
 ect_outside_t *ect_outside_due(const ect_outsides_t *all, const void *owner, uint64_t now_ns)
 {
     ect_outside_t *plant = ect_outside_of(all, owner);
-    return plant && plant->due_ns <= now_ns ? plant : NULL;
+    return plant && (plant->due_ns <= now_ns || is_triggered(plant)) ? plant : NULL;
+}
+
+bool ect_outsides_triggered(const ect_outsides_t *all)
+{
+    for (size_t i = 0; i < ECT_OUTSIDE_PLANTS; i++) {
+        const ect_outside_t *plant = all->plant[i];
+        if (plant && plant->owner && plant->runs && is_triggered(plant))
+            return true;
+    }
+    return false;
 }
 
 /* The next period after a time; those in between have no step. @return their number */
@@ -254,6 +301,13 @@ static void count_late(ect_outsides_t *all, ect_outside_t *plant, uint64_t perio
 
 void ect_outside_skip(ect_outsides_t *all, ect_outside_t *plant, uint64_t now_ns)
 {
+    if (plant->on.ref.signal) {
+        see(plant);
+        plant->due_ns = ECT_NEVER;
+        plant->pending = false;
+        count_late(all, plant, 1);
+        return;
+    }
     count_late(all, plant, plan(plant, now_ns) + 1);
 }
 
@@ -267,11 +321,16 @@ static void show_lamps(const ect_outside_t *plant, const ect_chain_t *chain)
 
 bool ect_outside_begin(ect_outsides_t *all, ect_outside_t *plant, const ect_chain_t *chain, uint64_t now_ns)
 {
-    if (plant->pending) {
+    const bool triggered = is_triggered(plant);
+    if (plant->pending)
         ect_outside_skip(all, plant, now_ns);
+    if (plant->pending || (plant->on.ref.signal && !triggered))
         return false;
-    }
-    (void)plan(plant, now_ns); /* periods that the twins themselves have missed are not the plant's */
+    if (triggered)
+        plant->due_ns = now_ns + plant->period_ns;
+    else
+        (void)plan(plant, now_ns); /* periods that the twins themselves have missed are not the plant's */
+    see(plant);
     plant->pending = true;
     plant->begun_ns = now_ns;
     plant->steps++;
@@ -322,7 +381,10 @@ bool ect_outside_waits(const ect_outside_t *plant)
 void ect_outside_give_up(ect_outsides_t *all, ect_outside_t *plant)
 {
     plant->waits = false;
-    count_late(all, plant, 1);
+    if (plant->on.ref.signal)
+        ect_outside_skip(all, plant, plant->begun_ns);
+    else
+        count_late(all, plant, 1);
 }
 
 /* The texts of the values; NULL for null. @return the reason of a refusal; NULL: done */
@@ -347,14 +409,25 @@ static const char *read_values(const ect_outside_t *plant, const cJSON *request,
     return NULL;
 }
 
+/* Whether a reply names a step that has been given up: it has been counted. */
+static bool is_over(const ect_outside_t *plant, const cJSON *request)
+{
+    const cJSON *step = cJSON_GetObjectItemCaseSensitive(request, "step");
+    return cJSON_IsNumber(step) && (!plant->pending || step->valuedouble < (double)plant->steps);
+}
+
 const char *ect_outside_reply(ect_outside_t *plant, ect_chain_t *chain, const cJSON *request, uint64_t now_ns,
                               char *message)
 {
     char texts[ECT_OUTSIDE_VALUES][32];
     const char *values[ECT_OUTSIDE_VALUES];
+    if (plant->on.ref.signal && is_over(plant, request))
+        return NULL;
     if (!plant->pending)
         return "no step of this plant is pending";
     plant->pending = false;
+    if (plant->on.ref.signal)
+        plant->due_ns = ECT_NEVER;
     ect_stats_answer(&plant->took, now_ns - plant->begun_ns);
     const char *why = read_values(plant, request, texts, values);
     if (!why && !ect_settings_write(chain, plant->writes, values, plant->write_count, now_ns, message))

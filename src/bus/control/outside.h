@@ -7,7 +7,9 @@
  * A plant is a client that has named the signals that it reads and sets. At each period the twins send the values that
  * it reads, all of one time; its reply sets the others, all or none. A plant whose reply has not come by the next
  * period is late: the signals keep their values, the period is counted, and the plant gets its next step one period
- * after the reply. The first delay and the end of a plant are reported, once each. Nothing here waits or reads a clock.
+ * after the reply. A plant with a signal `on` has a
+ * step at each change of this signal in place of each period, and a timeout: a later reply is dropped. The first delay
+ * and the end of a plant are reported, once each. Nothing here waits or reads a clock.
  *
  * Context: the thread of the chain, between polls.
  */
@@ -65,8 +67,12 @@ ect_outside_t *ect_outside_of(const ect_outsides_t *all, const void *owner);
 /** A started plant with a name. @return NULL: none */
 ect_outside_t *ect_outside_named(const ect_outsides_t *all, const char *name);
 
-/** The plant of a client, if its next step is due at a time. @return NULL: it is not */
+/** The plant of a client, if a step is due at a time, or the signal has changed that begins its steps. @return NULL: it
+ * is not */
 ect_outside_t *ect_outside_due(const ect_outsides_t *all, const void *owner, uint64_t now_ns);
+
+/** Whether a plant that waits for a change of a signal is to begin a step. Cost: one comparison for each such plant. */
+bool ect_outsides_triggered(const ect_outsides_t *all);
 
 /** Time of the next step of any plant; ECT_NEVER: none. */
 uint64_t ect_outsides_due(const ect_outsides_t *all);

@@ -310,7 +310,7 @@ typedef struct fzm1 {
     uint8_t exe_level, step_level, dsa_level, gate_level, flg_level, continuous_level;
     uint8_t trigger, save, restart, row_add, row_clear;
     uint8_t saving_level, prepared_clear;
-    uint32_t measurements, outputs, discarded, lost, saves;
+    uint32_t exposures, measurements, outputs, discarded, lost, saves;
     fzm1_refusal_t step_ignored, exe_ignored, refused, save_failed;
 
     fzm1_plant_t plant; /* outlasts power: see ect_plant_t */

@@ -35,6 +35,7 @@ bool fzm1_busy(const fzm1_t *u)
 
 static void start_image(fzm1_t *u)
 {
+    u->exposures++;
     u->image_due_ns = u->time_ns + fzm1_image_input_ns(u);
 }
 

@@ -116,6 +116,7 @@ static const ect_signal_t signals[] = {
     R(saves, "saves", U32, 0, INT32_MAX, NULL, "complete saves"),
     R(save_failed.count, "saves_failed", U32, 0, INT32_MAX, NULL, "saves that failed"),
     R(save_failed.why, "save_failed_cause", DESCRIBED, 0, CAUSE, NULL, "reason of the last failure"),
+    R(exposures, "exposures", U32, 0, INT32_MAX, NULL, "image inputs begun since power-on"),
     R(measurements, "measurements", U32, 0, INT32_MAX, NULL, "since power-on"),
     R(outputs, "outputs", U32, 0, INT32_MAX, NULL, "data output since power-on"),
     R(discarded, "discarded", U32, 0, INT32_MAX, NULL, "results dropped without DSA or by Clear"),

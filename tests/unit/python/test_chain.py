@@ -124,6 +124,18 @@ class Plants(unittest.TestCase):
             self.assertEqual(times[1:], [(2, 9 * MS), (4, 11 * MS), (6, 13 * MS)])
             self.assertEqual(chain.get("data1", 2), "3")
 
+    def test_a_camera_is_called_at_each_image_input(self):
+        images = []
+        with ectwin.Chain("fzm1,fzm1") as chain:
+            chain.run(1000 * MS)
+            chain.attach(ectwin.camera(lambda now, scene: (images.append(now) or len(images) > 1, [7.5, scene]), slave=2))
+            for wanted in (("7.5", "1"), ("7.5", "0")):
+                chain.set({"trigger": 1}, slave=2)
+                chain.run(chain.now_ns + 1)
+                chain.run(chain.now_ns + 100 * MS)
+                self.assertEqual((chain.get("result1", 2), chain.get("or", 2)), wanted)
+            self.assertEqual(len(images), 2)
+
     def test_plants_of_one_time_are_called_in_the_order_of_their_attachment(self):
         calls = []
         with ectwin.Chain("fzm1") as chain:

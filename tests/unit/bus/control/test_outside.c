@@ -90,6 +90,10 @@ static void refused_requests(void **state)
         {"{\"op\":\"plant\",\"name\":\"t\",\"reads\":[\"data1\"],\"period_us\":\"1000\"}\n", "from 100 to"},
         {"{\"op\":\"plant\",\"name\":\"t\",\"reads\":[\"data1\"],\"period_us\":1000,\"wait\":true}\n",
          "needs a virtual clock"},
+        {"{\"op\":\"plant\",\"name\":\"t\",\"on\":7}\n", "the name of a signal"},
+        {"{\"op\":\"plant\",\"name\":\"t\",\"on\":\"nosuch\"}\n", "no signal 'nosuch'"},
+        {"{\"op\":\"plant\",\"name\":\"t\",\"on\":\"comment1\"}\n", "comment1 is a text"},
+        {"{\"op\":\"plant\",\"name\":\"t\",\"on\":\"busy\",\"reads\":[\"data1\"],\"timeout_us\":1}\n", "from 100 to"},
         {"{\"op\":\"step\",\"values\":[]}\n", "this connection has no plant"},
     };
     ect_stats_t stats = {0};
@@ -331,6 +335,81 @@ static void observers_get_replies_as_settings_of_each_twin(void **state)
     close_bench(&b);
 }
 
+#define CAMERA                                                                                                         \
+    "{\"op\":\"plant\",\"name\":\"cam\",\"reads\":[\"scene\"],\"writes\":[\"data1\",\"judgement\"],"                   \
+    "\"on\":\"exposures\",\"timeout_us\":4000}\n"
+
+/* A measurement begins, and the devices run. @return what the client receives */
+static const char *trigger(bench_t *b, int fd)
+{
+    expect_answer(b, "{\"op\":\"set\",\"name\":\"trigger\",\"value\":1}\n", OK);
+    (void)ect_chain_poll(b->wire.chain, b->wire.now_ns);
+    assert_true(ect_control_wants_step(b->control, b->wire.now_ns));
+    assert_false(ect_control_step(b->control, b->wire.chain, b->wire.now_ns));
+    assert_false(ect_control_wants_step(b->control, b->wire.now_ns));
+    return say(b, fd, "");
+}
+
+static void a_step_at_each_change_of_a_signal(void **state)
+{
+    ect_stats_t stats = {0};
+    bench_t b;
+    (void)state;
+    open_with_report(&b, 1, &stats);
+    (void)ect_chain_poll(b.wire.chain, b.wire.now_ns);
+    const int fd = start_plant(&b, CAMERA);
+    assert_false(ect_control_wants_step(b.control, b.wire.now_ns));
+    assert_true(ect_control_step_due(b.control) == ECT_NEVER);
+    assert_string_equal(trigger(&b, fd), "{\"step\":1,\"time\":0.000000,\"values\":[0]}\n");
+    assert_true(ect_control_step_due(b.control) == b.wire.now_ns + 4 * MS);
+    assert_string_equal(say(&b, fd, "{\"op\":\"step\",\"step\":1,\"values\":[2.5,-1]}\n"), "");
+    assert_true(ect_control_step_due(b.control) == ECT_NEVER);
+    assert_string_equal(pass(&b, fd, 100 * MS), "");
+    (void)ect_chain_poll(b.wire.chain, b.wire.now_ns);
+    (void)ect_chain_poll(b.wire.chain, b.wire.now_ns + 20 * MS);
+    b.wire.now_ns += 20 * MS;
+    expect_part(&b, "{\"op\":\"get\",\"pattern\":\"result1\"}\n", "\"value\":2.5}");
+    expect_part(&b, "{\"op\":\"get\",\"pattern\":\"or\"}\n", "\"value\":1}");
+
+    assert_non_null(strstr(trigger(&b, fd), "\"step\":2,"));
+    assert_string_equal(pass(&b, fd, 4 * MS), ""); /* the timeout */
+    assert_string_equal(reported.text, "plant 'cam' is late: its signals keep their last values");
+    assert_string_equal(say(&b, fd, "{\"op\":\"step\",\"step\":2,\"values\":[7,1]}\n"), "");
+    expect_part(&b, "{\"op\":\"get\",\"pattern\":\"data1\"}\n", "\"value\":2.5}");
+    expect_stats(&b, "\"steps\":2,\"late\":1,\"refused\":0,");
+    close(fd);
+    serve(&b);
+    close_bench(&b);
+}
+
+static void the_next_change_ends_a_step(void **state)
+{
+    ect_stats_t stats = {0};
+    bench_t b;
+    (void)state;
+    open_with_report(&b, 1, &stats);
+    (void)ect_chain_poll(b.wire.chain, b.wire.now_ns);
+    const int fd = start_plant(&b, "{\"op\":\"plant\",\"name\":\"p\",\"reads\":[\"data1\"],\"writes\":[\"data2\"],"
+                                   "\"on\":\"data1\",\"timeout_us\":4000}\n");
+    for (unsigned int i = 1; i <= 2; i++) {
+        char text[96];
+        (void)snprintf(text, sizeof text, "{\"op\":\"set\",\"name\":\"data1\",\"value\":%u}\n", i);
+        expect_answer(&b, text, OK);
+        assert_false(ect_control_step(b.control, b.wire.chain, b.wire.now_ns));
+        (void)snprintf(text, sizeof text, "\"step\":%u,\"time\":0.000000,\"values\":[%u]", i, i);
+        assert_non_null(strstr(say(&b, fd, ""), text));
+    }
+    assert_string_equal(say(&b, fd, "{\"op\":\"step\",\"step\":1,\"values\":[1]}\n"),
+                        ""); /* of the first one: dropped */
+    expect_part(&b, "{\"op\":\"get\",\"pattern\":\"data2\"}\n", "\"value\":0}");
+    assert_string_equal(say(&b, fd, "{\"op\":\"step\",\"step\":2,\"values\":[2]}\n"), "");
+    expect_part(&b, "{\"op\":\"get\",\"pattern\":\"data2\"}\n", "\"value\":2}");
+    expect_stats(&b, "\"steps\":2,\"late\":1,");
+    close(fd);
+    serve(&b);
+    close_bench(&b);
+}
+
 /* --- a clock that stands still ------------------------------------------------------------------------------------ */
 
 /* A plant in a thread: replies to each step, or closes its connection at this one. */
@@ -406,6 +485,15 @@ static void a_plant_without_a_reply_is_given_up(void **state)
     assert_false(ect_outside_waits(plant));
     assert_string_equal(reported.text, "plant 'p' is late: its signals keep their last values");
     assert_false(ect_outside_count(&all, ECT_OUTSIDE_PLANTS, &line));
+    request = cJSON_Parse("{\"name\":\"r\",\"reads\":[\"data1\"],\"on\":\"data1\",\"timeout_us\":1000,\"wait\":true}");
+    const int other = 1;
+    assert_null(ect_outside_request(&all, &other, b.wire.chain, 1, request, b.wire.now_ns, message));
+    cJSON_Delete(request);
+    plant = ect_outside_named(&all, "r");
+    expect_answer(&b, "{\"op\":\"set\",\"name\":\"data1\",\"value\":1}\n", OK);
+    assert_true(ect_outside_begin(&all, plant, b.wire.chain, b.wire.now_ns));
+    ect_outside_give_up(&all, plant);
+    assert_null(ect_outside_due(&all, &other, UINT64_MAX - 1));
     ect_outsides_clear(&all);
     close_bench(&b);
 }
@@ -429,6 +517,9 @@ int main(int argc, char **argv)
         {"Without memory a plant and a reply are refused", without_memory_a_plant_is_refused, NULL, NULL, NULL},
         {"Records get the reply of a plant as a request set for each twin",
          observers_get_replies_as_settings_of_each_twin, NULL, NULL, NULL},
+        {"FZM1: with `on`, a step begins with each image input; a reply behind the timeout is dropped",
+         a_step_at_each_change_of_a_signal, NULL, NULL, NULL},
+        {"With `on`, the next change ends a step without a reply", the_next_change_ends_a_step, NULL, NULL, NULL},
         {"A virtual clock stands still until a plant has replied, and goes on when it ends",
          a_virtual_clock_waits_for_a_plant_and_not_for_one_that_has_ended, NULL, NULL, NULL},
         {"A plant that never replies is late, and the clock does not wait for it again",
