@@ -430,6 +430,20 @@ static void write_fragments(void **state)
     assert_int_equal(device()->long_list.used, 296);
 }
 
+/* A buffer of exactly the bytes of a value takes the value, and no byte more. */
+static void write_fills_the_buffer(void **state)
+{
+    ect_soe_t soe = soedev_soe;
+    (void)state;
+    for (uint16_t room = 299; room <= 300; room++) {
+        soe.buffer_size = room;
+        reopen_with(&soe, SOEDEV_MAILBOX);
+        write_pieces(0x43, 300, 118, 0);
+        expect_mail("300 bytes", room == 300 ? "44 40 1000" : "54 40 1000 0370");
+        assert_int_equal(device()->long_list.used, room == 300 ? 296 : 0);
+    }
+}
+
 /* More data than the device can keep are swallowed; the last piece gets the error, after those of drive and IDN. */
 static void write_too_much(void **state)
 {
@@ -706,6 +720,18 @@ static void telegrams(void **state)
     assert_int_equal(ect_load_le32(in + 12 + 6), 0x08070605);
 }
 
+/* An IDN that the MDT no longer has is written by the service channel again. */
+static void shorter_list(void **state)
+{
+    (void)state;
+    expect("one IDN less", "03 40 1800 0200 0000 2400", "04 40 1800");
+    wire_set_sm(&w, 0, 2, 0x1000, 16, 0x24);
+    wire_set_sm(&w, 0, 3, 0x1100, 20, 0x20);
+    assert_int_equal(wire_al(&w, 0, ECT_STATE_SAFEOP, NULL), ECT_STATE_SAFEOP);
+    expect("S-0-0047 of drive 0", "03 40 2F00 05000000", "04 40 2F00");
+    expect("S-0-0047 of drive 1", "23 40 2F00 05000000", "34 40 2F00 0A70");
+}
+
 static void defaults(void **state)
 {
     (void)state;
@@ -841,10 +867,14 @@ static void not_in_boot(void **state)
 
 static void sizes(void **state)
 {
+    static const ect_soe_idn_t named = {.idn = 1, .attribute = ECT_SOE_16, .name = "name", .unit = "us"};
+    static const ect_soe_drive_t drive = {.idns = &named, .count = 1};
+    const ect_soe_t one = {.drive_count = 1, .drives = &drive};
     ect_device_t description = soedev;
     (void)state;
     assert_true(ect_soe_longest(&soedev_soe) <= SOEDEV_BUFFER);
     assert_int_equal(ect_soe_longest(&soedev_quiet), 38 + 11 + 4 + SOEDEV_LONG);
+    assert_int_equal(ect_soe_longest(&one), 38 + 4 + 4 + 4 + 2);
     assert_true(ect_soe_fits(&description));
     for (unsigned int n = 0; n < 2; n++) {
         description.sm[n].minimum = ECT_SOE_MAILBOX_LEAST - 1;
@@ -871,6 +901,7 @@ int main(void)
         TEST("SOE-011 protection by AL state and by process data", protection),
         TEST("SOE-011 SOE-012 the device has the last word on a value", refused_by_the_device),
         TEST("SOE-014 SOE-015 SOE-016 SOE-V7 a write in pieces", write_fragments),
+        TEST("SOE-014 SOE-017 a write in pieces may fill the buffer", write_fills_the_buffer),
         TEST("SOE-017 too much data are swallowed, the last piece gets the error", write_too_much),
         TEST("SOE-017 a write in pieces ends at another request", write_interrupted),
         TEST("SOE-013 replies in pieces, of each length, through mailboxes of 24 to 128 bytes", read_fragments),
@@ -881,6 +912,7 @@ int main(void)
         TEST("SOE-019 SOE-020 emergencies follow the reply under way, at most four wait", emergencies),
         TEST("SOE-020 an emergency from before PREOP is sent in PREOP", emergency_at_power_on),
         TEST("SOE-035 SOE-036 SOE-037 SOE-038 process data follow S-0-0016 and S-0-0024", telegrams),
+        TEST("SOE-011 SOE-036 an IDN outside S-0-0024 is no process data", shorter_list),
         TEST("SOE-046 defaults are set, and written values permit OP", defaults),
         TEST("SOE-040 SOE-046 transitions check what was written; S-0-0021 and S-0-0022", transition_checks),
         TEST("SOE-040 S-0-0127 and S-0-0128 check a transition as commands", check_commands),
