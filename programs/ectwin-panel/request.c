@@ -74,8 +74,8 @@ const char *request_refused(const cJSON *request, bool view)
         const char *op;
         bool changes;
     } taken[] = {
-        {"set", true},   {"fault", true}, {"write", true},  {"objects", false},
-        {"read", false}, {"pdos", false}, {"wires", false}, {"counters", false},
+        {"set", true},    {"fault", true},     {"write", true}, {"objects", false}, {"read", false},   {"pdos", false},
+        {"wires", false}, {"counters", false}, {"wave", true},  {"waves", false},   {"capture", true},
     };
     for (size_t i = 0; op && i < sizeof taken / sizeof taken[0]; i++) {
         if (strcmp(op, taken[i].op) == 0)

@@ -47,16 +47,35 @@ uint64_t ect_exchange_touch(ect_exchange_t *x)
     return x->touched_ns;
 }
 
+/* NULL: no client captures. */
+static ect_recent_t *recent_of(const ect_exchange_t *x)
+{
+    ect_recent_t *recent = x->control ? ect_control_recent(x->control) : NULL;
+    return recent && recent->on ? recent : NULL;
+}
+
+/* A frame enters the chain. */
+static void note_request(ect_exchange_t *x, ect_end_t in, uint64_t now_ns, const uint8_t *frame, size_t length)
+{
+    if (recent_of(x))
+        ect_recent_add(recent_of(x), (uint32_t)in, ECT_PCAPNG_INBOUND, now_ns, frame, length);
+    if (x->trace)
+        count_captured(x, ect_trace_request(x->trace, in, now_ns, frame, length));
+}
+
 /* Every frame that leaves does so here. @return the time; 0: not read */
 static uint64_t emit(ect_exchange_t *x, ect_end_t end, const uint8_t *frame, size_t length)
 {
     x->send(x->ctx, end, frame, length);
     if (x->datagrams.until_ns != 0)
         ect_datagrams_count(&x->datagrams, frame, length, x->polled_ns);
-    if (!x->trace)
+    if (!x->trace && !recent_of(x))
         return 0;
     uint64_t now_ns = now(x);
-    count_captured(x, ect_trace_reply(x->trace, end, now_ns, frame, length));
+    if (recent_of(x))
+        ect_recent_add(recent_of(x), (uint32_t)end, ECT_PCAPNG_OUTBOUND, now_ns, frame, length);
+    if (x->trace)
+        count_captured(x, ect_trace_reply(x->trace, end, now_ns, frame, length));
     return now_ns;
 }
 
@@ -173,8 +192,9 @@ static ect_frame_effects_t traced_effects(ect_exchange_t *x, ect_scenario_t *fau
     ECT_ASSERT(came <= sizeof request);
     memcpy(request, frame, came);
     ect_frame_effects_t effects = ect_scenario_frame(faults, x->chain, frame, length, now_ns);
-    ect_trace_effects(x->trace, &effects, *length != came || memcmp(request, frame, came) != 0);
-    count_captured(x, ect_trace_request(x->trace, in, now_ns, request, came));
+    if (x->trace)
+        ect_trace_effects(x->trace, &effects, *length != came || memcmp(request, frame, came) != 0);
+    note_request(x, in, now_ns, request, came);
     return effects;
 }
 
@@ -183,12 +203,12 @@ void ect_exchange_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t 
     touch(x, time->now_ns);
     ect_scenario_t *faults = faults_of(x);
     ect_frame_effects_t effects = {0};
-    if (faults && x->trace)
+    if (faults && (x->trace || recent_of(x)))
         effects = traced_effects(x, faults, in, frame, &length, time->now_ns);
     else if (faults)
         effects = ect_scenario_frame(faults, x->chain, frame, &length, time->now_ns);
-    else if (x->trace)
-        count_captured(x, ect_trace_request(x->trace, in, time->now_ns, frame, length));
+    else
+        note_request(x, in, time->now_ns, frame, length);
     ect_end_t out = effects.lose_request ? ECT_END_NONE : through(x, in, frame, length, time->now_ns);
     ect_wires_result_t on_wires = faults ? ect_scenario_reply(faults, &effects, frame, &length) : ECT_WIRES_PASSED;
     if (x->trace && on_wires == ECT_WIRES_LOST)
@@ -206,7 +226,7 @@ void ect_exchange_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t 
 
 bool ect_exchange_is_plain(const ect_exchange_t *x)
 {
-    return !x->trace && !x->filter && !faults_of(x) && late_due(x) == ECT_NEVER;
+    return !x->trace && !recent_of(x) && !x->filter && !faults_of(x) && late_due(x) == ECT_NEVER;
 }
 
 /* A late caller still runs the devices at the times that they asked for, so that clients see values which lasted only
@@ -246,8 +266,7 @@ void ect_exchange_replied(ect_exchange_t *x, uint8_t *frame, size_t length, uint
 void ect_exchange_long_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)
 {
     touch(x, now_ns);
-    if (x->trace)
-        count_captured(x, ect_trace_request(x->trace, in, now_ns, frame, length));
+    note_request(x, in, now_ns, frame, length);
     (void)ect_chain_pass(x->chain, in, frame, length, now_ns);
     x->stats.unanswered++;
 }
@@ -350,7 +369,7 @@ static void note_fault(void *observer, const char *fault)
     ect_trace_note(x->trace, "fault: %s", fault);
 }
 
-static void note_request(void *observer, const char *request, size_t length)
+static void log_request(void *observer, const char *request, size_t length)
 {
     enum { MOST = 300 };
     const ect_exchange_t *x = observer;
@@ -364,7 +383,7 @@ void ect_exchange_show(ect_exchange_t *x)
     ect_control_follow(x->control, x->chain);
     ect_control_count(x->control, &x->datagrams);
     if (x->trace)
-        ect_control_observe(x->control, note_request, x);
+        ect_control_observe(x->control, log_request, x);
 }
 
 void ect_exchange_start(ect_exchange_t *x)
@@ -393,7 +412,7 @@ void ect_exchange_power_cycle(ect_exchange_t *x)
 void ect_exchange_request(ect_exchange_t *x, const char *request, size_t length)
 {
     if (x->trace)
-        note_request(x, request, length);
+        log_request(x, request, length);
 }
 
 void ect_exchange_end(ect_exchange_t *x)

@@ -1,14 +1,18 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The wire on the page of `ectwin panel` in headless Chromium: process data, topology, working counters.
+"""The wire on the page of `ectwin panel` in headless Chromium: process data, topology, working counters, waves, captures.
 
 usage: panel_wire.py ECTWIN MASTER [FOLDER]      FOLDER: screenshots are written there. Exits with 77 without Chromium.
 """
+import os
 import pathlib
+import socket
+import struct
 import subprocess
 import sys
+import time
 
-from panel_page import ECTWIN, MASTER, accessible, bus, check, panel, reaches, run
+from panel_page import ECTWIN, MASTER, accessible, bus, check, panel, reaches, run, until, value
 
 OPEN = "const d = document.querySelector('.process-data'); d.open = true; d.scrollIntoView()"
 ENTRY = "return document.querySelector('[data-entry=\"' + arguments[0] + '\"] ' + arguments[1])?.textContent"
@@ -102,12 +106,97 @@ def ring(browser, url):
             "return document.querySelector('.rail > .cable:nth-last-child(2)').classList.contains('cut')", seconds=120))
 
 
+def waves(browser, url):
+    """A signal follows a wave from the form until it is stopped."""
+    with bus("ranger=optoncdt2300", ["sleep", "600"]):
+        browser.open("about:blank")
+        browser.open(url)
+        browser.wait("return document.querySelector('.wave-form [name=signal]')?.options.length > 0", seconds=120)
+        browser.run("const form = document.querySelector('.wave-form'); const all = form.signal;"
+                    "all.value = [...all.options].find((one) => one.textContent === 'surface1.distance').value; all.dispatchEvent(new Event('change'));"
+                    "form.shape.value = 'square'; form.low.value = 3; form.high.value = 9; form.period.value = 0.5;")
+        browser.click(".wave-form .primary")
+        check("the wave is in the list", "ranger: surface1.distance: square from 3 to 9, 0.5 s", browser.wait(
+            "return document.querySelector('[data-wave]')?.firstChild.textContent", seconds=120))
+        for number in ("9", "3", "9"):
+            check(f"the signal reaches {number}", True, bool(until(lambda n=number: value("ranger.surface1.distance") == f"ranger.surface1.distance={n}", 120)))
+        accessible(browser)
+        browser.picture("waves.png", "light")
+        browser.click("[data-wave] button")
+        check("it ends", "No wave runs.", browser.wait(
+            "const text = document.querySelector('.waves > .label').textContent; return !document.querySelector('[data-wave]') && text", seconds=120))
+        check("the twin has none", '{"ok":true}', ask('{"op":"waves"}'))
+        browser.run("document.querySelector('.wave-form').high.value = 1e9")
+        browser.click(".wave-form .primary")
+        check("a value beyond the range is refused with its reason", True, browser.wait(
+            "return document.querySelector('.waves > .label').textContent.includes('surface1.distance')", seconds=120))
+
+
+def capture(browser, url, folder):
+    """A capture is downloaded as pcapng, and has requests and replies."""
+    saved = pathlib.Path(folder, "capture.pcapng")
+    browser.command("Browser.setDownloadBehavior", behavior="allow", downloadPath=folder)
+    with bus("fzm1,fzm1", [MASTER, "{}"]):
+        browser.open("about:blank")
+        browser.open(url)
+        check("the slaves are in OP", True, reaches(browser, "OP,OP", seconds=120))
+        browser.click(".capture")
+        browser.wait("return document.querySelector('.capture').ariaPressed === 'true'", seconds=120)
+        browser.wait("const t = performance.now(); window.since ??= t; const n = document.querySelector('[data-datagram=LRW] td:nth-child(3)');"
+                     "return n && Number(n.textContent) > 0 && t - window.since > 300", seconds=120)
+        browser.click(".capture")
+        check("it can be downloaded", True, browser.wait("return document.querySelector('a.download[download=\"capture.pcapng\"]').hidden === false", seconds=200))
+        browser.run("document.querySelector('a.download[download=\"capture.pcapng\"]').click()")
+        check("the file is there", True, until(saved.exists, 120))
+        blocks = pcapng(saved.read_bytes())
+        check("a section and two interfaces", [0x0A0D0D0A, 1, 1], [kind for kind, _ in blocks[:3]])
+        packets = [body for kind, body in blocks[3:] if kind == 6]
+        check("nothing but packets follows", len(blocks) - 3, len(packets))
+        types = {body[20 + 12:20 + 14] for body in packets}
+        check("they are EtherCAT", {b"\x88\xa4"}, types)
+        flags = {body[-8] for body in packets}
+        check("in both directions", {1, 2}, flags)
+        since = int.from_bytes(packets[0][4:8], "little") << 32 | int.from_bytes(packets[0][8:12], "little")
+        check("their time is that of the browser", True, abs(since / 1e9 - time.time()) < 3600)
+
+
+def pcapng(content):
+    """The blocks of a file: type and body. Each block has its length at both ends."""
+    blocks, at = [], 0
+    while at < len(content):
+        kind, length = struct.unpack_from("<II", content, at)
+        if length < 12 or struct.unpack_from("<I", content, at + length - 4)[0] != length:
+            return [*blocks, ("a block of a wrong length", at)]
+        blocks.append((kind, content[at + 8:at + length - 4]))
+        at += length
+    return blocks
+
+
+def ask(request):
+    """The reply of the only bus to a request of the control protocol."""
+    path = next(pathlib.Path(os.environ["XDG_RUNTIME_DIR"], "ectwin").glob("*.sock"))
+    with socket.socket(socket.AF_UNIX) as client:
+        client.connect(str(path))
+        client.sendall(request.encode() + b"\n")
+        return client.recv(4096).decode().strip()
+
+
+def view_only(browser):
+    with panel("--view") as url, bus("fzm1", ["sleep", "600"]):
+        browser.open(url)
+        browser.wait("return document.querySelector('.waves') !== null", seconds=120)
+        check("SEC: --view has neither waves to set nor captures", 0, browser.run("return document.querySelectorAll('.wave-form, .capture').length"))
+
+
 def cases(browser, folder):
     with panel() as url:
+        waves(browser, url)
+        capture(browser, url, folder)
         process_data(browser, url)
         counters(browser, url)
         tree(browser, url)
         ring(browser, url)
+    view_only(browser)
 
 
 sys.exit(run(cases))

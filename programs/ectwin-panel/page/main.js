@@ -9,6 +9,8 @@ import { makeFaults } from "./faults.js";
 import { makeObjects } from "./objects.js";
 import { makePdos } from "./pdos.js";
 import { makeCounters } from "./counters.js";
+import { makeCapture } from "./capture.js";
+import { makeWaves } from "./waves.js";
 import { readAll } from "./poll.js";
 import { makeRecorder } from "./record.js";
 import { Plot } from "./plot.js";
@@ -150,6 +152,7 @@ function select(number) {
   parts.end?.();
   parts.plot.forgetListeners();
   parts.end = collect(() => parts.signals.replaceChildren(makePdos(context, number), makeSignals(context, number, parts.plot), makeObjects(context, number)));
+  parts.waves.choose(number);
   showFronts();
   parts.presets.replaceChildren(...presetsOf(number).map(([title, found]) => make("button", { type: "button", on: { click: () => parts.plot.choose(found) } }, title)));
 }
@@ -175,13 +178,16 @@ function showBus() {
   parts.all = parts.arranged !== null;
   view.endRecorder?.();
   let recorder = null;
-  let counters = null;
+  let [counters, capture, waves] = [null, null, null];
   view.endRecorder = collect(() => {
     recorder = makeRecorder(context, parts.plot);
     counters = makeCounters(context);
+    if (!context.view) capture = makeCapture(context);
+    waves = makeWaves(context);
   });
   parts.allButton = make("button", { type: "button", "aria-pressed": "false", on: { click: () => { parts.all = !parts.all; showFronts(); } } }, parts.arranged ? "Fronts of the machine" : "Fronts of all twins");
   figures.Scenario.element.hidden = true;
+  parts.waves = waves;
   view.parts = parts;
   view.last = null;
   main.replaceChildren(
@@ -192,7 +198,9 @@ function showBus() {
       make("section", { class: "panel-signals" }, make("header", {}, parts.twinTitle), parts.signals),
       make("div", { class: "side" },
         make("section", {}, make("header", {}, make("h2", {}, "Plot"), parts.presets), parts.plot.element, recorder),
+        section("Waves", "", waves),
         section("Working counters", "", counters),
+        ...(capture ? [section("Capture", "", capture)] : []),
         section("Events", "", parts.events.element),
         section("Faults", "", parts.faults),
         section("Response time", "", parts.histogram.element))));

@@ -18,7 +18,7 @@ const char *ect_change_op(const cJSON *request)
 
 bool ect_change_is(const char *op)
 {
-    return strcmp(op, "set") == 0 || strcmp(op, "fault") == 0 || strcmp(op, "write") == 0;
+    return strcmp(op, "set") == 0 || strcmp(op, "fault") == 0 || strcmp(op, "write") == 0 || strcmp(op, "wave") == 0;
 }
 
 /* @return the slave that alias:N refers to, from 1; 0: none */
@@ -104,6 +104,42 @@ static const char *set_fault(ect_scenario_t *scenario, ect_chain_t *chain, const
     return done ? NULL : message;
 }
 
+/* Ends the wave of a signal, or all. */
+static const char *end_wave(ect_waves_t *waves, size_t position, const char *name, char *message)
+{
+    if (ect_waves_end(waves, position, name) || !name)
+        return NULL;
+    snprintf(message, ECT_SIGNAL_MESSAGE, "no wave sets '%.60s': {\"op\":\"waves\"} lists them", name);
+    return message;
+}
+
+/* Begins or ends a wave. @return the reason of a refusal; NULL: done */
+static const char *set_wave(ect_scenario_t *scenario, const ect_chain_t *chain, size_t slave, const cJSON *request,
+                            uint64_t now_ns, char message[ECT_SIGNAL_MESSAGE])
+{
+    static const char usage[] = "\"wave\" takes \"name\", \"shape\": sine, ramp, square or off, \"low\", \"high\", and "
+                                "\"period\" in seconds";
+    const char *name = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(request, "name"));
+    const char *shape = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(request, "shape"));
+    const double period_s = cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(request, "period"));
+    ect_wave_t wave = {.position = slave - 1,
+                       .low = cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(request, "low")),
+                       .high = cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(request, "high"))};
+    if (!scenario)
+        return "no waves can be set here";
+    if (name)
+        (void)ect_chain_resolve(chain, &wave.position, &name);
+    if (shape && strcmp(shape, "off") == 0)
+        return end_wave(&scenario->waves, wave.position, name, message);
+    wave.shape = shape ? ect_wave_shape(shape) : ECT_WAVE_SHAPES;
+    if (!name || wave.shape == ECT_WAVE_SHAPES || strlen(name) >= sizeof wave.name || !isfinite(wave.low) ||
+        !isfinite(wave.high) || !(period_s >= 0 && period_s <= 1e6))
+        return usage;
+    memcpy(wave.name, name, strlen(name) + 1);
+    wave.period_ns = (uint64_t)(period_s * 1e9 + 0.5);
+    return ect_waves_set(&scenario->waves, chain, &wave, now_ns, message) ? NULL : message;
+}
+
 const char *ect_change_apply(ect_chain_t *chain, ect_scenario_t *scenario, const cJSON *request, uint64_t now_ns,
                              char *message)
 {
@@ -112,6 +148,8 @@ const char *ect_change_apply(ect_chain_t *chain, ect_scenario_t *scenario, const
         return "there is no such slave in this chain";
     if (strcmp(ect_change_op(request), "write") == 0)
         return ect_object_write(chain, (size_t)slave, request, message);
+    if (strcmp(ect_change_op(request), "wave") == 0)
+        return set_wave(scenario, chain, (size_t)slave, request, now_ns, message);
     return strcmp(ect_change_op(request), "set") == 0 ? set(chain, (size_t)slave, request, now_ns, message)
                                                       : set_fault(scenario, chain, request, now_ns, message);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Requests of the control protocol that change a chain (docs/CONTROL.md): {"op":"set",…} and {"op":"fault",…}. The
+ * Requests of the control protocol that change a chain (docs/CONTROL.md): `set`, `fault`, `write` and `wave`. The
  * control socket and the replay of a record execute them here.
  */
 #ifndef ECT_BUS_CONTROL_CHANGE_H

@@ -249,19 +249,26 @@ static const char *read_offset(const cJSON *request, size_t size, size_t *offset
     return NULL;
 }
 
+enum { PIECE = 400 };
+
+/* Writes the member "data", at most PIECE bytes. */
+static void put_hex(ect_line_t *line, const uint8_t *bytes, size_t length)
+{
+    static const char digits[] = "0123456789abcdef";
+    char hex[2 * PIECE + 1] = "";
+    for (size_t i = 0; i < PIECE && i < length; i++) {
+        hex[2 * i] = digits[bytes[i] >> 4];
+        hex[2 * i + 1] = digits[bytes[i] & 15];
+    }
+    ect_line_string(line, "data", hex);
+}
+
 /* Writes the members "size", "offset" and "data", a piece of the bytes from `at` on. */
 static void put_bytes(ect_line_t *line, const uint8_t *bytes, size_t size, size_t at)
 {
-    enum { PIECE = 400 };
-    static const char digits[] = "0123456789abcdef";
-    char hex[2 * PIECE + 1] = "";
-    for (size_t i = 0; i < PIECE && at + i < size; i++) {
-        hex[2 * i] = digits[bytes[at + i] >> 4];
-        hex[2 * i + 1] = digits[bytes[at + i] & 15];
-    }
     ect_line_number(line, "size", size);
     ect_line_number(line, "offset", at);
-    ect_line_string(line, "data", hex);
+    put_hex(line, bytes + at, size - at);
 }
 
 /* Replies with a piece of the command line. @return the reason of a refusal; NULL: done */
@@ -619,6 +626,82 @@ static const char *step_plant(ect_client_t *client, const call_t *call)
     return ect_outside_reply(plant, call->chain, call->request, call->now_ns, call->message);
 }
 
+static const char *list_waves(ect_client_t *client, const call_t *call)
+{
+    _Static_assert((int)ECT_WAVES <= (int)ECT_CLIENT_LINES, "one step lists all of them");
+    if (!client->scenario)
+        return "no waves can be set here";
+    for (size_t i = 0; i < client->scenario->waves.count; i++) {
+        const ect_wave_t *wave = &client->scenario->waves.all[i];
+        const double values[] = {wave->low, wave->high, (double)wave->period_ns / 1e9};
+        static const char *const keys[] = {"low", "high", "period"};
+        char text[32];
+        ect_line_t line;
+        ect_line_begin(&line);
+        ect_line_number(&line, "slave", wave->position + 1);
+        put_text(&line, "twin", ect_names_at(ect_chain_names(call->chain), wave->position));
+        ect_line_string(&line, "name", wave->name);
+        ect_line_string(&line, "shape", ect_wave_shape_name(wave->shape));
+        for (size_t k = 0; k < 3; k++) {
+            snprintf(text, sizeof text, "%.12g", values[k]);
+            ect_line_plain(&line, keys[k], text);
+        }
+        ect_line_end(&line);
+        put(client, &line);
+    }
+    return NULL;
+}
+
+/* --- the newest frames -------------------------------------------------------------------------------------------- */
+
+/* Begins or ends a capture. The time of the client, in seconds since 1970, is that of its frames. */
+static const char *switch_capture(ect_client_t *client, const call_t *call, bool on)
+{
+    static const char *const none[2];
+    const cJSON *json = cJSON_GetObjectItemCaseSensitive(call->request, "time");
+    const double time_s = cJSON_IsNumber(json) ? json->valuedouble : 0;
+    const bool known = time_s >= 0 && time_s < 1e10 && (uint64_t)(time_s * 1e9) > call->now_ns;
+    const uint64_t offset_ns = known ? (uint64_t)(time_s * 1e9) - call->now_ns : 0;
+    if (!on)
+        ect_recent_stop(client->recent);
+    else if (!ect_recent_start(client->recent, client->about ? client->about->ifaces : none, offset_ns))
+        return "not enough memory for a capture of 4 MiB";
+    return NULL;
+}
+
+/* Replies with pieces of the last capture. @return the reason of a refusal; NULL: done */
+static const char *read_capture(ect_client_t *client, const call_t *call)
+{
+    const ect_recent_t *recent = client->recent;
+    size_t at;
+    if (recent->on)
+        return "the capture runs: {\"op\":\"capture\",\"on\":false} ends it";
+    if (ect_recent_size(recent) == 0)
+        return "there is no capture: {\"op\":\"capture\",\"on\":true} begins one";
+    const char *why = read_offset(call->request, ect_recent_size(recent), &at);
+    for (size_t i = 0; !why && i < ECT_CLIENT_LINES && at < ect_recent_size(recent); i++) {
+        uint8_t bytes[PIECE];
+        ect_line_t line;
+        const size_t rest = ect_recent_size(recent) - at, length = rest < PIECE ? rest : (size_t)PIECE;
+        ect_recent_read(recent, at, bytes, length);
+        ect_line_begin(&line);
+        ect_line_number(&line, "serial", recent->serial);
+        ect_line_number(&line, "size", ect_recent_size(recent));
+        ect_line_number(&line, "offset", at);
+        put_hex(&line, bytes, length);
+        ect_line_end(&line);
+        put(client, &line);
+        at += length;
+    }
+    return why;
+}
+
+static const char *capture(ect_client_t *client, const call_t *call)
+{
+    const cJSON *on = cJSON_GetObjectItemCaseSensitive(call->request, "on");
+    return cJSON_IsBool(on) ? switch_capture(client, call, cJSON_IsTrue(on)) : read_capture(client, call);
+}
+
 /* --- requests ----------------------------------------------------------------------------------------------------- */
 
 /* @return the reason of a refusal; NULL: done */
@@ -644,6 +727,7 @@ static const struct {
     {"about", reply_about},    {"words", reply_words},      {"script", list_script},  {"events", list_events},
     {"objects", list_objects}, {"read", read_object},       {"write", change},        {"pdos", list_pdos},
     {"wires", list_wires},     {"counters", list_counters}, {"plant", request_plant}, {"step", step_plant},
+    {"wave", change},          {"waves", list_waves},       {"capture", capture},
 };
 
 enum { REPLIES = sizeof replies / sizeof replies[0] };
@@ -675,7 +759,7 @@ static void serve(ect_client_t *client, ect_chain_t *chain, const cJSON *request
     if (!visit && reply == REPLIES)
         why = "a request is a line "
               "{\"op\":\"get|list|set|watch|data|stats|fault|about|words|script|events|objects|read|write|pdos|wires|"
-              "counters|plant|step\",...}";
+              "counters|plant|step|wave|waves|capture\",...}";
     else if (slave < 0 || (!visit && slave == 0))
         why = "there is no such slave in this chain";
     else if (visit)

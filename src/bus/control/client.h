@@ -13,6 +13,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "bus/capture/recent.h"
 #include "bus/chain/chain.h"
 #include "bus/chain/datagrams.h"
 #include "bus/chain/stats.h"
@@ -65,11 +66,12 @@ typedef struct ect_client {
     size_t line; /**< length of the first complete request; 0: none */
     char request[ECT_ENDPOINT_REQUEST];
     size_t unsent;
-    char *answer;                        /**< ECT_CLIENT_ANSWER bytes */
-    const ect_stats_t *stats;            /**< NULL: none */
-    ect_scenario_t *scenario;            /**< NULL: none */
-    const ect_about_t *about;            /**< NULL: none */
-    ect_datagrams_t *datagrams;          /**< NULL: none */
+    char *answer;               /**< ECT_CLIENT_ANSWER bytes */
+    const ect_stats_t *stats;   /**< NULL: none */
+    ect_scenario_t *scenario;   /**< NULL: none */
+    const ect_about_t *about;   /**< NULL: none */
+    ect_datagrams_t *datagrams; /**< NULL: none */
+    ect_recent_t *recent;
     const ect_observer_t *observer;      /**< NULL: none */
     ect_plans_t *plans;                  /**< requests with a future time */
     const ect_events_t *events_of_chain; /**< NULL: none */

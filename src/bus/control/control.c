@@ -31,6 +31,7 @@ struct ect_control {
     ect_scenario_t *scenario;
     const ect_about_t *about;
     ect_datagrams_t *datagrams;
+    ect_recent_t recent;
     ect_observer_t observer;
     ect_plans_t plans;
     ect_outsides_t outsides;
@@ -95,6 +96,7 @@ void ect_control_close(ect_control_t *c)
     }
     ect_outsides_clear(&c->outsides);
     ect_plans_clear(&c->plans);
+    ect_recent_free(&c->recent);
     if (c->followed)
         ect_chain_observe(c->followed, NULL, NULL);
     ect_events_free(c->events);
@@ -116,6 +118,11 @@ void ect_control_show(ect_control_t *c, const ect_stats_t *stats, ect_scenario_t
 void ect_control_count(ect_control_t *c, ect_datagrams_t *datagrams)
 {
     c->datagrams = datagrams;
+}
+
+ect_recent_t *ect_control_recent(ect_control_t *c)
+{
+    return &c->recent;
 }
 
 void ect_control_describe(ect_control_t *c, const ect_about_t *about)
@@ -216,6 +223,7 @@ static void accept_client(ect_control_t *c, uint64_t now_ns)
         client->scenario = c->scenario;
         client->about = c->about;
         client->datagrams = c->datagrams;
+        client->recent = &c->recent;
         client->observer = &c->observer;
         client->events_of_chain = c->events;
         client->plans = &c->plans;

@@ -17,6 +17,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "bus/capture/recent.h"
 #include "bus/chain/chain.h"
 #include "bus/chain/datagrams.h"
 #include "bus/chain/stats.h"
@@ -52,6 +53,9 @@ void ect_control_show(ect_control_t *control, const ect_stats_t *stats, ect_scen
 /** Sets the datagrams that the request `counters` reads. @param datagrams  must outlive the control; NULL, the initial
  * value: the request is refused */
 void ect_control_count(ect_control_t *control, ect_datagrams_t *datagrams);
+
+/** The capture that clients begin and end; the caller adds frames while it is on. Valid until the control is closed. */
+ect_recent_t *ect_control_recent(ect_control_t *control);
 
 /** Sets the contents of `about`. @param about  must outlive the control; NULL, the initial value: `about` is refused */
 void ect_control_describe(ect_control_t *control, const ect_about_t *about);

@@ -547,6 +547,7 @@ uint64_t ect_scenario_tick(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_n
     if (s->start_ns == 0)
         begin(s, now_ns);
     next_ns = ect_earlier(next_ns, play_tables(s, chain, now_ns));
+    next_ns = ect_earlier(next_ns, ect_waves_run(&s->waves, chain, now_ns, &s->acted, s->refused, s->ctx));
     for (size_t i = 0; s->steps_left > 0 && i < s->step_count; i++) {
         if (s->steps[i].progress == ECT_STEP_OVER)
             continue;

@@ -22,6 +22,7 @@
 #include "bus/faults/progress.h"
 #include "bus/faults/script.h"
 #include "bus/faults/table.h"
+#include "bus/faults/waves.h"
 #include "bus/faults/wires.h"
 #include "wire/linkage.h"
 
@@ -51,7 +52,7 @@ typedef struct ect_verdict {
     unsigned int all, met, failed;
 } ect_verdict_t;
 
-/** All zero but the seed and the names: no faults. Members from `start_ns` on but `verdict`, `name`, `tables`
+/** All zero but the seed and the names: no faults. Members from `start_ns` on but `verdict`, `name`, `tables`, `waves`
  * and `wires` are private. */
 typedef struct ect_scenario {
     uint32_t seed;
@@ -80,6 +81,7 @@ typedef struct ect_scenario {
     size_t steps_left;
     bool tables_over;    /* no row is left */
     ect_table_t *tables; /**< signals played in time; the caller's. NULL: none */
+    ect_waves_t waves;   /**< signals that follow a function of the time */
     ect_wires_t wires;   /**< frames kept on a wire: the loop releases them */
 } ect_scenario_t;
 
@@ -148,11 +150,11 @@ ect_wires_result_t ect_scenario_reply(const ect_scenario_t *s, const ect_frame_e
 /** The highest slave number in the script; 0: none. */
 uint16_t ect_scenario_highest_slave(const ect_scenario_t *s);
 
-/** @return true: no faults, no steps, no tables and no kept frames, so ::ect_scenario_frame may be left out */
+/** @return true: no faults, steps, tables, waves and kept frames, so ::ect_scenario_frame may be left out */
 static inline bool ect_scenario_rests(const ect_scenario_t *scenario)
 {
     return scenario->set_count == 0 && scenario->steps_left == 0 && !scenario->wires.kept &&
-           (!scenario->tables || scenario->tables_over);
+           scenario->waves.count == 0 && (!scenario->tables || scenario->tables_over);
 }
 
 /** Writes the i-th fault that is set, from 0, those of frames first, as text (ECT_FAULT_TEXT bytes). @return false: no

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* Frames and time through a chain (src/bus/exchange.h): each fate of a frame, the order of the replies, the times at
  * which the devices run. The clock is the test's. */
+#define _GNU_SOURCE
 #include "bus/exchange.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "support/testdev.h"
 #include "support/wire.h"
@@ -764,6 +766,34 @@ static void working_counters(void **state)
     assert_int_equal(r->x.datagrams.all[0].counter, TWINS);
 }
 
+/* Requests as they come, replies as they leave. */
+static void captured(void **state)
+{
+    static const char *const names[2] = {NULL, NULL};
+    char message[ECT_ENDPOINT_MESSAGE], folder[] = "/tmp/test-ectwin-XXXXXX", path[64];
+    rig_t *r = *state;
+    assert_non_null(mkdtemp(folder));
+    setenv("XDG_RUNTIME_DIR", folder, 1);
+    r->x.control = ect_control_open(NULL, message);
+    assert_non_null(r->x.control);
+    ect_recent_t *recent = ect_control_recent(r->x.control);
+    pass(r, ECT_END_IN, 1);
+    assert_int_equal(ect_recent_size(recent), 0);
+    assert_true(ect_exchange_is_plain(&r->x));
+    assert_true(ect_recent_start(recent, names, 0));
+    assert_false(ect_exchange_is_plain(&r->x));
+    pass(r, ECT_END_IN, 2);
+    const uint64_t two = recent->end;
+    set_fault(r, "drop wire 1");
+    pass(r, ECT_END_IN, 3); /* has no reply */
+    assert_true(recent->end == two + two / 2);
+    ect_control_close(r->x.control);
+    r->x.control = NULL;
+    snprintf(path, sizeof path, "%s/ectwin", folder);
+    assert_int_equal(rmdir(path), 0);
+    assert_int_equal(rmdir(folder), 0);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -773,6 +803,7 @@ int main(int argc, char **argv)
         TEST("its inputs leave with the next run of the devices", held_inputs),
         TEST("a reply from the kernel before the cable was pulled has no effect on the devices", left_meanwhile),
         TEST("with a filter, a fault or a late reply frames do not pass the chain alone", plain),
+        TEST("a capture has each request as it came, and each reply that leaves", captured),
         TEST("working counters are those of the replies that leave, also from the kernel", working_counters),
         TABLE("each fault of a frame: the frames sent at once, and the counter that counts it", fates),
         TEST("without a scenario a frame gets its reply, and its devices alone ask for a run", without_a_scenario),

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The requests `pdos`, `wires` and `counters` of the control protocol (bus/control/pdos.h, docs/CONTROL.md). */
+/* The requests `pdos`, `wires`, `counters`, `waves` and `capture` of the control protocol (bus/control/pdos.h,
+ * docs/CONTROL.md). */
 #include "bus/control/pdos.h"
 
 #include <setjmp.h>
@@ -147,6 +148,67 @@ static void counters(void **state)
     close_bench(&b);
 }
 
+static void waves(void **state)
+{
+#define WAVE(rest) "{\"op\":\"wave\",\"name\":\"scene\"," rest "}\n"
+    static const struct {
+        const char *request, *want;
+    } rows[] = {
+        {"{\"op\":\"waves\"}\n", OK},
+        {WAVE("\"shape\":\"sine\",\"low\":1,\"high\":4.5,\"period\":2.5"), OK},
+        {"{\"op\":\"waves\"}\n",
+         "{\"slave\":1,\"name\":\"scene\",\"shape\":\"sine\",\"low\":1,\"high\":4.5,\"period\":2.5}\n" OK},
+        {WAVE("\"shape\":\"sine\",\"low\":1,\"high\":1000,\"period\":1"), "scene"},
+        {WAVE("\"shape\":\"saw\",\"low\":1,\"high\":4,\"period\":1"), "\\\"wave\\\" takes \\\"name\\\""},
+        {WAVE("\"low\":1,\"high\":4,\"period\":1"), "takes"},
+        {WAVE("\"shape\":\"sine\",\"high\":4,\"period\":1"), "takes"},
+        {WAVE("\"shape\":\"sine\",\"low\":1,\"period\":1"), "takes"},
+        {WAVE("\"shape\":\"sine\",\"low\":1,\"high\":4"), "takes"},
+        {WAVE("\"shape\":\"sine\",\"low\":1,\"high\":4,\"period\":-1"), "takes"},
+        {WAVE("\"shape\":\"sine\",\"low\":1,\"high\":4,\"period\":2e6"), "takes"},
+        {"{\"op\":\"wave\",\"shape\":\"sine\",\"low\":1,\"high\":4,\"period\":1}\n", "takes"},
+        {WAVE("\"slave\":2,\"shape\":\"off\""), "no wave sets 'scene'"},
+        {WAVE("\"shape\":\"off\""), OK},
+        {"{\"op\":\"waves\"}\n", OK},
+        {"{\"op\":\"wave\",\"shape\":\"off\"}\n", OK},
+    };
+    static ect_scenario_t scenario;
+    static const ect_stats_t stats;
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 2);
+    expect_part(&b, "{\"op\":\"waves\"}\n", "no waves can be set here");
+    expect_part(&b, WAVE("\"shape\":\"off\""), "no waves can be set here");
+    ect_control_show(b.control, &stats, &scenario);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        expect_part(&b, rows[i].request, rows[i].want);
+    close_bench(&b);
+}
+
+static void capture(void **state)
+{
+    uint8_t frame[60] = {0};
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    ect_recent_t *recent = ect_control_recent(b.control);
+    expect_part(&b, "{\"op\":\"capture\"}\n", "there is no capture");
+    expect_answer(&b, "{\"op\":\"capture\",\"on\":true,\"time\":1000000000.5}\n", OK);
+    assert_true(recent->on);
+    assert_true(recent->offset_ns + b.wire.now_ns == 1000000000500000000ull);
+    expect_part(&b, "{\"op\":\"capture\",\"offset\":0}\n", "the capture runs");
+    for (size_t i = 0; i < 100; i++)
+        ect_recent_add(recent, 0, ECT_PCAPNG_INBOUND, 0, frame, sizeof frame);
+    expect_answer(&b, "{\"op\":\"capture\",\"on\":false}\n", OK);
+    expect_part(&b, "{\"op\":\"capture\"}\n", "{\"serial\":1,\"size\":10");
+    expect_part(&b, "{\"op\":\"capture\"}\n", ",\"offset\":2800,\"data\":\"");
+    expect_part(&b, "{\"op\":\"capture\",\"offset\":99999}\n", "\\\"offset\\\" is a number from 0 to the size");
+    expect_answer(&b, "{\"op\":\"capture\",\"on\":true,\"time\":-1}\n", OK);
+    assert_true(recent->offset_ns == 0);
+    assert_int_equal(recent->serial, 2);
+    close_bench(&b);
+}
+
 /* A junction with two branches. */
 static void wires_of_a_tree(void **state)
 {
@@ -175,9 +237,11 @@ int main(int argc, char **argv)
         {"Gaps, texts, empty and unknown PDOs are listed as they are assigned", unusual_mappings, NULL, NULL, NULL},
         {"Process data and wires by the control socket, eight lines a reply", by_the_socket, NULL, NULL, NULL},
         {"Working counters are counted for 5 s after each request", counters, NULL, NULL, NULL},
+        {"Waves begin and end by the control socket, and are listed", waves, NULL, NULL, NULL},
+        {"A capture begins, ends and is read in pieces by the control socket", capture, NULL, NULL, NULL},
         {"Wires of a tree are those of its junction", wires_of_a_tree, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
-    return cmocka_run_group_tests_name("Control socket: process data, wires, working counters", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("Control socket: what the panel reads", tests, NULL, NULL);
 }

@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: MIT */
+/* The newest frames in memory (src/bus/capture/recent.h). */
+#include "bus/capture/recent.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "wire/bytes.h"
+
+enum { PACKETS = 6, BODY_TIME = 12, BODY_FRAME = 28 };
+
+/* The whole file, read in pieces of `piece` bytes; the caller frees it. */
+static uint8_t *file_of(const ect_recent_t *r, size_t piece)
+{
+    const size_t size = ect_recent_size(r);
+    uint8_t *file = malloc(size);
+    assert_non_null(file);
+    for (size_t at = 0; at < size; at += piece)
+        ect_recent_read(r, at, file + at, size - at < piece ? size - at : piece);
+    return file;
+}
+
+/* Checks that a file consists of a section, two interfaces and packets with rising numbers. @return their count */
+static size_t check(const uint8_t *file, size_t size, uint32_t *first, uint32_t *last)
+{
+    static const uint32_t head[] = {ECT_PCAPNG_SECTION, ECT_PCAPNG_INTERFACE, ECT_PCAPNG_INTERFACE};
+    size_t at = 0, blocks = 0, packets = 0;
+    while (at < size) {
+        const uint32_t length = ect_load_le32(file + at + 4);
+        assert_true(length >= 12 && at + length <= size);
+        assert_int_equal(ect_load_le32(file + at + length - 4), length);
+        assert_int_equal(ect_load_le32(file + at), blocks < 3 ? head[blocks] : ECT_PCAPNG_PACKET);
+        if (blocks++ >= 3) {
+            const uint32_t number = ect_load_le32(file + at + BODY_FRAME);
+            assert_true(packets == 0 || number == *last + 1);
+            *first = packets == 0 ? number : *first;
+            *last = number;
+            packets++;
+        }
+        at += length;
+    }
+    assert_int_equal(at, size);
+    return packets;
+}
+
+static void add(ect_recent_t *r, uint32_t number, size_t length)
+{
+    uint8_t frame[ECT_PCAPNG_FRAME_MOST + 100] = {0};
+    ect_store_le32(frame, number);
+    ect_recent_add(r, number % 2, number % 2 == 0 ? ECT_PCAPNG_INBOUND : ECT_PCAPNG_OUTBOUND, number * 1000u, frame,
+                   length);
+}
+
+static void a_few_frames(void **state)
+{
+    static const char *const names[2] = {"ecat0", NULL};
+    static const size_t pieces[] = {1, 7, 400, 100000};
+    ect_recent_t r = {0};
+    uint32_t first = 0, last = 0;
+    (void)state;
+    add(&r, 1, 60); /* no capture */
+    assert_int_equal(ect_recent_size(&r), 0);
+    assert_true(ect_recent_start(&r, names, 5000000000ull));
+    for (uint32_t i = 1; i <= PACKETS; i++)
+        add(&r, i, 60 + i);
+    ect_recent_stop(&r);
+    add(&r, 99, 60);
+    for (size_t i = 0; i < sizeof pieces / sizeof pieces[0]; i++) {
+        uint8_t *file = file_of(&r, pieces[i]);
+        assert_int_equal(check(file, ect_recent_size(&r), &first, &last), PACKETS);
+        assert_int_equal(first, 1);
+        const uint8_t *packet = file + r.head_length;
+        assert_true(((uint64_t)ect_load_le32(packet + BODY_TIME) << 32 | ect_load_le32(packet + BODY_TIME + 4)) ==
+                    5000001000ull);
+        free(file);
+    }
+    const uint32_t serial = r.serial;
+    assert_true(ect_recent_start(&r, names, 0)); /* from nothing */
+    assert_int_equal(r.serial, serial + 1);
+    assert_int_equal(ect_recent_size(&r), r.head_length);
+    ect_recent_free(&r);
+    assert_int_equal(ect_recent_size(&r), 0);
+}
+
+/* Twice as much as there is room for, of different lengths: the ring begins anew within blocks. */
+static void the_newest(void **state)
+{
+    static const char *const names[2] = {NULL, NULL};
+    enum { FRAMES = 2 * ECT_RECENT_BYTES / 800 };
+    ect_recent_t r = {0};
+    uint32_t first = 0, last = 0;
+    (void)state;
+    assert_true(ect_recent_start(&r, names, 0));
+    for (uint32_t i = 0; i < FRAMES; i++) {
+        add(&r, i, 60 + i * 37 % 1454);
+        assert_true(ect_recent_size(&r) <= r.head_length + ECT_RECENT_BYTES);
+    }
+    add(&r, FRAMES, ECT_PCAPNG_FRAME_MOST + 100); /* cut */
+    assert_true(ect_recent_size(&r) > ECT_RECENT_BYTES - 2 * ECT_PCAPNG_ROOM);
+    uint8_t *file = file_of(&r, 4096);
+    assert_true(check(file, ect_recent_size(&r), &first, &last) > 1000);
+    assert_int_equal(last, FRAMES);
+    assert_true(first > 0);
+    free(file);
+    ect_recent_free(&r);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        {"A capture is a pcapng file, in pieces of any size", a_few_frames, NULL, NULL, NULL},
+        {"The newest 4 MiB of frames are kept, each whole", the_newest, NULL, NULL, NULL},
+    };
+    if (argc > 1)
+        cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests_name("Capture: the newest frames", tests, NULL, NULL);
+}
