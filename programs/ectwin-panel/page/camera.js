@@ -58,7 +58,7 @@ function makeResults(find) {
     watch(comment, () => setText(cells[3], String(comment.value)));
     return make("tr", {}, ...cells);
   });
-  return make("table", { class: "results" }, make("thead", {}, make("tr", {}, ...["", "Result", "Output", "Comment"].map((text) => make("th", { scope: "col" }, text)))),
+  return make("table", { class: "results" }, make("thead", {}, make("tr", {}, make("td", {}), ...["Result", "Output", "Comment"].map((text) => make("th", { scope: "col" }, text)))),
     make("tbody", {}, ...rows));
 }
 

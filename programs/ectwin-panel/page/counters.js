@@ -60,5 +60,5 @@ export function makeCounters(context) {
     const reply = await context.request({ op: "counters" });
     if (reply.ok) show(reply.lines ?? []);
   }, PAUSE);
-  return make("div", { class: "counters-frame" }, none, table);
+  return make("div", { class: "counters-frame", tabindex: "0", role: "group", "aria-label": "Working counters" }, none, table);
 }

@@ -116,7 +116,7 @@ function makeHistogram() {
     });
     before = answers;
   };
-  return { element: make("div", { class: "histogram" }, make("div", { class: "scale" }, bars, edges), make("p", { class: "label" }, "µs, upper edges; heights are logarithmic")), show };
+  return { element: make("div", { class: "histogram", tabindex: "0", role: "group", "aria-label": "Histogram of response times" }, make("div", { class: "scale" }, bars, edges), make("p", { class: "label" }, "µs, upper edges; heights are logarithmic")), show };
 }
 
 function presetsOf(slave) {

@@ -54,7 +54,7 @@ function makeTable(direction, entries, rows) {
 /** The process data of a twin, which are read while it is open. */
 export function makePdos(context, slave) {
   const status = make("p", { class: "label", role: "status" });
-  const tables = make("div", { class: "pdo-tables" });
+  const tables = make("div", { class: "pdo-tables", tabindex: "0", role: "group", "aria-label": "Entries of the PDOs" });
   const details = make("details", { class: "group process-data" }, make("summary", {}, make("span", { class: "group-name" }, "Process data by PDO")), status, tables);
   let shown = "";
   let rows = [];

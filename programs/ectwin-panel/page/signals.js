@@ -32,7 +32,7 @@ export function sender(context, signal, rest) {
 function makeSwitch(context, signal, label) {
   const send = sender(context, signal);
   if (/^writ(e|ing) 1\b/.test(signal.meaning ?? "")) {
-    return make("button", { type: "button", class: "push", "aria-labelledby": label, on: { click: () => send(1) } }, "do");
+    return make("button", { type: "button", class: "push", "aria-label": `do ${signal.name}`, on: { click: () => send(1) } }, "do");
   }
   const control = make("button", { type: "button", class: "switch", role: "switch", "aria-checked": "false", "aria-labelledby": label },
     make("span", { class: "knob" }));

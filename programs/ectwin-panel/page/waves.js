@@ -14,7 +14,7 @@ function makeForm(context, report) {
   const shape = make("select", { name: "shape" }, ...["sine", "ramp", "square"].map((word) => make("option", { value: word }, word)));
   const [low, high, period] = [["low", "0"], ["high", "1"], ["period", "2"]].map(([name, value]) => make("input", { name, type: "number", step: "any", value, required: true }));
   const start = make("button", { type: "submit", class: "primary" }, "Start");
-  const form = make("form", { class: "wave-form fault-form" }, labelled("Signal", signal), labelled("Shape", shape), labelled("Low", low), labelled("High", high),
+  const form = make("form", { class: "wave-form" }, labelled("Signal", signal), labelled("Shape", shape), labelled("Low", low), labelled("High", high),
     labelled("Period, s", period), start);
   let signals = [];
   const chooseRange = () => {
@@ -40,7 +40,7 @@ function makeForm(context, report) {
 /** @return an element with `choose(slave)`, the twin whose signals the form lists */
 export function makeWaves(context) {
   const status = make("p", { class: "label", role: "status" });
-  const list = make("ul", { class: "fault-list", "aria-label": "Waves that run" });
+  const list = make("ul", { class: "wave-list", "aria-label": "Waves that run" });
   let shown = "";
   const update = async () => {
     const reply = await context.request({ op: "waves" });

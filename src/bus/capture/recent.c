@@ -37,7 +37,7 @@ void ect_recent_stop(ect_recent_t *r)
     r->on = false;
 }
 
-/* Copies bytes of the ring, which may begin anew in between. */
+/* Copies bytes of the ring, which may wrap in between. */
 static void copy_out(const ect_recent_t *r, uint64_t from, uint8_t *to, size_t length)
 {
     const size_t at = (size_t)(from % ECT_RECENT_BYTES);

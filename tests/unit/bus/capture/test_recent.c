@@ -88,7 +88,7 @@ static void a_few_frames(void **state)
     assert_int_equal(ect_recent_size(&r), 0);
 }
 
-/* Twice as much as there is room for, of different lengths: the ring begins anew within blocks. */
+/* Twice as much as there is room for, of different lengths: the ring wraps within blocks. */
 static void the_newest(void **state)
 {
     static const char *const names[2] = {NULL, NULL};

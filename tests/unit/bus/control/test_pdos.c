@@ -243,5 +243,5 @@ int main(int argc, char **argv)
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
-    return cmocka_run_group_tests_name("Control socket: what the panel reads", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("Control socket: the requests of the panel", tests, NULL, NULL);
 }
