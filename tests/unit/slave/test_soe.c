@@ -872,7 +872,7 @@ static void sizes(void **state)
     const ect_soe_t one = {.drive_count = 1, .drives = &drive};
     ect_device_t description = soedev;
     (void)state;
-    assert_true(ect_soe_longest(&soedev_soe) <= SOEDEV_BUFFER);
+    assert_int_equal(ect_soe_longest(&soedev_soe), 38 + 13 + 4 + SOEDEV_TEXT); /* P-0-0010 */
     assert_int_equal(ect_soe_longest(&soedev_quiet), 38 + 11 + 4 + SOEDEV_LONG);
     assert_int_equal(ect_soe_longest(&one), 38 + 4 + 4 + 4 + 2);
     assert_true(ect_soe_fits(&description));
