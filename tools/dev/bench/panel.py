@@ -45,6 +45,7 @@ class Page:
         time.sleep(2)
         self.send({"trace": list(range(PLOTTED))})
         threading.Thread(target=self.read, daemon=True).start()
+        threading.Thread(target=self.ask, daemon=True).start()
 
     def send(self, message):
         content = json.dumps(message).encode()
@@ -56,6 +57,16 @@ class Page:
             self.socket.settimeout(None)
             while piece := self.socket.recv(65536):
                 self.received += len(piece)
+
+    def ask(self):
+        """The requests that the page repeats."""
+        number = 0
+        with contextlib.suppress(OSError):
+            while True:
+                for request in ({"op": "counters"}, {"op": "waves"}, {"op": "pdos", "slave": 1}):
+                    number += 1
+                    self.send({"id": number, "bus": 1, "request": request})
+                time.sleep(1)
 
     def close(self):
         with contextlib.suppress(OSError):
