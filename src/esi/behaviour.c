@@ -271,12 +271,10 @@ static void set_signals(ect_esi_twin_t *twin, const ect_esi_drives_t *drives)
 
 static void set_functions(ect_esi_twin_t *twin, ect_esi_drives_t *drives)
 {
-    static const ect_service_t *const services[] = {&ect_service_rhythm, NULL};
-    static const ect_service_t *const with_config[] = {&ect_service_pdo_config, &ect_service_rhythm, NULL};
     ect_device_t *device = &twin->device;
     drives->safe_outputs = device->safe_outputs;
     drives->inputs = device->inputs;
-    device->services = device->services != NULL ? with_config : services;
+    ect_build_service(&twin->build, device, &ect_service_rhythm);
     device->init = init;
     device->state_change = state_change;
     device->cyclic = cyclic;

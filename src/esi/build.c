@@ -286,3 +286,15 @@ void ect_build_sort(ect_build_t *build)
         build->positions[build->objects[i].index] = (uint32_t)i + 1;
     }
 }
+
+void ect_build_service(ect_build_t *build, ect_device_t *device, const ect_service_t *service)
+{
+    size_t count = 0;
+    while (device->services != NULL && device->services[count] != NULL)
+        count++;
+    const ect_service_t **services = ect_arena_alloc(build->arena, (count + 2) * sizeof *services);
+    for (size_t i = 0; i < count; i++)
+        services[i] = device->services[i];
+    services[count] = service;
+    device->services = services;
+}

@@ -16,19 +16,21 @@ static bool is_taken(const ect_build_t *build, uint16_t index)
     return false;
 }
 
-/* Without CoE the index of a PDO has no meaning for a master, and may be another number (SoE: S-0-0016). The PDO gets
- * an index that a mapping object may have. */
+/* Without CoE the index of a PDO has no meaning for a master, and may be another number; that of a SoE drive is an IDN.
+ * The PDO gets an index that a mapping object may have. */
 static uint16_t index_of(ect_build_t *build, const ect_esi_pdo_t *model, const ect_build_steps_t *steps)
 {
     uint16_t index = ect_build_pdo_index(model->index, model->moves, steps);
     uint16_t first = model->tx ? 0x1A00 : 0x1600;
-    if (build->model->mailbox.coe || (index >= first && index < first + 0x200))
+    const bool telegram = ect_build_is_telegram(build, model);
+    if ((build->model->mailbox.coe && !telegram) || (index >= first && index < first + 0x200))
         return index;
     uint16_t substitute = first;
     while (is_taken(build, substitute))
         substitute++;
-    ect_build_note(build, "line %d: PDO %04X is PDO %04X in the SII of the twin", model->line, (unsigned int)index,
-                   (unsigned int)substitute);
+    if (!telegram)
+        ect_build_note(build, "line %d: PDO %04X is PDO %04X in the SII of the twin", model->line, (unsigned int)index,
+                       (unsigned int)substitute);
     return substitute;
 }
 
@@ -43,8 +45,13 @@ static void add_pdo(ect_build_t *build, const ect_esi_pdo_t *model, const ect_bu
         }
     }
     build->pdos = ect_arena_grow(build->arena, build->pdos, build->pdo_count, sizeof *build->pdos);
-    build->pdos[build->pdo_count++] = (ect_build_pdo_t){
-        .model = model, .index = index, .steps = steps, .module = build->module, .group = build->pdo_group};
+    build->pdos[build->pdo_count++] = (ect_build_pdo_t){.model = model,
+                                                        .index = index,
+                                                        .steps = steps,
+                                                        .module = build->module,
+                                                        .group = build->pdo_group,
+                                                        .is_telegram = ect_build_is_telegram(build, model),
+                                                        .drive = ect_build_drive_of(build, model)};
 }
 
 void ect_build_module(ect_build_t *build, const ect_esi_module_t *module, const ect_build_steps_t *steps)

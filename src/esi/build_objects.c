@@ -30,7 +30,7 @@ static const char *either(const char *own, const char *inherited)
     return *own != '\0' ? own : inherited;
 }
 
-static uint16_t access_of(const ect_esi_flags_t *own, const ect_esi_flags_t *object)
+uint16_t ect_build_access(const ect_esi_flags_t *own, const ect_esi_flags_t *object)
 {
     const char *access = either(own->access, object->access);
     const char *mapping = either(own->mapping, object->mapping);
@@ -124,8 +124,9 @@ static void add_entry(maker_t *m, unsigned int subindex, const ect_esi_item_t *i
     }
     size_t place = m->object->count;
     const ect_esi_info_t *info = info_of(m->model, name, place);
-    ect_build_entry_t *entry = ect_build_add(m->build, m->object, (uint8_t)subindex, basic.code, basic.bits,
-                                             access_of(&item->flags, &m->model->flags), display_of(item, info, name));
+    ect_build_entry_t *entry =
+        ect_build_add(m->build, m->object, (uint8_t)subindex, basic.code, basic.bits,
+                      ect_build_access(&item->flags, &m->model->flags), display_of(item, info, name));
     entry->minimum = basic.minimum;
     entry->maximum = basic.maximum;
     take_info(entry, &item->info);

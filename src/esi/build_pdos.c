@@ -86,14 +86,14 @@ static size_t mapping_values(ect_build_t *build, const ect_build_pdo_t *pdo, uin
     size_t count = 0;
     for (size_t i = 0; i < pdo->model->entry_count; i++) {
         const ect_esi_entry_t *entry = &pdo->model->entries[i];
-        uint16_t index = ect_build_index(entry->index, entry->moves, pdo->steps);
+        uint16_t index = ect_build_mapped(build, pdo, entry);
         uint32_t bits = entry->bits;
         if (bits == 0) {
             ect_build_note(build, "line %d: PDO %04X has an entry of no bits: it is left out", entry->line,
                            (unsigned int)pdo->index);
             continue;
         }
-        if (entry->index == 0 || !map_entry(build, pdo, entry, index)) {
+        if (index == 0 || !map_entry(build, pdo, entry, index)) {
             for (; bits > 0 && count < LONGEST_MAPPING; bits -= bits < LONGEST_ENTRY ? bits : LONGEST_ENTRY)
                 values[count++] = bits < LONGEST_ENTRY ? bits : LONGEST_ENTRY;
         } else if (count < LONGEST_MAPPING) {
@@ -134,6 +134,19 @@ static bool counts_by_default(const ect_build_t *build, const ect_esi_pdo_t *mod
            !build->model->sms[model->sm].virtual_sm;
 }
 
+/* Whether the lists of a SoE drive change a mapping. Its first element exists (build_idns.c). */
+static bool is_configured(const ect_build_t *build, const ect_build_pdo_t *pdo)
+{
+    return pdo->is_telegram && build->soe->telegrams[pdo->drive][pdo->model->tx] == pdo->model;
+}
+
+/* @return the most values that the list of a SoE drive can name */
+static size_t values_of(const ect_build_t *build, const ect_build_pdo_t *pdo)
+{
+    const uint16_t list = pdo->model->tx ? 16 : 24;
+    return ect_build_idn(build, pdo->drive, list)->row.size / sizeof(uint16_t);
+}
+
 static void add_mapping(ect_build_t *build, ect_build_pdo_t *pdo)
 {
     uint32_t values[LONGEST_MAPPING];
@@ -159,8 +172,12 @@ static void add_mapping(ect_build_t *build, ect_build_pdo_t *pdo)
     const ect_build_object_t *described = ect_build_find(build, pdo->index);
     bool changeable = build->model->mailbox.pdo_config && !pdo->model->fixed;
     size_t capacity = described != NULL && described->count > count + 1 ? described->count - 1 : count;
-    (void)ect_build_numbers(build, pdo->index, pdo->model->name, "Mapped object", ECT_TYPE_UNSIGNED32,
-                            changeable ? ECT_ACCESS_RW_PREOP : ECT_ACCESS_RO, values, count, capacity);
+    if (is_configured(build, pdo))
+        capacity = values_of(build, pdo) + 1 > count ? values_of(build, pdo) + 1 : count;
+    ect_build_object_t *mapping =
+        ect_build_numbers(build, pdo->index, pdo->model->name, "Mapped object", ECT_TYPE_UNSIGNED32,
+                          changeable ? ECT_ACCESS_RW_PREOP : ECT_ACCESS_RO, values, count, capacity);
+    mapping->entries[1].constant = is_configured(build, pdo); /* control word, status word */
 }
 
 /* --- assignment -------------------------------------------------------------------------------------------------- */

@@ -151,13 +151,22 @@ static bool *seen_flag(const ect_build_t *build, bool *seen, uint16_t index, uin
     return entry != NULL ? &seen[object->first + (size_t)(entry - object->entries)] : NULL;
 }
 
+static const char *meaning_of(ect_build_t *build, const ect_build_pdo_t *pdo, const ect_esi_entry_t *model,
+                              uint16_t index)
+{
+    if (pdo->is_telegram)
+        return ect_arena_print(build->arena, "%s %s", ect_build_idn_text(build, model->index), model->name);
+    return ect_arena_print(build->arena, "%04X:%02X %s", (unsigned int)index, (unsigned int)model->subindex,
+                           model->name);
+}
+
 static void add_pdo(ect_build_t *build, ect_plant_t *plant, const ect_build_pdo_t *pdo, bool *seen)
 {
     list_t list = {.build = build};
     for (size_t i = 0; i < pdo->model->entry_count; i++) {
         const ect_esi_entry_t *model = &pdo->model->entries[i];
-        uint16_t index = ect_build_index(model->index, model->moves, pdo->steps);
-        bool *flag = model->index != 0 ? seen_flag(build, seen, index, model->subindex) : NULL;
+        uint16_t index = ect_build_mapped(build, pdo, model);
+        bool *flag = index != 0 ? seen_flag(build, seen, index, model->subindex) : NULL;
         if (flag == NULL || *flag)
             continue;
         *flag = true;
@@ -165,8 +174,7 @@ static void add_pdo(ect_build_t *build, ect_plant_t *plant, const ect_build_pdo_
         const char *otherwise =
             ect_arena_print(build->arena, "n%04x_%02x", (unsigned int)index, (unsigned int)model->subindex);
         add_signal(&list, entry, unique_name(&list, plain_name(build, model->name, otherwise)),
-                   ect_arena_print(build->arena, "%04X:%02X %s", (unsigned int)index, (unsigned int)model->subindex,
-                                   model->name));
+                   meaning_of(build, pdo, model, index));
     }
     const char *otherwise = ect_arena_print(build->arena, "pdo_%04x", (unsigned int)pdo->index);
     add_group(build, plant, plain_name(build, pdo->model->name, otherwise), &list);
@@ -177,8 +185,8 @@ static void skip_pdo(const ect_build_t *build, const ect_build_pdo_t *pdo, bool 
 {
     for (size_t i = 0; i < pdo->model->entry_count; i++) {
         const ect_esi_entry_t *model = &pdo->model->entries[i];
-        uint16_t index = ect_build_index(model->index, model->moves, pdo->steps);
-        bool *flag = model->index != 0 ? seen_flag(build, seen, index, model->subindex) : NULL;
+        uint16_t index = ect_build_mapped(build, pdo, model);
+        bool *flag = index != 0 ? seen_flag(build, seen, index, model->subindex) : NULL;
         if (flag != NULL)
             *flag = true;
     }

@@ -9,6 +9,7 @@
  *   number.c, units.c, types.c  numbers, units and data types
  *   xml.c              documents and elements; the first mistake
  *   read_dictionary.c  types and objects of a file
+ *   dictionary_file.c  a dictionary in a file of its own
  *   read_device.c      the model of a device
  *   read.c             files, and the selection of a device
  *   single.c           a model without a file, as a file with one device
@@ -19,10 +20,12 @@
  *   build.c            the growing list of objects; notes
  *   build_objects.c    objects of the dictionary
  *   pdo_groups.c       order and padding of the PDOs of modules
+ *   build_idns.c       parameters of SoE drives
  *   build_modules.c    modules in their slots
  *   idents.c           lists of the idents of modules
  *   build_pdos.c       PDOs, mappings and assignments
  *   pdo_states.c       parameters of PDOs: exclusions, toggles
+ *   servo.c            SoE drives: the tables of the protocol
  *   build_signals.c    signals from PDO entries and objects
  *   change.c           modules that change while the twin runs
  *   twin.c             the description and its behaviour
@@ -58,6 +61,7 @@
 #include "esi/xml_writer.h"
 #include "seams/aoe.h"
 #include "seams/eoe.h"
+#include "seams/soe.h"
 #include "seams/standard.h"
 #include "wire/assert.h"
 
@@ -74,6 +78,7 @@ struct ect_esi {
     ect_arena_t arena;
     xmlDocPtr document;
     const char *file;
+    const char *folder; /**< of the file, "" or with '/' at its end; NULL: from memory */
     const xmlNode *root;
     ect_esi_head_t *heads;
     const xmlNode **nodes; /**< of the heads */
@@ -87,6 +92,9 @@ ect_esi_device_t *ect_esi_read_device(ect_esi_xml_t *xml, const xmlNode *root, c
 
 /** @param profile  `<Profile>`; NULL: an empty dictionary; @param[out] dictionary  gets types and objects appended */
 void ect_esi_read_dictionary(ect_esi_xml_t *xml, const xmlNode *profile, ect_esi_dictionary_t *dictionary);
+
+/** Reads the dictionary of a profile, its own or that of its `<DictionaryFile>`, into that of CoE or of SoE. */
+void ect_esi_read_profile(ect_esi_xml_t *xml, const xmlNode *profile, ect_esi_device_t *device);
 
 /** @param node  an index, may be NULL. @return ECT_ESI_BY_SLOT, ECT_ESI_BY_GROUP, from its attributes */
 uint8_t ect_esi_moves(ect_esi_xml_t *xml, const xmlNode *node);
@@ -106,6 +114,7 @@ typedef struct ect_build_entry {
     uint8_t per;
     size_t offset; /**< in the instance, after lay_out() */
     bool identity; /**< the data are a member of ect_standard_t at `offset`: 1018h, 1001h */
+    bool constant; /**< no data: an element of a mapping that never changes */
 } ect_build_entry_t;
 
 /** An object under construction; entries in any order. */
@@ -138,9 +147,33 @@ typedef struct ect_build_pdo {
     uint32_t group;                 /**< of PDOs, from 1; 0: none */
     bool assigned;                  /**< to a SyncManager with process data, by default */
     bool usable;
-    bool on_virtual; /**< of a virtual SyncManager: the master accesses registers instead */
+    bool on_virtual;  /**< of a virtual SyncManager: the master accesses registers instead */
+    bool is_telegram; /**< of a SoE drive: its entries are IDNs, its number is that of the model */
+    uint8_t drive;    /**< with is_telegram */
     size_t place; /**< place in the assignment; PDOs that exclude each other have the same place, that of the first */
 } ect_build_pdo_t;
+
+/** A parameter of a SoE drive under construction. */
+typedef struct ect_build_idn {
+    uint8_t drive;
+    bool cyclic;       /**< in a telegram by default */
+    uint16_t entry;    /**< index of the entry in the dictionary with the same memory; 0: none */
+    ect_soe_idn_t row; /**< its offset after ::ect_esi_servo_place */
+} ect_build_idn_t;
+
+/** Most values in a telegram behind control or status word. */
+enum { ECT_ESI_VALUES = 64 };
+
+/** The SoE drives of a device. */
+typedef struct ect_build_soe {
+    uint8_t drives;
+    ect_build_idn_t *idns; /**< sorted by drive and IDN after ::ect_build_idns */
+    size_t count;
+    uint32_t *positions[ECT_SOE_DRIVES];               /**< by IDN: position in `idns` + 1; 0: none */
+    const ect_esi_pdo_t *telegrams[ECT_SOE_DRIVES][2]; /**< MDT, AT, that S-0-0024, S-0-0016 change; NULL: none */
+    ect_soe_t servo;
+    bool served; /**< the mailboxes have room for SoE */
+} ect_build_soe_t;
 
 /** Notes with the same format. */
 typedef struct ect_build_note_kind {
@@ -177,8 +210,9 @@ typedef struct ect_build {
     ect_eoe_t *network;  /**< the twin's EoE, NULL: none */
     size_t *toggles;     /**< TxPDO toggles: offsets in the instance */
     size_t toggle_count;
-    ect_aoe_t *ads; /**< the twin's AoE, NULL: none */
-    size_t start;   /**< of the data of protocols and entries in the instance */
+    ect_aoe_t *ads;       /**< the twin's AoE, NULL: none */
+    ect_build_soe_t *soe; /**< the twin's SoE drives, NULL: none */
+    size_t start;         /**< of the data of protocols and entries in the instance */
 } ect_build_t;
 
 /**
@@ -251,8 +285,46 @@ uint16_t ect_build_pdo_index(uint16_t index, uint8_t moves, const ect_build_step
 /** build_objects.c: adds the objects of a dictionary in its place. */
 void ect_build_objects(ect_build_t *build, const ect_esi_dictionary_t *dictionary, const ect_build_steps_t *steps);
 
+/** build_objects.c. @return ECT_ACCESS_... of an entry with flags of its own and of its object */
+uint16_t ect_build_access(const ect_esi_flags_t *own, const ect_esi_flags_t *object);
+
 /** build_objects.c: adds missing entries that start-up commands write, and makes them writable. */
 void ect_build_inits(ect_build_t *build, const ect_esi_init_t *inits, size_t count, const ect_build_steps_t *steps);
+
+/**
+ * build_idns.c: adds the parameters of SoE drives, and entries of the dictionary for those that telegrams may carry.
+ * After ect_build_objects() of the device, before its PDOs. No effect without SoE.
+ */
+void ect_build_idns(ect_build_t *build);
+
+/** build_idns.c. @return the parameter of a drive; NULL: none */
+ect_build_idn_t *ect_build_idn(const ect_build_t *build, uint8_t drive, uint16_t idn);
+
+/** build_idns.c. @return "S-0-0134" */
+const char *ect_build_idn_text(ect_build_t *build, uint16_t idn);
+
+/** build_idns.c. @return whether a PDO of the device is a telegram of a SoE drive; whose? */
+bool ect_build_is_telegram(const ect_build_t *build, const ect_esi_pdo_t *pdo);
+uint8_t ect_build_drive_of(const ect_build_t *build, const ect_esi_pdo_t *pdo);
+
+/**
+ * build_idns.c. @return the index of the entry in the dictionary that an entry of a PDO maps, in its place; 0: a gap
+ */
+uint16_t ect_build_mapped(const ect_build_t *build, const ect_build_pdo_t *pdo, const ect_esi_entry_t *entry);
+
+/**
+ * servo.c: SoE of a twin, if the file has SoE.
+ * @param device  with its SyncManagers
+ * @return the protocol; NULL: the mailboxes of the file are too short for SoE
+ */
+const ect_protocol_t *ect_esi_servo(ect_build_t *build, const ect_device_t *device);
+
+/** servo.c: places the parameters of the drives in the instance, from `at` on, and makes their tables. @return the end
+ */
+size_t ect_esi_servo_place(ect_build_t *build, size_t at);
+
+/** servo.c: as ect_device_t::init: the defaults of all parameters. */
+void ect_esi_servo_init(void *instance, const ect_host_t *host, uint64_t now_ns);
 
 /** build_modules.c. Adds the PDOs of the device and of the modules in its slots, and the modules' objects. */
 void ect_build_modules(ect_build_t *build, const ect_module_choice_t *choices, size_t count);
@@ -280,6 +352,9 @@ extern const ect_signal_t ect_build_toggle_signals[1];
 
 /** idents.c: the download revision F081h:1 is the revision number, unless the file has another default. */
 void ect_build_revision(ect_build_t *build);
+
+/** build.c: adds a service to those that a device names. */
+void ect_build_service(ect_build_t *build, ect_device_t *device, const ect_service_t *service);
 
 /** build_modules.c: adds the PDOs, objects and start-up commands of one module; `steps` outlive the build. */
 void ect_build_module(ect_build_t *build, const ect_esi_module_t *module, const ect_build_steps_t *steps);

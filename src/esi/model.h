@@ -100,6 +100,16 @@ typedef struct ect_esi_init {
     int line;
 } ect_esi_init_t;
 
+/** `<InitCmd>` of SoE: a value that a master writes at a transition. */
+typedef struct ect_esi_soe_init {
+    const char *transitions; /**< as ect_esi_init_t::transitions */
+    uint16_t idn;
+    uint8_t drive; /**< `Chn` */
+    ect_esi_bytes_t data;
+    const char *comment; /**< "" when absent */
+    int line;
+} ect_esi_soe_init_t;
+
 /** `<Sm>` with its PDOs, of an `<AlternativeSmMapping>` or an `<OpMode>`. */
 typedef struct ect_esi_assignment {
     const char *name; /**< of the alternative or the mode */
@@ -132,6 +142,7 @@ typedef struct ect_esi_flags {
     const char *write_in; /**< `WriteRestrictions`: "PreOP", "PreOP_SafeOP", …, "" for none */
     const char *mapping;  /**< `<PdoMapping>`: "", "T", "R", "TR" … */
     const char *category;
+    ect_esi_number_t attribute; /**< of an IDN, `<Attribute>` */
     bool backup;
     bool setting;
 } ect_esi_flags_t;
@@ -237,6 +248,9 @@ typedef struct ect_esi_mailbox {
     bool data_link_layer;
     bool aoe, eoe, coe, foe, soe, voe;
     uint8_t soe_channels; /**< `ChannelCount`, 0 when absent */
+    bool soe_follows;     /**< `DriveFollowsBit3Support`: bit 3 of S-0-0135 */
+    const ect_esi_soe_init_t *soe_inits;
+    size_t soe_init_count;
     bool sdo_info, pdo_assign, pdo_config, pdo_upload, complete_access;
     const ect_esi_init_t *inits;
     size_t init_count;
@@ -275,7 +289,9 @@ typedef struct ect_esi_device {
     const ect_esi_dc_t *dcs;
     size_t dc_count;
     ect_esi_dictionary_t dictionary;
-    const char *dictionary_file; /**< "" when the dictionary is not in a file of its own */
+    ect_esi_dictionary_t idns;     /**< parameters of SoE: the index of an object is the IDN */
+    const char *dictionary_file;   /**< "" when the dictionary is not in a file of its own */
+    const char *dictionary_unread; /**< the reason why that file was not read, "": none is known; NULL: it was read */
 
     uint32_t eeprom_size;                     /**< bytes, 0 when absent */
     ect_esi_bytes_t eeprom;                   /**< `<Data>`: the whole image */

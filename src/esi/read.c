@@ -10,7 +10,7 @@
 
 static ect_esi_xml_t context(ect_esi_t *esi, char *text, size_t room)
 {
-    return (ect_esi_xml_t){.arena = &esi->arena, .file = esi->file, .text = text, .room = room};
+    return (ect_esi_xml_t){.arena = &esi->arena, .file = esi->file, .text = text, .room = room, .folder = esi->folder};
 }
 
 static size_t count_of(const xmlNode *parent, const char *name)
@@ -96,6 +96,10 @@ ect_esi_t *ect_esi_open(const char *path, char *text, size_t room)
     ect_esi_file_t file = ect_esi_load(path, text, room);
     ect_esi_t *esi = file.data != NULL ? ect_esi_parse(path, file.data, file.length, text, room) : NULL;
     free(file.data);
+    if (esi != NULL) {
+        const char *slash = strrchr(path, '/');
+        esi->folder = slash != NULL ? ect_arena_copy(&esi->arena, path, (size_t)(slash - path) + 1) : "";
+    }
     return esi;
 }
 

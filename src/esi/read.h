@@ -4,7 +4,8 @@
  * Reader of ESI files of any vendor, including files that violate the schema.
  *
  * libxml2 parses a file once, which gives the list of devices; a device is read in full when selected. Only the file
- * itself is opened: no network, no external entity. A file with a document type definition is refused as an attack,
+ * itself and the `<DictionaryFile>` of a selected device are opened, the latter only in the folder of the file or below
+ * it: no network, no external entity. A file with a document type definition is refused as an attack,
  * because an ESI has none. Nesting and the length of a text are bounded by libxml2's limits (256 levels, 10 MB).
  *
  * An error is one line `FILE:LINE: ERROR`. Context: mainline, host only. Cost: about 20 ms for each megabyte.

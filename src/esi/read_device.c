@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+enum { MOST_DRIVES = 8 }; /* of SoE: a mail has three bits for the drive */
+
 static uint16_t index_of(ect_esi_xml_t *xml, const xmlNode *parent, uint8_t *moves)
 {
     const xmlNode *node = ect_esi_child(parent, "Index");
@@ -110,6 +112,15 @@ static void read_fmmus(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t
     device->fmmus = fmmus;
 }
 
+static const char *read_transitions(ect_esi_xml_t *xml, const xmlNode *init)
+{
+    const char *transitions = "";
+    ECT_ESI_EACH(node, init, "Transition")
+    transitions =
+        ect_arena_print(xml->arena, "%s%s%s", transitions, *transitions != '\0' ? " " : "", ect_esi_text(xml, node));
+    return transitions;
+}
+
 static const ect_esi_init_t *read_inits(ect_esi_xml_t *xml, const xmlNode *coe, size_t *count)
 {
     ect_esi_init_t *inits = NULL;
@@ -117,10 +128,7 @@ static const ect_esi_init_t *read_inits(ect_esi_xml_t *xml, const xmlNode *coe, 
     ECT_ESI_EACH(node, coe, "InitCmd")
     {
         ECT_APPEND(xml, inits, *count, init);
-        init->transitions = "";
-        ECT_ESI_EACH(transition, node, "Transition")
-        init->transitions = ect_arena_print(xml->arena, "%s%s%s", init->transitions,
-                                            *init->transitions != '\0' ? " " : "", ect_esi_text(xml, transition));
+        init->transitions = read_transitions(xml, node);
         init->index = (uint16_t)ect_esi_number(xml, node, "Index", 0, UINT16_MAX, 0);
         init->subindex = (uint8_t)ect_esi_number(xml, node, "SubIndex", 0, UINT8_MAX, 0);
         init->complete = ect_esi_flag(xml, node, "CompleteAccess");
@@ -134,6 +142,30 @@ static const ect_esi_init_t *read_inits(ect_esi_xml_t *xml, const xmlNode *coe, 
     return inits;
 }
 
+static void read_soe(ect_esi_xml_t *xml, const xmlNode *soe, ect_esi_mailbox_t *mailbox)
+{
+    ect_esi_soe_init_t *inits = NULL;
+    ect_esi_soe_init_t *init;
+    if (soe == NULL)
+        return;
+    mailbox->soe = true;
+    mailbox->soe_channels = (uint8_t)ect_esi_attribute_number(xml, soe, "ChannelCount", 0, UINT8_MAX, 0);
+    mailbox->soe_follows = ect_esi_flag(xml, soe, "DriveFollowsBit3Support");
+    ECT_ESI_EACH(node, soe, "InitCmd")
+    {
+        ECT_APPEND(xml, inits, mailbox->soe_init_count, init);
+        init->transitions = read_transitions(xml, node);
+        init->idn = (uint16_t)ect_esi_number(xml, node, "IDN", 0, UINT16_MAX, 0);
+        init->drive = (uint8_t)ect_esi_attribute_number(xml, node, "Chn", 0, MOST_DRIVES - 1, 0);
+        init->data = ect_esi_hex(xml, node, "Data");
+        init->comment = ect_esi_name(xml, node, "Comment");
+        init->line = ect_esi_line(node);
+        if (ect_esi_child(node, "IDN") == NULL)
+            ect_esi_fail(xml, node, "InitCmd of SoE has no IDN");
+    }
+    mailbox->soe_inits = inits;
+}
+
 static void read_mailbox(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_mailbox_t *mailbox)
 {
     const xmlNode *coe = ect_esi_child(node, "CoE");
@@ -142,12 +174,9 @@ static void read_mailbox(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_mailbo
     mailbox->eoe = ect_esi_child(node, "EoE") != NULL;
     mailbox->coe = coe != NULL;
     mailbox->foe = ect_esi_child(node, "FoE") != NULL;
-    mailbox->soe = ect_esi_child(node, "SoE") != NULL;
     mailbox->voe = ect_esi_child(node, "VoE") != NULL;
     mailbox->data_link_layer = node != NULL && ect_esi_flag(xml, node, "DataLinkLayer");
-    if (mailbox->soe)
-        mailbox->soe_channels =
-            (uint8_t)ect_esi_attribute_number(xml, ect_esi_child(node, "SoE"), "ChannelCount", 0, UINT8_MAX, 0);
+    read_soe(xml, ect_esi_child(node, "SoE"), mailbox);
     if (coe == NULL)
         return;
     mailbox->sdo_info = ect_esi_flag(xml, coe, "SdoInfo");
@@ -441,10 +470,7 @@ ect_esi_device_t *ect_esi_read_device(ect_esi_xml_t *xml, const xmlNode *root, c
     device->dictionary_file = "";
     ECT_ESI_EACH(profile, node, "Profile")
     {
-        ect_esi_read_dictionary(xml, profile, &device->dictionary);
-        const xmlNode *file = ect_esi_child(profile, "DictionaryFile");
-        if (file != NULL)
-            device->dictionary_file = ect_esi_text(xml, file);
+        ect_esi_read_profile(xml, profile, device);
         if (device->profile == 0)
             device->profile = read_profile(xml, profile);
     }

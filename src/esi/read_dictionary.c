@@ -27,6 +27,9 @@ static void read_flags(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_flags_t 
     flags->write_in = access != NULL ? ect_esi_attribute(xml, access, "WriteRestrictions") : "";
     flags->mapping = ect_esi_text(xml, ect_esi_child(node, "PdoMapping"));
     flags->category = ect_esi_text(xml, ect_esi_child(node, "Category"));
+    const xmlNode *attribute = ect_esi_child(node, "Attribute");
+    flags->attribute.given =
+        attribute != NULL && ect_esi_parse_number(ect_esi_text(xml, attribute), &flags->attribute.value);
     flags->backup = is_set(xml, node, "Backup");
     flags->setting = is_set(xml, node, "Setting");
 }

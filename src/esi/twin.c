@@ -64,6 +64,25 @@ static uint32_t smaller(uint32_t a, uint32_t b)
     return a < b ? a : b;
 }
 
+/* @return the bytes of all telegrams of a direction with each value that they may carry; 0: it has no drives */
+static uint32_t telegram_bytes(const ect_build_t *build, const ect_esi_sm_t *model)
+{
+    const bool tx = role_of(model) == ECT_SM_INPUTS;
+    uint32_t bytes = 0;
+    for (size_t i = 0; build->soe != NULL && i < build->soe->count; i++) {
+        const ect_build_idn_t *idn = &build->soe->idns[i];
+        if ((idn->row.flags & (tx ? ECT_SOE_IN_AT : ECT_SOE_IN_MDT)) != 0)
+            bytes += ect_soe_width(idn->row.attribute);
+    }
+    return bytes > 0 ? bytes + 2u * build->soe->drives : 0;
+}
+
+/* @return the bytes of three buffers in a chip with 8 KB of memory */
+static uint32_t in_ram(const ect_esi_sm_t *model)
+{
+    return model->start < RAM_END_SMALL ? (uint32_t)(RAM_END_SMALL - model->start) / 3 : 0;
+}
+
 static void set_process_sm(ect_build_t *build, size_t n, ect_sm_t *sm)
 {
     uint32_t now = (ect_build_assigned_bits(build, (int)n) + 7) / 8;
@@ -71,6 +90,7 @@ static void set_process_sm(ect_build_t *build, size_t n, ect_sm_t *sm)
     const ect_esi_sm_t *model = &build->model->sms[n];
     if (build->model->mailbox.pdo_config || build->model->mailbox.pdo_assign)
         most = larger(most, larger(model->maximum, (uint32_t)model->size.value));
+    most = larger(most, smaller(telegram_bytes(build, model), in_ram(model)));
     most = larger(smaller(most, gap_behind(build, n)), now);
     if (now > LONGEST_IMAGE)
         ect_build_fail(build, "SyncManager %zu has %u bytes by default; a frame takes %u", n, (unsigned int)now,
@@ -206,7 +226,8 @@ static void set_protocols(ect_build_t *build, ect_device_t *device)
     const ect_protocol_t *ads = m->aoe ? ect_esi_ads(build, device) : NULL;
     add_protocol(device, list, m->aoe, ads ? ads : &aoe);
     add_protocol(device, list, m->foe, &foe);
-    add_protocol(device, list, m->soe, &soe);
+    const ect_protocol_t *servo = m->soe ? ect_esi_servo(build, device) : NULL;
+    add_protocol(device, list, m->soe, servo ? servo : &soe);
     add_protocol(device, list, m->voe, &voe);
     const ect_protocol_t *network = m->eoe ? ect_esi_network(build, device) : NULL;
     add_protocol(device, list, m->eoe, network ? network : &eoe);
@@ -230,11 +251,12 @@ static uint8_t coe_details_of(const ect_esi_mailbox_t *m)
 static void note_unserved(ect_build_t *build, const ect_device_t *device)
 {
     const ect_esi_mailbox_t *m = &build->model->mailbox;
-    const uint8_t served =
-        (uint8_t)(ECT_MAILBOX_COE | (build->network ? ECT_MAILBOX_EOE : 0) | (build->ads ? ECT_MAILBOX_AOE : 0));
+    const bool servo = build->soe != NULL && build->soe->served;
+    const uint8_t served = (uint8_t)(ECT_MAILBOX_COE | (build->network ? ECT_MAILBOX_EOE : 0) |
+                                     (build->ads ? ECT_MAILBOX_AOE : 0) | (servo ? ECT_MAILBOX_SOE : 0));
     if ((device->mailbox_protocols & ~served) != 0)
         ect_build_note(build, "%s%s%s%s%sanswered with \"unsupported protocol\"", m->aoe && !build->ads ? "AoE " : "",
-                       m->eoe && !build->network ? "EoE " : "", m->foe ? "FoE " : "", m->soe ? "SoE " : "",
+                       m->eoe && !build->network ? "EoE " : "", m->foe ? "FoE " : "", m->soe && !servo ? "SoE " : "",
                        m->voe ? "VoE " : "");
 }
 
@@ -252,8 +274,9 @@ static void set_mailbox(ect_build_t *build, ect_device_t *device)
     if (device->mailbox_protocols != 0)
         set_protocols(build, device);
     note_unserved(build, device);
-    if (*build->model->dictionary_file != '\0')
-        ect_build_note(build, "the dictionary in the file %s is not read", build->model->dictionary_file);
+    if (build->model->dictionary_unread != NULL)
+        ect_build_note(build, "the dictionary in the file %s is not read%s%s", build->model->dictionary_file,
+                       *build->model->dictionary_unread != '\0' ? ": " : "", build->model->dictionary_unread);
 }
 
 static void set_general(const ect_esi_device_t *model, ect_device_t *device)
@@ -263,7 +286,8 @@ static void set_general(const ect_esi_device_t *model, ect_device_t *device)
                                       (model->identification_134 ? ECT_GENERAL_ID_AL_STATUS : 0) |
                                       (model->identification_ado.given ? ECT_GENERAL_ID_MEMORY : 0));
     device->id_address = (uint16_t)model->identification_ado.value;
-    device->soe_channels = model->mailbox.soe_channels;
+    const uint8_t channels = model->mailbox.soe_channels;
+    device->soe_channels = channels < ECT_SOE_DRIVES ? channels : (uint8_t)ECT_SOE_DRIVES;
 }
 
 static void set_boot(const ect_esi_device_t *model, ect_device_t *device)
@@ -609,7 +633,7 @@ static size_t lay_out(ect_build_t *build)
         for (size_t k = 0; k < build->objects[i].count; k++) {
             ect_build_entry_t *entry = &build->objects[i].entries[k];
             size_t bytes = (entry->bits + 7u) / 8u + (entry->data_type == ECT_TYPE_VISIBLE_STRING ? 1 : 0);
-            if (entry->identity)
+            if (entry->identity || entry->constant)
                 continue;
             entry->offset =
                 build->rack != NULL ? place_of(build->rack, &build->objects[i], entry, bytes) : align_to(at, bytes);
@@ -740,6 +764,34 @@ static void set_objects(ect_build_t *build, ect_device_t *device)
 
 /* --- PDOs: properties beyond their objects ----------------------------------------------------------------------- */
 
+/* IDNs for the elements that mapping_values() has made: none for an entry without bits, several for a long gap. */
+static const uint16_t *idns_of(const ect_build_t *build, const ect_build_pdo_t *pdo)
+{
+    enum { LONGEST_MAPPING = 254, LONGEST_GAP = 255 };
+    uint16_t *idns = ect_arena_alloc(build->arena, (LONGEST_MAPPING + 1) * sizeof *idns);
+    size_t count = 0;
+    for (size_t i = 0; i < pdo->model->entry_count; i++) {
+        const ect_esi_entry_t *entry = &pdo->model->entries[i];
+        if (ect_build_mapped(build, pdo, entry) != 0 && count < LONGEST_MAPPING)
+            idns[count++] = entry->index;
+        else
+            count += (entry->bits + LONGEST_GAP - 1u) / LONGEST_GAP;
+    }
+    return idns;
+}
+
+static void set_telegrams(ect_build_t *build, ect_device_t *device)
+{
+    ect_telegram_t *telegrams = ect_arena_alloc(build->arena, (build->pdo_count + 1) * sizeof *telegrams);
+    for (size_t i = 0; i < build->pdo_count && device->telegram_count < UINT8_MAX; i++) {
+        const ect_build_pdo_t *pdo = &build->pdos[i];
+        if (pdo->is_telegram && pdo->usable)
+            telegrams[device->telegram_count++] =
+                (ect_telegram_t){.index = pdo->index, .number = pdo->model->index, .idns = idns_of(build, pdo)};
+    }
+    device->telegrams = telegrams;
+}
+
 static void set_pdos(ect_build_t *build, ect_device_t *device)
 {
     ect_pdo_t *pdos = ect_arena_alloc(build->arena, (build->pdo_count + 1) * sizeof *pdos);
@@ -813,10 +865,10 @@ static bool can_be_configured(const ect_build_t *build)
 
 static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size_t module_count)
 {
-    static const ect_service_t *const services[] = {&ect_service_pdo_config, NULL};
     ect_build_t *b = &twin->build;
     ect_device_t *device = &twin->device;
     ect_build_objects(b, &b->model->dictionary, &ect_build_device);
+    ect_build_idns(b);
     ect_build_modules(b, modules, module_count);
     ect_build_pdos(b);
     ect_build_inits(b, b->model->mailbox.inits, b->model->mailbox.init_count, &ect_build_device);
@@ -839,14 +891,19 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     set_eeprom(b, device);
     set_categories(b, device);
     device->esc = esc_of(device);
-    device->instance_size = ect_esi_network_place(b, lay_out(b));
+    device->instance_size = ect_esi_servo_place(b, ect_esi_network_place(b, lay_out(b)));
     if (b->rack != NULL)
         device->instance_size = rack_size(b);
     ect_build_toggles(b, device);
     set_objects(b, device);
     set_pdos(b, device);
+    set_telegrams(b, device);
     if (can_be_configured(b))
-        device->services = services;
+        ect_build_service(b, device, &ect_service_pdo_config);
+    if (b->soe != NULL && b->soe->served) {
+        ect_build_service(b, device, &ect_service_soe);
+        device->init = ect_esi_servo_init;
+    }
     device->safe_outputs = safe_outputs;
     device->tick = tick;
     device->context = twin;

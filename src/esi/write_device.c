@@ -63,11 +63,16 @@ static void write_info(ect_xml_writer_t *xml, const ect_device_t *device, const 
     ect_xml_close(xml);
 }
 
-/* Omits a dictionary that no master can read: the PDOs contain its useful part. */
-static void write_profile(ect_xml_writer_t *xml, const ect_device_t *device, const ect_identity_t *identity)
+/* Omits a dictionary that no master can read: the PDOs contain its useful part. The IDNs of SoE are those of the file.
+ */
+static void write_profile(ect_xml_writer_t *xml, const ect_device_t *device, const ect_identity_t *identity,
+                          const xmlNode *source)
 {
-    if ((device->mailbox_protocols & ECT_MAILBOX_COE) == 0)
+    if ((device->mailbox_protocols & ECT_MAILBOX_COE) == 0) {
+        if ((device->mailbox_protocols & ECT_MAILBOX_SOE) != 0)
+            ect_xml_copy_children(xml, source, "Profile");
         return;
+    }
     ect_xml_open(xml, "Profile");
     if (device->device_type != 0) {
         ect_xml_number(xml, "ProfileNo", device->device_type & 0xFFFF);
@@ -118,14 +123,15 @@ static void write_sms(ect_xml_writer_t *xml, const ect_device_t *device)
 
 /* --- PDOs -------------------------------------------------------------------------------------------------------- */
 
-static void write_entry(ect_xml_writer_t *xml, const ect_od_t *od, uint32_t mapping)
+/* @param written  the mapping as the file has it */
+static void write_entry(ect_xml_writer_t *xml, const ect_od_t *od, uint32_t mapping, uint32_t written)
 {
     const ect_entry_t *entry = ect_od_mapped(od, mapping);
     uint32_t bits = mapping & 0xFF;
     ect_xml_open(xml, "Entry");
     if (entry != NULL) {
-        ect_xml_index(xml, "Index", (uint16_t)(mapping >> 16));
-        ect_xml_number(xml, "SubIndex", mapping >> 8 & 0xFF);
+        ect_xml_index(xml, "Index", (uint16_t)(written >> 16));
+        ect_xml_number(xml, "SubIndex", written >> 8 & 0xFF);
     } else {
         ect_xml_hex(xml, "Index", 0, 1);
     }
@@ -161,12 +167,12 @@ static void write_pdo(ect_xml_writer_t *xml, const ect_device_t *device, const e
     ect_xml_flag(xml, "Virtual", (flags & ECT_PDO_VIRTUAL) != 0);
     if (sm < ECT_SMS)
         ect_xml_attribute(xml, "Sm", "%u", (unsigned int)sm);
-    ect_xml_index(xml, "Index", pdo->index);
+    ect_xml_index(xml, "Index", ect_sii_pdo_number(device, pdo->index));
     ect_xml_text(xml, "Name", pdo->name != NULL ? pdo->name : "");
     for (const uint16_t *other = excludes_of(device, pdo->index); *other != 0; other++)
-        ect_xml_index(xml, "Exclude", *other);
+        ect_xml_index(xml, "Exclude", ect_sii_pdo_number(device, *other));
     for (uint32_t n = 1; n <= ect_od_element(pdo, 0); n++)
-        write_entry(xml, &od, ect_od_element(pdo, n));
+        write_entry(xml, &od, ect_od_element(pdo, n), ect_sii_pdo_element(device, pdo, n));
     ect_xml_close(xml);
 }
 
@@ -239,6 +245,16 @@ static void write_coe(ect_xml_writer_t *xml, const ect_device_t *device, const x
     ect_xml_close(xml);
 }
 
+static void write_soe_attributes(ect_xml_writer_t *xml, const ect_device_t *device, const xmlNode *source)
+{
+    if (device->soe_channels != 0)
+        ect_xml_attribute(xml, "ChannelCount", "%u", (unsigned int)device->soe_channels);
+    for (const xmlAttr *of = source != NULL ? source->properties : NULL; of != NULL; of = of->next) {
+        if (strcmp((const char *)of->name, "DriveFollowsBit3Support") == 0 && of->children != NULL)
+            ect_xml_attribute(xml, (const char *)of->name, "%s", (const char *)of->children->content);
+    }
+}
+
 static void write_mailbox(ect_xml_writer_t *xml, const ect_device_t *device, const xmlNode *source)
 {
     static const struct {
@@ -259,8 +275,8 @@ static void write_mailbox(ect_xml_writer_t *xml, const ect_device_t *device, con
             write_coe(xml, device, ect_esi_child(source, "CoE"));
         } else {
             ect_xml_open(xml, protocols[i].element);
-            if (protocols[i].bit == ECT_MAILBOX_SOE && device->soe_channels != 0)
-                ect_xml_attribute(xml, "ChannelCount", "%u", (unsigned int)device->soe_channels);
+            if (protocols[i].bit == ECT_MAILBOX_SOE)
+                write_soe_attributes(xml, device, ect_esi_child(source, "SoE"));
             ect_xml_copy_children(xml, ect_esi_child(source, protocols[i].element), NULL);
             ect_xml_close(xml);
         }
@@ -359,7 +375,7 @@ void ect_xml_device(ect_xml_writer_t *xml, const ect_esi_part_t *part, bool slot
     ect_xml_text(xml, "Name", device->full_name != NULL ? device->full_name : device->type_name);
     write_info(xml, device, source);
     ect_xml_text(xml, "GroupType", device->group_type);
-    write_profile(xml, device, identity);
+    write_profile(xml, device, identity, source);
     write_fmmus(xml, device);
     write_sms(xml, device);
     ect_xml_pdos(xml, device, true);

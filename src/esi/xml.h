@@ -3,8 +3,9 @@
  * @file
  * Reads XML files of the fieldbus (ESI, ENI): a document in memory, and the parts of its elements.
  *
- * Only the file itself is opened: no network, no external entity. A file with a document type definition is refused as
- * an attack, because neither an ESI nor an ENI has one. libxml2 limits nesting (256 levels) and texts (10 MB).
+ * Only the file itself is opened, and the dictionary files of an ESI: no network, no external entity. A file with a
+ * document type definition is refused as an attack, because neither an ESI nor an ENI has one. libxml2 limits nesting
+ * (256 levels) and texts (10 MB).
  *
  * After a mistake reading continues with zeros and empty texts, so that the readers need no error path; the caller of
  * the first reader checks ::ect_esi_xml_t::failed at the end. Host only. Context: mainline.
@@ -33,6 +34,7 @@ typedef struct ect_esi_xml {
     char *text;
     size_t room;
     bool failed;
+    const char *folder; /**< of the file, where its other files are; NULL: no other file is read */
 } ect_esi_xml_t;
 
 /** A file in memory. */

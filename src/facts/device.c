@@ -106,18 +106,20 @@ static void add_clocks(ect_facts_t *facts, const ect_device_t *device)
 static void add_pdo(ect_facts_t *facts, const ect_device_t *device, const ect_od_t *od, const ect_object_t *pdo)
 {
     uint8_t sm = ect_sii_pdo_sm(device, pdo->index);
-    (void)ect_facts_add(facts, ECT_FACT_PDO, pdo->index, 0, "%s", ect_od_is_rxpdo(pdo->index) ? "outputs" : "inputs");
-    add_text(facts, ECT_FACT_PDO_NAME, pdo->index, 0, pdo->name);
-    (void)(sm == 0xFF ? ect_facts_add(facts, ECT_FACT_PDO_SM, pdo->index, 0, "none")
-                      : ect_facts_add(facts, ECT_FACT_PDO_SM, pdo->index, 0, "%u", sm));
+    const uint16_t number = ect_sii_pdo_number(device, pdo->index);
+    (void)ect_facts_add(facts, ECT_FACT_PDO, number, 0, "%s", ect_od_is_rxpdo(pdo->index) ? "outputs" : "inputs");
+    add_text(facts, ECT_FACT_PDO_NAME, number, 0, pdo->name);
+    (void)(sm == 0xFF ? ect_facts_add(facts, ECT_FACT_PDO_SM, number, 0, "none")
+                      : ect_facts_add(facts, ECT_FACT_PDO_SM, number, 0, "%u", sm));
     for (uint32_t n = 1; n <= ect_od_element(pdo, 0) && n <= 255; n++) {
         uint32_t mapping = ect_od_element(pdo, n);
+        const uint32_t written = ect_sii_pdo_element(device, pdo, n);
         const ect_entry_t *entry = ect_od_mapped(od, mapping);
-        ect_facts_add_mapping(facts, pdo->index, n, mapping >> 16, mapping >> 8 & 0xFF, mapping & 0xFF);
+        ect_facts_add_mapping(facts, number, n, written >> 16, written >> 8 & 0xFF, written & 0xFF);
         if (entry == NULL)
             continue;
-        add_text(facts, ECT_FACT_PDO_ENTRY_NAME, pdo->index, n, entry->name);
-        (void)ect_facts_add(facts, ECT_FACT_PDO_ENTRY_TYPE, pdo->index, n, "0x%02X", entry->data_type & 0xFFu);
+        add_text(facts, ECT_FACT_PDO_ENTRY_NAME, number, n, entry->name);
+        (void)ect_facts_add(facts, ECT_FACT_PDO_ENTRY_TYPE, number, n, "0x%02X", entry->data_type & 0xFFu);
     }
 }
 

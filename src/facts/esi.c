@@ -33,7 +33,7 @@ static void mark_made(ect_facts_t *facts, const ect_esi_device_t *model)
             fact->text = NULL;
         }
     }
-    bool whole = model->dictionary.object_count > 0 && *model->dictionary_file == '\0' && model->slot_count == 0;
+    bool whole = model->dictionary.object_count > 0 && model->dictionary_unread == NULL && model->slot_count == 0;
     facts->complete[ECT_FACT_OBJECT] = whole;
     facts->complete[ECT_FACT_ENTRY] = whole;
 }

@@ -163,6 +163,14 @@ typedef struct ect_pdo {
     const uint16_t *excludes; /**< PDOs that cannot be assigned together with this one, ended by 0; NULL: none */
 } ect_pdo_t;
 
+/** A PDO of a SoE drive: SII and ESI have a number that no mapping object has, and IDNs as the indices of its elements.
+ */
+typedef struct ect_telegram {
+    uint16_t index;       /**< of the mapping object */
+    uint16_t number;      /**< in SII and ESI */
+    const uint16_t *idns; /**< of its elements by default, 0: a gap */
+} ect_telegram_t;
+
 /**
  * Parts that an SII image leaves out when the EEPROM has no room for all, each together with those before it. Only a
  * device with CoE can do without ECT_OMIT_PDOS: its dictionary has the PDOs.
@@ -369,6 +377,8 @@ typedef struct ect_device {
     uint16_t detail_count;
     const ect_pdo_t *pdos; /**< PDOs whose properties differ from the default rule (::ect_pdo_t), in any order */
     uint8_t pdo_count;
+    const ect_telegram_t *telegrams; /**< PDOs of SoE drives */
+    uint8_t telegram_count;
     const ect_service_t *const *services; /**< object services that the device needs, ended by NULL; NULL: none */
 
     /* --- behaviour ------------------------------------------------------------------------------------------- */

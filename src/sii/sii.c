@@ -113,6 +113,28 @@ uint8_t ect_sii_pdo_sm(const ect_device_t *device, uint16_t pdo)
     return 0xFF;
 }
 
+static const ect_telegram_t *telegram_of(const ect_device_t *device, uint16_t pdo)
+{
+    for (unsigned int i = 0; i < device->telegram_count; i++) {
+        if (device->telegrams[i].index == pdo)
+            return &device->telegrams[i];
+    }
+    return NULL;
+}
+
+uint16_t ect_sii_pdo_number(const ect_device_t *device, uint16_t pdo)
+{
+    const ect_telegram_t *telegram = telegram_of(device, pdo);
+    return telegram ? telegram->number : pdo;
+}
+
+uint32_t ect_sii_pdo_element(const ect_device_t *device, const ect_object_t *pdo, uint32_t n)
+{
+    const ect_telegram_t *telegram = telegram_of(device, pdo->index);
+    const uint32_t mapping = ect_od_element(pdo, n);
+    return telegram ? (uint32_t)telegram->idns[n - 1] << 16 | (mapping & 0xFF) : mapping;
+}
+
 /* Whether no entry is in memory, so that the object cannot change. */
 static bool is_constant(const ect_object_t *object)
 {
@@ -165,11 +187,11 @@ static void intern_pdos(pen_t *p)
     }
 }
 
-static void put_pdo_entry(pen_t *p, uint32_t mapping)
+static void put_pdo_entry(pen_t *p, uint32_t mapping, uint32_t written)
 {
     ect_od_t od = ect_device_od(p->device, NULL);
     const ect_entry_t *entry = ect_od_mapped(&od, mapping);
-    put16(p, mapping >> 16);
+    put16(p, written >> 16);
     put8(p, (mapping >> 8) & 0xFF);
     put8(p, entry ? string_index(p, entry->name) : 0);
     put8(p, entry ? entry->data_type & 0xFFu : 0);
@@ -189,14 +211,14 @@ static void put_pdos(pen_t *p, bool outputs)
         if (!any)
             begin(p, outputs ? ECT_SII_RXPDO : ECT_SII_TXPDO);
         any = true;
-        put16(p, object->index);
+        put16(p, ect_sii_pdo_number(device, object->index));
         put8(p, ect_od_element(object, 0));
         put8(p, sm);
         put8(p, 0);
         put8(p, string_index(p, object->name));
         put16(p, ect_sii_pdo_flags(device, object));
         for (uint32_t n = 1; n <= ect_od_element(object, 0); n++)
-            put_pdo_entry(p, ect_od_element(object, n));
+            put_pdo_entry(p, ect_od_element(object, n), ect_sii_pdo_element(device, object, n));
     }
     if (any)
         end(p, 0);

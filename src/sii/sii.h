@@ -71,6 +71,12 @@ int ect_sii_omission(const ect_device_t *device, uint8_t *scratch);
  */
 uint16_t ect_sii_pdo_flags(const ect_device_t *device, const ect_object_t *pdo);
 
+/** @return the number of a PDO in SII and ESI. @param pdo  index of a mapping object of the device */
+uint16_t ect_sii_pdo_number(const ect_device_t *device, uint16_t pdo);
+
+/** @return element n (from 1) of a PDO as SII and ESI have it: for a telegram of SoE, with its IDN as the index */
+uint32_t ect_sii_pdo_element(const ect_device_t *device, const ect_object_t *pdo, uint32_t n);
+
 /** @return the SyncManager that a PDO is assigned to by default; 0xFF: none */
 uint8_t ect_sii_pdo_sm(const ect_device_t *device, uint16_t pdo);
 

@@ -887,7 +887,7 @@ static void protocols(void **state)
         {"EoE and FoE", MAILBOX("<EoE/><FoE/>"), ECT_MAILBOX_EOE | ECT_MAILBOX_FOE, 0, 2,
          "FoE answered with \"unsupported protocol\""},
         {"SoE and VoE beside CoE", MAILBOX("<CoE/><SoE/><VoE/>"), ECT_MAILBOX_COE | ECT_MAILBOX_SOE | ECT_MAILBOX_VOE,
-         ECT_COE_SDO, 4, "SoE VoE answered with \"unsupported protocol\""},
+         ECT_COE_SDO, 4, "VoE answered with \"unsupported protocol\""},
         {"without SyncManagers", ESI_DEVICE("<Mailbox><CoE/></Mailbox>" ESI_EEPROM), 0, 0, 0,
          "it has mailbox protocols and no mailbox SyncManagers 0 and 1: it has no mailbox"},
         {"SyncManagers without protocols", ESI_DEVICE(MAIL ESI_EEPROM), 0, 0, 0,

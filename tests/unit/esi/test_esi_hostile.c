@@ -12,8 +12,8 @@
 #include "from_text.h"
 #include "sii/sii.h"
 
-static const char *const files[] = {"analog.xml",  "digital.xml", "extras.xml",
-                                    "modular.xml", "state.xml",   "virtual.xml"};
+static const char *const files[] = {"analog.xml", "digital.xml", "extras.xml", "modular.xml",
+                                    "soe.xml",    "state.xml",   "virtual.xml"};
 enum { FILES = sizeof files / sizeof files[0], TEXT = 100000 };
 
 static char *load(const char *file)

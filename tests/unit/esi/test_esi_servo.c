@@ -1,0 +1,248 @@
+/* SPDX-License-Identifier: MIT */
+/* Twins of SoE drives of tests/esi/soe.xml on a wire: parameters by mail, telegrams with the file's lengths. */
+#include "check/check.h"
+#include "drive_of_file.h"
+#include "esi/write.h"
+#include "seams/soe.h"
+#include "sii/sii.h"
+#include "wire/sii.h"
+
+enum { ROOM = 512, MAIL = 6, HEAD = 4, READ = 1, WRITE = 3, ATTRIBUTE = 0x04, VALUE = 0x40 };
+
+static void open_servo(const char *type)
+{
+    char path[300];
+    char text[300] = "";
+    (void)snprintf(path, sizeof path, "%s/soe.xml", ESI_FILES);
+    twin = ect_esi_twin_make(path, type, NULL, 0, text, sizeof text);
+    if (twin == NULL)
+        fail_msg("%s: expected a twin, got: %s", type, text);
+    ect_twin_config_t config = ect_twin_default(device(), ect_esi_twin_product(twin)->plant);
+    memset(&wire, 0, sizeof wire);
+    memset(out, 0, sizeof out);
+    wire_open_twins(&wire, &config, 1);
+    wire_go(&wire, 0, PREOP);
+}
+
+/* One request. @return bytes of the reply behind its header of four; below 0: an error, its code is -1 - result */
+static int request(unsigned int drive, unsigned int operation, unsigned int element, uint16_t idn, const uint8_t *data,
+                   uint16_t length, uint8_t *reply)
+{
+    uint8_t mail[ROOM] = {(uint8_t)(operation | drive << 5), (uint8_t)element};
+    ect_store_le16(mail + 2, idn);
+    if (length > 0)
+        memcpy(mail + HEAD, data, length);
+    assert_int_equal(wire_mail_request(&wire, 0, ECT_MAILBOX_TYPE_SOE, mail, (uint16_t)(HEAD + length)), 1);
+    int got = 0;
+    for (bool more = true; more;) {
+        const int bytes = wire_mail_receive(&wire, 0, mail, sizeof mail) - HEAD;
+        assert_true(bytes >= 0);
+        assert_int_equal(mail[5] & 0x0F, ECT_MAILBOX_TYPE_SOE);
+        more = (mail[MAIL] & 0x08) != 0;
+        if ((mail[MAIL] & 0x10) != 0)
+            return -1 - ect_load_le16(mail + MAIL + HEAD);
+        memcpy(reply + got, mail + MAIL + HEAD, (size_t)bytes);
+        got += bytes;
+    }
+    return got;
+}
+
+static uint32_t number_of(unsigned int drive, uint16_t idn, unsigned int element)
+{
+    uint8_t reply[4 * ROOM] = {0};
+    const int length = request(drive, READ, element, idn, NULL, 0, reply);
+    if (length != 1 && length != 2 && length != 4)
+        fail_msg("drive %u, IDN %u: expected a number, got %d bytes", drive, idn, length);
+    return ect_load_le32(reply);
+}
+
+static void expect_list(unsigned int drive, uint16_t idn, const uint16_t *expected, size_t count)
+{
+    uint8_t reply[4 * ROOM] = {0};
+    const int length = request(drive, READ, VALUE, idn, NULL, 0, reply);
+    if (length != (int)(4 + 2 * count) || ect_load_le16(reply) != 2 * count)
+        fail_msg("drive %u, IDN %u: expected %zu elements, got %d bytes", drive, idn, count, length);
+    for (size_t i = 0; i < count; i++)
+        assert_int_equal(ect_load_le16(reply + 4 + 2 * i), expected[i]);
+}
+
+static int write_value(unsigned int drive, uint16_t idn, const void *data, uint16_t length)
+{
+    uint8_t reply[4 * ROOM];
+    return request(drive, WRITE, VALUE, idn, data, length, reply);
+}
+
+#define LIST(...) (const uint16_t[]){__VA_ARGS__}, sizeof((const uint16_t[]){__VA_ARGS__}) / sizeof(uint16_t)
+
+/* --- parameters --------------------------------------------------------------------------------------------------- */
+
+static void parameters_of_a_dictionary(void **state)
+{
+    uint8_t reply[4 * ROOM] = {0};
+    (void)state;
+    open_servo("SPEED");
+    assert_int_equal(number_of(0, 1, VALUE), 2000);
+    assert_int_equal(number_of(0, 1, 0x10), 250);
+    assert_int_equal(number_of(0, 1, 0x20), 8000);
+    assert_int_equal(number_of(0, 1, 0x80), 2000);
+    assert_int_equal(number_of(0, 1, ATTRIBUTE), 0x60110001);
+    assert_int_equal(number_of(0, 32, VALUE), 2);
+    assert_int_equal(request(0, READ, VALUE, 95, NULL, 0, reply), 4 + 5);
+    assert_memory_equal(reply, "\x05\x00\x14\x00Ready", 9);
+    assert_int_equal(request(0, READ, VALUE, 0x800A, NULL, 0, reply), 4 + 4);
+    assert_memory_equal(reply, "\x04\x00\x10\x00\x01\x00\x02\x00", 8);
+    assert_int_equal(request(0, READ, 0x02, 32, NULL, 0, reply), 4 + 14);
+    assert_memory_equal(reply + 4, "Operation mode", 14);
+    assert_int_equal(write_value(0, 1, "\xF9\x00", 2), -1 - ECT_SOE_TOO_LOW);
+    assert_int_equal(write_value(0, 1, "\xFA\x00", 2), 0);
+    assert_int_equal(number_of(0, 1, VALUE), 250);
+}
+
+static void made_parameters(void **state)
+{
+    uint8_t reply[4 * ROOM];
+    (void)state;
+    open_servo("SPEED");
+    assert_int_equal(number_of(0, 15, VALUE), 7);
+    expect_list(0, 24, LIST(36));
+    expect_list(0, 16, LIST(40));
+    expect_list(0, 187, LIST(40, 51));
+    expect_list(0, 188, LIST(36));
+    expect_list(0, 17, LIST(1, 15, 16, 17, 21, 22, 24, 32, 36, 40, 51, 95, 99, 134, 135, 187, 188, 0x800A));
+    assert_int_equal(request(1, READ, VALUE, 24, NULL, 0, reply), -1 - ECT_SOE_NO_DRIVE);
+    assert_int_equal(request(0, READ, VALUE, 0, NULL, 0, reply), -1 - ECT_SOE_NO_IDN);
+}
+
+static void start_up(void **state)
+{
+    const ect_esi_mailbox_t *mailbox;
+    (void)state;
+    open_servo("TWO");
+    mailbox = &ect_esi_twin_model(twin)->mailbox;
+    assert_int_equal(mailbox->soe_init_count, 5);
+    for (size_t i = 0; i < mailbox->soe_init_count; i++) {
+        const ect_esi_soe_init_t *init = &mailbox->soe_inits[i];
+        if (write_value(init->drive, init->idn, init->data.bytes, (uint16_t)init->data.length) != 0)
+            fail_msg("expected that drive %u takes %zu bytes of IDN %u", init->drive, init->data.length, init->idn);
+    }
+    wire_go(&wire, 0, SAFEOP);
+    wire_go(&wire, 0, OP);
+}
+
+/* --- telegrams ---------------------------------------------------------------------------------------------------- */
+
+static void lengths(void **state)
+{
+    (void)state;
+    open_servo("TWO");
+    assert_int_equal(size_of(2), 12);
+    assert_int_equal(size_of(3), 20);
+    for (unsigned int drive = 0; drive < 2; drive++) {
+        expect_list(drive, 24, LIST(47));
+        expect_list(drive, 16, LIST(51, 40));
+        expect_list(drive, 187, LIST(40, 51, 84));
+    }
+    wire_go(&wire, 0, SAFEOP);
+    wire_go(&wire, 0, OP);
+}
+
+/* Each drive has its own values. */
+static void places(void **state)
+{
+    (void)state;
+    open_servo("TWO");
+    wire_go(&wire, 0, SAFEOP);
+    set("at_1.position_feedback_1_value", "-2");
+    set("at_2.position_feedback_1_value", "77");
+    wire_go(&wire, 0, OP);
+    ect_store_le32(out + 2, 1000);
+    ect_store_le32(out + 8, 2000);
+    cycles(2);
+    assert_int_equal((int32_t)ect_load_le32(in + 2), -2);
+    assert_int_equal(ect_load_le32(in + 12), 77);
+    assert_int_equal((int)signal_of("mdt_1.position_command_value"), 1000);
+    assert_int_equal((int)signal_of("mdt_2.position_command_value"), 2000);
+    assert_int_equal(number_of(1, 47, VALUE), 2000);
+    assert_int_equal(number_of(0, 51, VALUE), 0xFFFFFFFE);
+}
+
+static void other_lists(void **state)
+{
+    static const uint8_t at[] = {4, 0, 4, 0, 84, 0, 51, 0};
+    static const uint8_t unknown[] = {2, 0, 2, 0, 1, 0};
+    (void)state;
+    open_servo("TWO");
+    assert_int_equal(write_value(1, 16, unknown, sizeof unknown), -1 - ECT_SOE_INVALID);
+    assert_int_equal(write_value(1, 16, at, sizeof at), 0);
+    expect_list(1, 16, LIST(84, 51));
+    expect_list(0, 16, LIST(51, 40));
+}
+
+/* --- EEPROM, file ------------------------------------------------------------------------------------------------- */
+
+static void numbers_in_the_eeprom(void **state)
+{
+    static uint8_t image[2048];
+    static const uint16_t mdts[] = {0x0018, 0x1018}, ats[] = {0x0010, 0x1010};
+    size_t length = 0;
+    (void)state;
+    open_servo("TWO");
+    assert_int_equal(ect_sii_write(device(), NULL, 0, image, sizeof image), 2048);
+    assert_int_equal(ect_load_le16(image + ECT_SII_AT_PROTOCOLS), ECT_MAILBOX_SOE);
+    assert_int_equal(ect_sii_category(image, sizeof image, ECT_SII_GENERAL, &length)[8], 2);
+    const uint8_t *pdo = ect_sii_category(image, sizeof image, ECT_SII_RXPDO, &length);
+    for (size_t i = 0; i < 2; i++, pdo += 8 + 8 * 2) {
+        assert_int_equal(ect_load_le16(pdo), mdts[i]);
+        assert_int_equal(ect_load_le16(pdo + 8), 134);
+        assert_int_equal(ect_load_le16(pdo + 16), 47);
+        assert_int_equal(pdo[16 + 2], 0);
+        assert_int_equal(pdo[16 + 5], 32);
+    }
+    pdo = ect_sii_category(image, sizeof image, ECT_SII_TXPDO, &length);
+    for (size_t i = 0; i < 2; i++, pdo += 8 + 8 * 3) {
+        assert_int_equal(ect_load_le16(pdo), ats[i]);
+        assert_int_equal(ect_load_le16(pdo + 8), 135);
+        assert_int_equal(ect_load_le16(pdo + 24), 40);
+    }
+}
+
+/* The written file is a drive with the same parameters, but for those of the file that it names. */
+static void written_file(void **state)
+{
+    char why[300] = "";
+    size_t length;
+    ect_arena_t arena = {0};
+    (void)state;
+    open_servo("SPEED");
+    const ect_esi_part_t part = {.device = device(), .twin = twin};
+    const char *text = ect_esi_write(&arena, &part, 1, &length, why, sizeof why);
+    assert_non_null(text);
+    ect_esi_t *again = ect_esi_parse("w.xml", text, length, why, sizeof why);
+    assert_non_null(again);
+    const ect_esi_device_t *model = ect_esi_select(again, "", why, sizeof why);
+    assert_non_null(model);
+    assert_int_equal(model->pdos[0].index, 0x0018);
+    assert_int_equal(model->pdos[0].entries[1].index, 36);
+    assert_int_equal(model->pdos[1].index, 0x0010);
+    assert_int_equal(model->idns.object_count, 7);
+    assert_int_equal(model->mailbox.soe_channels, 1);
+    ect_esi_close(again);
+    ect_arena_free(&arena);
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {
+        {"SOE-045 SOE-011: values, limits, texts and lists of the file's dictionary", parameters_of_a_dictionary, NULL,
+         close_drive, NULL},
+        {"SOE-033 SOE-034 SOE-035 SOE-044: parameters that the dictionary lacks", made_parameters, NULL, close_drive,
+         NULL},
+        {"SOE-046: each start-up command of the file is accepted, and OP follows", start_up, NULL, close_drive, NULL},
+        {"SOE-036 SOE-037: telegrams of two drives have the file's lengths", lengths, NULL, close_drive, NULL},
+        {"SOE-037: each drive has its place in the telegrams", places, NULL, close_drive, NULL},
+        {"SOE-036 SOE-034: other values in a telegram", other_lists, NULL, close_drive, NULL},
+        {"SOE-039: the EEPROM has the file's numbers of PDOs and IDNs", numbers_in_the_eeprom, NULL, close_drive, NULL},
+        {"SOE-039 SOE-045: a written file has the numbers and the dictionary", written_file, NULL, close_drive, NULL},
+    };
+    return cmocka_run_group_tests_name("twins of SoE drives", tests, NULL, NULL);
+}
