@@ -1,26 +1,28 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Axes of CiA 402 over the dictionary of a file. In the instance, drives and their surroundings follow the entries; all
- * other parts of the twin remain those of the file.
+ * Axes of CiA 402 over the dictionary of a file, or over the IDNs of its SoE drives. In the instance, drives and their
+ * surroundings follow the entries; all other parts of the twin remain those of the file.
  */
 #include <stdio.h>
 #include <string.h>
 
 #include "esi/internal.h"
-#include "profiles/cia402/drive.h"
 #include "wire/bytes.h"
 
-enum { PROFILE_402 = 402, FIRST_OBJECT = 0x6000, ALIGNMENT = 16, MOST_LISTED = 12 };
+enum { PROFILE_402 = 402, FIRST_OBJECT = 0x6000, ALIGNMENT = 16, MOST_LISTED = 12, RESET = 99 };
 
 typedef struct axis {
     unsigned int number; /* the objects of the axis begin at 6000h + 800h * number */
     ect_402_link_t links[ECT_402_VALUE_COUNT];
+    bool is_soe; /* without objects */
+    ect_esi_dialect_t dialect;
 } axis_t;
 
 struct ect_esi_drives {
     axis_t axes[ECT_402_AXES];
     unsigned int count;
     size_t offset, outside; /* offsets of the drives and of their surroundings in the instance */
+    void (*init)(void *instance, const ect_host_t *host, uint64_t now_ns);
     void (*safe_outputs)(void *instance, uint64_t now_ns);
     void (*inputs)(void *instance, uint64_t now_ns);
 };
@@ -42,12 +44,74 @@ static ect_402_drive_t *drive_at(void *instance, unsigned int n)
 #define EACH_DRIVE(d, instance)                                                                                        \
     for (ect_402_drive_t *d = drive_at(instance, 0); d < drive_at(instance, drives_of(instance)->count); d++)
 
+static const axis_t *axis_of(void *instance, const ect_402_drive_t *d)
+{
+    return &drives_of(instance)->axes[d - drive_at(instance, 0)];
+}
+
+static void publish(void *instance, ect_402_drive_t *d)
+{
+    const axis_t *axis = axis_of(instance, d);
+    ect_402_drive_publish(d);
+    if (axis->is_soe)
+        ect_esi_dialect_out(&axis->dialect, instance, d);
+}
+
+/* S-0-0099 ends when a control word has carried it. */
+static void end_reset(void *instance, const axis_t *axis, const ect_402_drive_t *d)
+{
+    const ect_standard_t *standard = instance;
+    const ect_soe_t *servo = &((const ect_esi_twin_t *)standard->device->context)->build.soe->servo;
+    if (ect_esi_dialect_ends(&axis->dialect, instance))
+        ect_soe_finish(servo, instance, axis->dialect.drive, RESET, d->error_code == 0);
+}
+
+/* Two control words, without and with the reset, which needs an edge. */
+static void reset_below_op(void *instance, const axis_t *axis, ect_402_drive_t *d, uint64_t now_ns)
+{
+    for (unsigned int edge = 0; edge < 2; edge++) {
+        ect_esi_dialect_reset(&axis->dialect, instance, edge != 0);
+        ect_esi_dialect_in(&axis->dialect, instance, d);
+        ect_402_drive_written(d, ECT_402_V_CONTROL, now_ns);
+    }
+    ect_esi_dialect_reset(&axis->dialect, instance, false);
+    publish(instance, d);
+}
+
+static uint16_t soe_command(const ect_soe_t *soe, void *instance, uint8_t drive, const ect_soe_idn_t *idn, bool start,
+                            uint64_t now_ns)
+{
+    EACH_DRIVE(d, instance)
+    {
+        const axis_t *axis = axis_of(instance, d);
+        if (!axis->is_soe || axis->dialect.drive != drive || idn->idn != RESET)
+            continue;
+        ect_esi_dialect_reset(&axis->dialect, instance, start);
+        if (!start || d->al == ECT_STATE_OP)
+            return ECT_SOE_OK;
+        reset_below_op(instance, axis, d, now_ns);
+        ect_soe_finish(soe, instance, drive, idn->idn, d->error_code == 0);
+        return ECT_SOE_OK;
+    }
+    ect_soe_finish(soe, instance, drive, idn->idn, true);
+    return ECT_SOE_OK;
+}
+
 static void init(void *instance, const ect_host_t *host, uint64_t now_ns)
 {
     const ect_esi_drives_t *drives = drives_of(instance);
     ect_402_surroundings_t *around = (void *)((uint8_t *)instance + drives->outside);
+    if (drives->init != NULL)
+        drives->init(instance, host, now_ns);
     for (unsigned int i = 0; i < drives->count; i++)
         ect_402_drive_init(drive_at(instance, i), drives->axes[i].links, &around[i], instance, host, now_ns);
+    EACH_DRIVE(d, instance)
+    {
+        const axis_t *axis = axis_of(instance, d);
+        d->config.cyclic_halts = axis->is_soe;
+        if (axis->is_soe)
+            ect_esi_dialect_out(&axis->dialect, instance, d);
+    }
 }
 
 static uint16_t state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns)
@@ -64,7 +128,7 @@ static uint16_t state_change(void *instance, uint8_t from, uint8_t to, uint64_t 
             ect_402_drive_leave_op(d, now_ns);
         if (to != ECT_STATE_OP)
             ect_402_drive_below_op(d, to);
-        ect_402_drive_publish(d);
+        publish(instance, d);
     }
     return ECT_AL_NO_ERROR;
 }
@@ -77,7 +141,7 @@ static void cyclic(void *instance, uint8_t events, uint64_t now_ns)
     {
         ect_402_drive_advance(d, now_ns);
         ect_402_drive_sync0(d, now_ns);
-        ect_402_drive_publish(d);
+        publish(instance, d);
     }
 }
 
@@ -86,8 +150,13 @@ static void outputs(void *instance, uint64_t now_ns)
     EACH_DRIVE(d, instance)
     {
         ect_402_drive_advance(d, now_ns);
+        const axis_t *axis = axis_of(instance, d);
+        if (axis->is_soe)
+            ect_esi_dialect_in(&axis->dialect, instance, d);
         ect_402_drive_outputs(d, now_ns);
-        ect_402_drive_publish(d);
+        if (axis->is_soe)
+            end_reset(instance, axis, d);
+        publish(instance, d);
     }
 }
 
@@ -97,7 +166,12 @@ static void safe_outputs(void *instance, uint64_t now_ns)
     ect_402_drive_advance(d, now_ns);
     drives_of(instance)->safe_outputs(instance, now_ns);
     EACH_DRIVE(d, instance)
-    ect_402_drive_leave_op(d, now_ns);
+    {
+        const axis_t *axis = axis_of(instance, d);
+        if (axis->is_soe)
+            ect_esi_dialect_in(&axis->dialect, instance, d);
+        ect_402_drive_leave_op(d, now_ns);
+    }
 }
 
 static void inputs(void *instance, uint64_t now_ns)
@@ -107,7 +181,7 @@ static void inputs(void *instance, uint64_t now_ns)
     EACH_DRIVE(d, instance)
     {
         ect_402_drive_advance(d, now_ns);
-        ect_402_drive_publish(d);
+        publish(instance, d);
     }
 }
 
@@ -117,7 +191,7 @@ static uint64_t tick(void *instance, uint64_t now_ns)
     EACH_DRIVE(d, instance)
     {
         ect_402_drive_advance(d, now_ns);
-        ect_402_drive_publish(d);
+        publish(instance, d);
         next = ect_earlier(next, ect_402_drive_next(d));
     }
     return next;
@@ -130,7 +204,7 @@ static ect_402_drive_t *find(void *instance, uint16_t index, uint8_t subindex, e
     unsigned int number = (unsigned int)(index - FIRST_OBJECT) / ECT_402_AXIS_OBJECTS;
     for (unsigned int i = 0; index >= FIRST_OBJECT && i < drives->count; i++) {
         uint16_t first = (uint16_t)(index - number * ECT_402_AXIS_OBJECTS);
-        if (drives->axes[i].number == number && ect_402_value_of(first, subindex, value))
+        if (!drives->axes[i].is_soe && drives->axes[i].number == number && ect_402_value_of(first, subindex, value))
             return drive_at(instance, i);
     }
     return NULL;
@@ -190,6 +264,16 @@ static void signal_written(void *instance, const ect_signal_t *signal, uint16_t 
 
 /* --- the twin ----------------------------------------------------------------------------------------------------- */
 
+static void find_soe_axes(const ect_esi_twin_t *twin, ect_esi_drives_t *drives)
+{
+    const ect_build_soe_t *soe = twin->build.soe;
+    for (uint8_t n = 0; soe != NULL && soe->served && n < soe->drives && drives->count < ECT_402_AXES; n++) {
+        axis_t *axis = &drives->axes[drives->count];
+        axis->is_soe = ect_esi_dialect_find(&twin->build, n, &axis->dialect);
+        drives->count += axis->is_soe;
+    }
+}
+
 static void find_axes(const ect_esi_twin_t *twin, ect_esi_drives_t *drives)
 {
     ect_od_t od = ect_device_od(&twin->device, NULL);
@@ -199,6 +283,8 @@ static void find_axes(const ect_esi_twin_t *twin, ect_esi_drives_t *drives)
         if (ect_402_links_find(&od, n, axis->links))
             drives->count++;
     }
+    if (drives->count == 0)
+        find_soe_axes(twin, drives);
 }
 
 /* Distinguishes a default of 0 in the file from a missing one. */
@@ -218,9 +304,23 @@ static size_t aligned(size_t at)
     return (at + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
 }
 
+/* Places the words of SoE drives, to which their links lead. @return the end */
+static size_t place_words(const ect_esi_twin_t *twin, ect_esi_drives_t *drives, size_t at)
+{
+    for (unsigned int i = 0; i < drives->count; i++) {
+        axis_t *axis = &drives->axes[i];
+        if (!axis->is_soe)
+            continue;
+        at = aligned(at);
+        ect_esi_dialect_links(&twin->build, &axis->dialect, at, axis->links);
+        at += sizeof(ect_esi_words_t);
+    }
+    return at;
+}
+
 static void lay_out(ect_esi_twin_t *twin, ect_esi_drives_t *drives)
 {
-    drives->offset = aligned(twin->device.instance_size);
+    drives->offset = aligned(place_words(twin, drives, twin->device.instance_size));
     drives->outside = aligned(drives->offset + drives->count * sizeof(ect_402_drive_t));
     twin->plant.outside_offset = drives->outside;
     twin->plant.outside_size = drives->count * sizeof(ect_402_surroundings_t);
@@ -237,6 +337,8 @@ static void lock(const ect_esi_drives_t *drives, ect_signal_t *signal)
             if (actual && link->bytes != 0 && link->offset == signal->offset)
                 signal->access = ECT_SIGNAL_READ;
         }
+        if (drives->axes[a].is_soe && drives->axes[a].dialect.status == signal->offset)
+            signal->access = ECT_SIGNAL_READ;
     }
 }
 
@@ -274,6 +376,9 @@ static void set_functions(ect_esi_twin_t *twin, ect_esi_drives_t *drives)
     ect_device_t *device = &twin->device;
     drives->safe_outputs = device->safe_outputs;
     drives->inputs = device->inputs;
+    drives->init = device->init;
+    if (twin->build.soe != NULL)
+        twin->build.soe->servo.command = soe_command;
     ect_build_service(&twin->build, device, &ect_service_rhythm);
     device->init = init;
     device->state_change = state_change;
@@ -321,7 +426,7 @@ static const char *rest_of(ect_esi_twin_t *twin, const axis_t *axis)
 {
     const char *text = "";
     size_t count = 0;
-    for (unsigned int i = 0; i < twin->device.object_count; i++) {
+    for (unsigned int i = 0; !axis->is_soe && i < twin->device.object_count; i++) {
         unsigned int first = FIRST_OBJECT + axis->number * ECT_402_AXIS_OBJECTS;
         uint16_t index = twin->device.objects[i].index;
         if (index < first || index >= first + ECT_402_AXIS_OBJECTS ||
@@ -337,7 +442,7 @@ static const char *rest_of(ect_esi_twin_t *twin, const axis_t *axis)
 
 static void add_note(ect_esi_twin_t *twin, const ect_esi_drives_t *drives)
 {
-    const char *text = "CiA 402:";
+    const char *text = drives->axes[0].is_soe ? "S-0-0134, S-0-0135:" : "CiA 402:";
     const char *rest = "";
     for (unsigned int i = 0; i < drives->count; i++) {
         text = ect_arena_print(&twin->arena, "%s%s axis %u%s", text, i > 0 ? ";" : "", i + 1,
@@ -363,10 +468,12 @@ bool ect_esi_twin_behave(ect_esi_twin_t *twin, ect_behaviour_t behaviour, char *
         ect_build_note(&twin->build, "ProfileNo is 402, but there is no 6040h and 6041h: it has no behaviour");
     if (drives->count == 0)
         return true;
-    for (unsigned int i = 0; i < drives->count; i++)
-        find_defaults(&twin->build, &drives->axes[i]);
-    add_note(twin, drives);
+    for (unsigned int i = 0; i < drives->count; i++) {
+        if (!drives->axes[i].is_soe)
+            find_defaults(&twin->build, &drives->axes[i]);
+    }
     lay_out(twin, drives);
+    add_note(twin, drives);
     set_functions(twin, drives);
     set_signals(twin, drives);
     twin->drives = drives;

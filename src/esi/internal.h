@@ -30,7 +30,8 @@
  *   change.c           modules that change while the twin runs
  *   twin.c             the description and its behaviour
  *   rack.c             twins, with a description for each set of modules
- *   behaviour.c        drives with objects of CiA 402
+ *   dialect.c          the words of SoE drives over axes of CiA 402
+ *   behaviour.c        drives with objects of CiA 402, or IDNs
  *   network.c          EoE: an IP host; AoE
  *   values.c           the values of a dictionary before the first write
  *   write_xml.c        elements and attributes; the first failure
@@ -59,6 +60,7 @@
 #include "esi/write.h"
 #include "esi/xml.h"
 #include "esi/xml_writer.h"
+#include "profiles/cia402/drive.h"
 #include "seams/aoe.h"
 #include "seams/eoe.h"
 #include "seams/soe.h"
@@ -303,7 +305,7 @@ ect_build_idn_t *ect_build_idn(const ect_build_t *build, uint8_t drive, uint16_t
 /** build_idns.c. @return "S-0-0134" */
 const char *ect_build_idn_text(ect_build_t *build, uint16_t idn);
 
-/** build_idns.c. @return whether a PDO of the device is a telegram of a SoE drive; whose? */
+/** build_idns.c. @return whether a PDO of the device is a telegram of a SoE drive, and the number of that drive */
 bool ect_build_is_telegram(const ect_build_t *build, const ect_esi_pdo_t *pdo);
 uint8_t ect_build_drive_of(const ect_build_t *build, const ect_esi_pdo_t *pdo);
 
@@ -483,6 +485,36 @@ struct ect_esi_twin {
     ect_product_t product;
     ect_esi_drives_t *drives; /* NULL: a shell */
 };
+
+/** The words of a SoE drive, as an axis of CiA 402 has them; in the instance. */
+typedef struct ect_esi_words {
+    uint16_t control, status;
+    int8_t mode, shown;
+    uint8_t reset; /**< phase of a reset by S-0-0099 */
+} ect_esi_words_t;
+
+/** How a SoE drive reaches its axis. */
+typedef struct ect_esi_dialect {
+    uint8_t drive;
+    bool follows;            /**< bit 3 of S-0-0135 */
+    size_t control, status;  /**< of S-0-0134, S-0-0135 in the instance */
+    size_t words;            /**< of an ::ect_esi_words_t */
+    ect_402_link_t modes[4]; /**< S-0-0032 to S-0-0035 */
+    ect_402_link_t class_1;  /**< S-0-0011 */
+} ect_esi_dialect_t;
+
+/** dialect.c. @return whether a drive has S-0-0134 and S-0-0135 */
+bool ect_esi_dialect_find(const ect_build_t *build, uint8_t drive, ect_esi_dialect_t *dialect);
+/** dialect.c: the links of the axis, ECT_402_VALUE_COUNT. @param words  offset of the words in the instance */
+void ect_esi_dialect_links(const ect_build_t *build, ect_esi_dialect_t *dialect, size_t words, ect_402_link_t *links);
+/** dialect.c: S-0-0134 as the control word of the axis, before ::ect_402_drive_outputs. */
+void ect_esi_dialect_in(const ect_esi_dialect_t *dialect, void *instance, const ect_402_drive_t *d);
+/** dialect.c: the state of the axis as S-0-0135, after ::ect_402_drive_publish. */
+void ect_esi_dialect_out(const ect_esi_dialect_t *dialect, void *instance, const ect_402_drive_t *d);
+/** dialect.c: the next control word resets a fault. @param start  false: no longer */
+void ect_esi_dialect_reset(const ect_esi_dialect_t *dialect, void *instance, bool start);
+/** dialect.c: after a control word. @return whether the reset is over */
+bool ect_esi_dialect_ends(const ect_esi_dialect_t *dialect, void *instance);
 
 /* --- writing ----------------------------------------------------------------------------------------------------- */
 

@@ -59,16 +59,17 @@ ect_esi_twin_t *ect_esi_twin_take(ect_esi_t *esi, const char *selector, const ec
 
 /** The behaviour of a twin. */
 typedef enum ect_behaviour {
-    ECT_BEHAVIOUR_BY_FILE, /**< a drive if the file has controlword 6040h and statusword 6041h of an axis */
+    ECT_BEHAVIOUR_BY_FILE, /**< a drive if the file has controlword 6040h and statusword 6041h of an axis, or SoE drives
+                              with S-0-0134 and S-0-0135 */
     ECT_BEHAVIOUR_NONE,    /**< no behaviour */
     ECT_BEHAVIOUR_CIA402,  /**< a drive */
 } ect_behaviour_t;
 
 /**
- * Sets the behaviour of a twin: axes of CiA 402 at 6000h, 6800h to 9800h, with the objects of the file, and the signals
- * axis1 to axis8 of their surroundings. A note lists the axes with their modes, and the objects of the profile that the
- * drive does not simulate. Call it once, before the first power-on of the twin. The description of the device remains
- * that of the file.
+ * Sets the behaviour of a twin: axes of CiA 402 at 6000h, 6800h to 9800h, with the objects of the file, else an axis
+ * for each SoE drive, with its IDNs; and the signals axis1 to axis8 of their surroundings. A note lists the axes with
+ * their modes, and the objects of the profile that the drive does not simulate. Call it once, before the first power-on
+ * of the twin. The description of the device remains that of the file.
  * @param[out] text, room  the reason of the failure, one line
  * @return false: ECT_BEHAVIOUR_CIA402, but the file has no axis; the twin is without behaviour
  */

@@ -1,60 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Twins of SoE drives of tests/esi/soe.xml on a wire: parameters by mail, telegrams with the file's lengths. */
 #include "check/check.h"
-#include "drive_of_file.h"
 #include "esi/write.h"
-#include "seams/soe.h"
+#include "servo_of_file.h"
 #include "sii/sii.h"
 #include "wire/sii.h"
-
-enum { ROOM = 512, MAIL = 6, HEAD = 4, READ = 1, WRITE = 3, ATTRIBUTE = 0x04, VALUE = 0x40 };
-
-static void open_servo(const char *type)
-{
-    char path[300];
-    char text[300] = "";
-    (void)snprintf(path, sizeof path, "%s/soe.xml", ESI_FILES);
-    twin = ect_esi_twin_make(path, type, NULL, 0, text, sizeof text);
-    if (twin == NULL)
-        fail_msg("%s: expected a twin, got: %s", type, text);
-    ect_twin_config_t config = ect_twin_default(device(), ect_esi_twin_product(twin)->plant);
-    memset(&wire, 0, sizeof wire);
-    memset(out, 0, sizeof out);
-    wire_open_twins(&wire, &config, 1);
-    wire_go(&wire, 0, PREOP);
-}
-
-/* One request. @return bytes of the reply behind its header of four; below 0: an error, its code is -1 - result */
-static int request(unsigned int drive, unsigned int operation, unsigned int element, uint16_t idn, const uint8_t *data,
-                   uint16_t length, uint8_t *reply)
-{
-    uint8_t mail[ROOM] = {(uint8_t)(operation | drive << 5), (uint8_t)element};
-    ect_store_le16(mail + 2, idn);
-    if (length > 0)
-        memcpy(mail + HEAD, data, length);
-    assert_int_equal(wire_mail_request(&wire, 0, ECT_MAILBOX_TYPE_SOE, mail, (uint16_t)(HEAD + length)), 1);
-    int got = 0;
-    for (bool more = true; more;) {
-        const int bytes = wire_mail_receive(&wire, 0, mail, sizeof mail) - HEAD;
-        assert_true(bytes >= 0);
-        assert_int_equal(mail[5] & 0x0F, ECT_MAILBOX_TYPE_SOE);
-        more = (mail[MAIL] & 0x08) != 0;
-        if ((mail[MAIL] & 0x10) != 0)
-            return -1 - ect_load_le16(mail + MAIL + HEAD);
-        memcpy(reply + got, mail + MAIL + HEAD, (size_t)bytes);
-        got += bytes;
-    }
-    return got;
-}
-
-static uint32_t number_of(unsigned int drive, uint16_t idn, unsigned int element)
-{
-    uint8_t reply[4 * ROOM] = {0};
-    const int length = request(drive, READ, element, idn, NULL, 0, reply);
-    if (length != 1 && length != 2 && length != 4)
-        fail_msg("drive %u, IDN %u: expected a number, got %d bytes", drive, idn, length);
-    return ect_load_le32(reply);
-}
 
 static void expect_list(unsigned int drive, uint16_t idn, const uint16_t *expected, size_t count)
 {
@@ -66,12 +16,6 @@ static void expect_list(unsigned int drive, uint16_t idn, const uint16_t *expect
         assert_int_equal(ect_load_le16(reply + 4 + 2 * i), expected[i]);
 }
 
-static int write_value(unsigned int drive, uint16_t idn, const void *data, uint16_t length)
-{
-    uint8_t reply[4 * ROOM];
-    return request(drive, WRITE, VALUE, idn, data, length, reply);
-}
-
 #define LIST(...) (const uint16_t[]){__VA_ARGS__}, sizeof((const uint16_t[]){__VA_ARGS__}) / sizeof(uint16_t)
 
 /* --- parameters --------------------------------------------------------------------------------------------------- */
@@ -80,7 +24,7 @@ static void parameters_of_a_dictionary(void **state)
 {
     uint8_t reply[4 * ROOM] = {0};
     (void)state;
-    open_servo("SPEED");
+    open_servo("SPEED", ECT_BEHAVIOUR_NONE);
     assert_int_equal(number_of(0, 1, VALUE), 2000);
     assert_int_equal(number_of(0, 1, 0x10), 250);
     assert_int_equal(number_of(0, 1, 0x20), 8000);
@@ -102,13 +46,13 @@ static void made_parameters(void **state)
 {
     uint8_t reply[4 * ROOM];
     (void)state;
-    open_servo("SPEED");
+    open_servo("SPEED", ECT_BEHAVIOUR_NONE);
     assert_int_equal(number_of(0, 15, VALUE), 7);
     expect_list(0, 24, LIST(36));
     expect_list(0, 16, LIST(40));
     expect_list(0, 187, LIST(40, 51));
     expect_list(0, 188, LIST(36));
-    expect_list(0, 17, LIST(1, 15, 16, 17, 21, 22, 24, 32, 36, 40, 51, 95, 99, 134, 135, 187, 188, 0x800A));
+    expect_list(0, 17, LIST(1, 11, 15, 16, 17, 21, 22, 24, 32, 36, 40, 51, 95, 99, 134, 135, 187, 188, 0x800A));
     assert_int_equal(request(1, READ, VALUE, 24, NULL, 0, reply), -1 - ECT_SOE_NO_DRIVE);
     assert_int_equal(request(0, READ, VALUE, 0, NULL, 0, reply), -1 - ECT_SOE_NO_IDN);
 }
@@ -117,7 +61,7 @@ static void start_up(void **state)
 {
     const ect_esi_mailbox_t *mailbox;
     (void)state;
-    open_servo("TWO");
+    open_servo("TWO", ECT_BEHAVIOUR_NONE);
     mailbox = &ect_esi_twin_model(twin)->mailbox;
     assert_int_equal(mailbox->soe_init_count, 5);
     for (size_t i = 0; i < mailbox->soe_init_count; i++) {
@@ -134,7 +78,7 @@ static void start_up(void **state)
 static void lengths(void **state)
 {
     (void)state;
-    open_servo("TWO");
+    open_servo("TWO", ECT_BEHAVIOUR_NONE);
     assert_int_equal(size_of(2), 12);
     assert_int_equal(size_of(3), 20);
     for (unsigned int drive = 0; drive < 2; drive++) {
@@ -150,7 +94,7 @@ static void lengths(void **state)
 static void places(void **state)
 {
     (void)state;
-    open_servo("TWO");
+    open_servo("TWO", ECT_BEHAVIOUR_NONE);
     wire_go(&wire, 0, SAFEOP);
     set("at_1.position_feedback_1_value", "-2");
     set("at_2.position_feedback_1_value", "77");
@@ -171,7 +115,7 @@ static void other_lists(void **state)
     static const uint8_t at[] = {4, 0, 4, 0, 84, 0, 51, 0};
     static const uint8_t unknown[] = {2, 0, 2, 0, 1, 0};
     (void)state;
-    open_servo("TWO");
+    open_servo("TWO", ECT_BEHAVIOUR_NONE);
     assert_int_equal(write_value(1, 16, unknown, sizeof unknown), -1 - ECT_SOE_INVALID);
     assert_int_equal(write_value(1, 16, at, sizeof at), 0);
     expect_list(1, 16, LIST(84, 51));
@@ -186,7 +130,7 @@ static void numbers_in_the_eeprom(void **state)
     static const uint16_t mdts[] = {0x0018, 0x1018}, ats[] = {0x0010, 0x1010};
     size_t length = 0;
     (void)state;
-    open_servo("TWO");
+    open_servo("TWO", ECT_BEHAVIOUR_NONE);
     assert_int_equal(ect_sii_write(device(), NULL, 0, image, sizeof image), 2048);
     assert_int_equal(ect_load_le16(image + ECT_SII_AT_PROTOCOLS), ECT_MAILBOX_SOE);
     assert_int_equal(ect_sii_category(image, sizeof image, ECT_SII_GENERAL, &length)[8], 2);
@@ -213,7 +157,7 @@ static void written_file(void **state)
     size_t length;
     ect_arena_t arena = {0};
     (void)state;
-    open_servo("SPEED");
+    open_servo("SPEED", ECT_BEHAVIOUR_NONE);
     const ect_esi_part_t part = {.device = device(), .twin = twin};
     const char *text = ect_esi_write(&arena, &part, 1, &length, why, sizeof why);
     assert_non_null(text);
@@ -224,7 +168,7 @@ static void written_file(void **state)
     assert_int_equal(model->pdos[0].index, 0x0018);
     assert_int_equal(model->pdos[0].entries[1].index, 36);
     assert_int_equal(model->pdos[1].index, 0x0010);
-    assert_int_equal(model->idns.object_count, 7);
+    assert_int_equal(model->idns.object_count, 8);
     assert_int_equal(model->mailbox.soe_channels, 1);
     ect_esi_close(again);
     ect_arena_free(&arena);
