@@ -185,7 +185,8 @@ def _describe(twin: Twin) -> str:
         lines.append("(all other signals are 0 or empty)")
         lines += [f"fault: {fault}" for fault in twin.faults()]
         counters = twin.stats()
-        lines.append(", ".join(f"{name} {value}" for name, value in counters.items() if not isinstance(value, list)))
+        numbers = {name: value for name, value in counters.items() if not isinstance(value, (list, dict))}
+        lines.append(", ".join(f"{name} {value}" for name, value in numbers.items()))
     except Error as error:
         lines.append(str(error))
     messages = twin.messages()
