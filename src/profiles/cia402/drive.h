@@ -97,7 +97,10 @@ void ect_402_drive_outputs(ect_402_drive_t *d, uint64_t now_ns);
 void ect_402_drive_sync0(ect_402_drive_t *d, uint64_t now_ns);
 /** OP has begun. */
 void ect_402_drive_enter_op(ect_402_drive_t *d, uint64_t now_ns);
-/** OP has ended, whatever the cause: 6007h. The outputs in the dictionary are at their defaults. */
+/**
+ * OP has ended, whatever the cause: 6007h. The outputs in the dictionary are at their defaults; settings among them
+ * get the values that they had in OP.
+ */
 void ect_402_drive_leave_op(ect_402_drive_t *d, uint64_t now_ns);
 /** An AL state below OP has begun, after ::ect_402_drive_leave_op when OP has ended. @param al  ECT_STATE_... */
 void ect_402_drive_below_op(ect_402_drive_t *d, uint8_t al);

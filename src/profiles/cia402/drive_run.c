@@ -244,6 +244,19 @@ static void lose_op(ect_402_drive_t *d)
         d->axis.state = ECT_402_SWITCH_ON_DISABLED;
 }
 
+/* The end of OP sets what may be mapped to its default. Settings outlast it; digital outputs and touch probes do not.
+ */
+static void keep_settings(ect_402_drive_t *d)
+{
+    for (unsigned int i = 0; i < ECT_402_VALUE_COUNT; i++) {
+        const ect_402_object_t *object = ect_402_object((ect_402_value_t)i);
+        bool setting = object->kind == ECT_402_SETTING || object->kind == ECT_402_LIMIT;
+        bool acts = i == ECT_402_V_OUTPUTS || i == ECT_402_V_OUTPUT_MASK || i == ECT_402_V_PROBE;
+        if (setting && !acts && d->links[i].output && !d->links[i].is_real)
+            ect_402_store(d->instance, &d->links[i], d->value[i]);
+    }
+}
+
 void ect_402_drive_leave_op(ect_402_drive_t *d, uint64_t now_ns)
 {
     ect_402_drive_advance(d, now_ns);
@@ -251,6 +264,7 @@ void ect_402_drive_leave_op(ect_402_drive_t *d, uint64_t now_ns)
     if (d->axis.live)
         lose_op(d);
     d->axis.live = d->control_known = d->fresh = false;
+    keep_settings(d);
     ect_402_drive_defaults(d);
     ect_402_drive_read(d, true);
     settle(d, 0);

@@ -456,6 +456,26 @@ static void ready_ends_with_the_mailbox(void **state)
     assert_int_equal(state_of(read_sdo(STATUS, 0)), SOD);
 }
 
+static void settings_outlast_op(void **state)
+{
+    static const struct {
+        uint16_t index;
+        size_t size;
+        int64_t value;
+    } rows[] = {{0x6084, 4, 12345}, {0x605E, 2, 1}, {0x6065, 4, 54321}, {0x60E0, 2, 777}};
+    (void)state;
+    servo(CSP, 10000);
+    for (size_t i = 0; i < COUNT(rows); i++)
+        assert_int_equal(write_sdo(rows[i].index, 0, rows[i].value, rows[i].size), 0);
+    cycles(5);
+    (void)wire_al(&wire, 0, SAFEOP, NULL);
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        if (read_sdo(rows[i].index, 0) != rows[i].value)
+            fail_msg("%04X: expected %lld in SAFEOP, got %lld", rows[i].index, (long long)rows[i].value,
+                     (long long)read_sdo(rows[i].index, 0));
+    }
+}
+
 static void op_left(void **state)
 {
     static const struct {
@@ -623,6 +643,7 @@ int main(void)
         TEST("DRV-145 DRV-271 a bit 4 that rises with its mode starts nothing", bit4_at_the_entry),
         TEST("DRV-153 DRV-154 DRV-112 DRV-514 a control word by SDO below OP leads to Ready at most", below_op),
         TEST("DRV-154 INIT ends what the mailbox has commanded", ready_ends_with_the_mailbox),
+        TEST("DRV-149 DRV-155 settings by SDO outlast the end of OP", settings_outlast_op),
         TEST("DRV-157 OP left without torque", op_left),
         TEST("DRV-158 the demand begins at the shaft", demand_at_the_entry),
         TEST("DRV-154 DRV-513 a control word by SDO holds until the next frame", control_by_mailbox_in_op),
