@@ -15,10 +15,11 @@ extern const cf_section_t cf_mailbox;
 extern const cf_section_t cf_dc;
 extern const cf_section_t cf_system;
 extern const cf_section_t cf_beyond;
+extern const cf_section_t cf_drive;
 
 const cf_section_t *const cf_catalogue[] = {
     &cf_datalink, &cf_syncman, &cf_fmmu,    &cf_machine, &cf_watchdog, &cf_eeprom, &cf_coe,
-    &cf_coe_more, &cf_modules, &cf_mailbox, &cf_dc,      &cf_system,   &cf_beyond,
+    &cf_coe_more, &cf_modules, &cf_mailbox, &cf_dc,      &cf_system,   &cf_beyond, &cf_drive,
 };
 const size_t cf_catalogue_count = sizeof cf_catalogue / sizeof cf_catalogue[0];
 
@@ -44,6 +45,8 @@ const char *cf_need_text(uint32_t bit)
         "needs --destructive: it writes the EEPROM",
         "no ESI file was given (--esi FILE)",
         "needs real time, which an emulated slave does not have (--emulated)",
+        "the slave is no CiA 402 drive (6040h, 6041h)",
+        "needs --move: it gives torque to the motor and turns it",
     };
     for (unsigned int n = 0; n < CF_NEEDS_COUNT; n++) {
         if ((bit & (1u << n)) != 0)

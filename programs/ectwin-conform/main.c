@@ -184,6 +184,7 @@ static void set_up(cf_run_t *run, const cf_options_t *options, cf_esi_t *esi)
     run->c.plug = options->plug;
     run->c.file = options->file;
     run->c.password = (uint32_t)options->password;
+    run->c.move = options->move;
     run->c.seconds = (uint32_t)options->seconds;
     run->engine.seed = options->seed;
     run->iface = options->iface;

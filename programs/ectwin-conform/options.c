@@ -32,6 +32,7 @@ enum {
     OPTION_PLUG,
     OPTION_FILE,
     OPTION_PASSWORD,
+    OPTION_MOVE,
     OPTION_OPERATOR,
     OPTION_FIRMWARE
 };
@@ -64,6 +65,11 @@ static const struct argp_option options_[] = {
     {"file", OPTION_FILE, "NAME", 0,
      "Name of a file that CF-084 reads by FoE, and with --destructive also writes and restores", 0},
     {"password", OPTION_PASSWORD, "N", 0, "FoE password of the file of --file, 1..4294967295 (default: none)", 0},
+    {"move", OPTION_MOVE, "DISTANCE,SPEED,ACCELERATION", 0,
+     "Run the cases that enable each axis of a CiA 402 drive and turn it (CF-D05 to CF-D13): up to DISTANCE from its "
+     "place, each way, at SPEED with ACCELERATION, in the drive's units of 607Ah, 60FFh and 6083h. A case of homing "
+     "sets the reference position. A torque-free axis coasts. Remove loads that may fall, secure the machine",
+     0},
     {"long", OPTION_LONG, NULL, 0,
      "Run long procedures in full: an hour without a master (CF-049), a million frames (CF-094)", 0},
     {"emulated", OPTION_EMULATED, NULL, 0,
@@ -191,12 +197,32 @@ static bool *flag_option(cf_options_t *options, int key)
     }
 }
 
+/* Three numbers from 1 to 2^31 - 1, separated by commas. */
+static void read_move(struct argp_state *state, cf_move_t *move, const char *text)
+{
+    int64_t *const values[] = {&move->distance, &move->speed, &move->acceleration};
+    enum { COUNT = sizeof values / sizeof values[0] };
+    const char *at = text;
+    for (size_t i = 0; i < COUNT; i++) {
+        char number_[16];
+        const size_t length = strcspn(at, ",");
+        if (length >= sizeof number_ || (at[length] == ',') != (i + 1 < COUNT))
+            argp_error(state, "--move takes three numbers, DISTANCE,SPEED,ACCELERATION; got '%s'", text);
+        snprintf(number_, sizeof number_, "%.*s", (int)length, at);
+        *values[i] = (int64_t)number(state, "--move", number_, INT32_MAX);
+        at += length + 1;
+    }
+}
+
 static error_t parse_value(int key, char *text, struct argp_state *state)
 {
     cf_options_t *options = state->input;
     switch (key) {
     case OPTION_SLAVE:
         options->slave = number(state, "--slave", text, UINT16_MAX);
+        return 0;
+    case OPTION_MOVE:
+        read_move(state, &options->move, text);
         return 0;
     case OPTION_PASSWORD:
         options->password = number(state, "--password", text, UINT32_MAX);
@@ -245,7 +271,8 @@ void cf_options_parse(cf_options_t *options, int argc, char **argv)
         .options = options_,
         .parser = parse,
         .doc = "Runs numbered conformance cases against an EtherCAT slave and reports the verdicts with the datagrams "
-               "as evidence. The slave passes through all its states: disconnect actuators first.\v"
+               "as evidence. The slave passes through all its states: disconnect actuators first. Without --move no "
+               "axis of a drive is enabled.\v"
                "Exit codes: 0 all cases pass, warn or are skipped; 1 a case fails or is not judged; 2 no interface, no "
                "slave, or a file that cannot be read or written; 64 wrong usage; 130 interrupted, with a report of the "
                "cases that ran.",

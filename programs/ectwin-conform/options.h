@@ -13,6 +13,7 @@ typedef struct cf_options {
         *firmware;
     unsigned long slave, seconds, seed, password;
     uint32_t requested; /**< cases on request, bits of CF_ON_REQUEST */
+    cf_move_t move;     /**< distance 0: not given */
     cf_report_t report;
     bool list, destructive, whole, emulated;
 } cf_options_t;

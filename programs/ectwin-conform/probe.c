@@ -286,6 +286,18 @@ static void try_services(cf_t *c)
         snprintf(f->name, sizeof f->name, "%.*s", (int)size, (const char *)data);
 }
 
+/* The first axis may be missing: a device of modules has those that are fitted. */
+static void find_axes(cf_t *c)
+{
+    enum { STATUS = 0x6041, CONTROL = 0x6040, AXIS = 0x800, AXES = 8 };
+    uint32_t code;
+    for (unsigned int axis = 0; axis < AXES && (c->facts.has & CF_DRIVE) == 0; axis++) {
+        if (cf_object_exists(c, (uint16_t)(STATUS + AXIS * axis), 0, &code) &&
+            cf_object_exists(c, (uint16_t)(CONTROL + AXIS * axis), 0, &code))
+            c->facts.has |= CF_DRIVE;
+    }
+}
+
 void cf_probe(cf_t *c)
 {
     read_chip(c);
@@ -297,7 +309,9 @@ void cf_probe(cf_t *c)
     if (coe)
         cf_go(c, CF_PREOP);
     take_lengths(c, coe);
-    if (coe)
+    if (coe) {
         try_services(c);
+        find_axes(c);
+    }
     cf_known_state(c);
 }

@@ -70,8 +70,8 @@ static void restore(cf_t *c, cf_result_t *result)
 
 static uint32_t missing(const cf_t *c, const cf_case_t *entry)
 {
-    uint32_t has =
-        c->facts.has | (c->destructive ? CF_WRITES_SII : 0) | (c->esi ? CF_ESI : 0) | (c->emulated ? 0 : CF_REAL_TIME);
+    uint32_t has = c->facts.has | (c->destructive ? CF_WRITES_SII : 0) | (c->esi ? CF_ESI : 0) |
+                   (c->emulated ? 0 : CF_REAL_TIME) | (c->move.distance > 0 ? CF_MOVE : 0);
     return entry->needs & ~(has | CF_ON_REQUEST);
 }
 

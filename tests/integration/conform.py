@@ -143,13 +143,18 @@ GATEWAY = f"esi:{ROOT}/examples/eoe/gateway.xml"
 RACK = f"esi:{ROOT}/tests/esi/rack.xml" # modules whose idents a master writes
 STATES = f"esi:{ROOT}/tests/esi/states.xml" # TxPDO toggle and state in the inputs
 ADS = f"esi:{ROOT}/tests/esi/ads.xml" # CoE and AoE
+DRIVES = f"esi:{ROOT}/tests/esi/drives.xml#" # CiA 402, of each shape
+MOVE = ["--move", "1048576,1048576,10485760"] # a turn, a turn a second, in 100 ms
+SCREW_MOVE = ["--move", "5000,5000,50000"] # the same on a screw of 5 mm, in micrometres
+DRIVE_CASES = ["--only", "CF-D*"]
 DEFECT_TWINS = {**{id_: [RACK] for id_ in ("CF-M01", "CF-M02", "CF-M02b")}, "CF-M03": [STATES],
                 "CF-A01": [ADS], "CF-A02": [ADS],
+                **{f"CF-D{number:02}": [f"{DRIVES}SERVO"] for number in range(1, 14)},
                 **{f"CF-E{number}": [GATEWAY] for number in ("01", "02", "03", "04", "05", "06", "07", "08", "09", "10", "12")},
                 "CF-032": ["fzm1,vr-bu-ect-map7"], "CF-073": ["vr-bu-ect-map7"]}
 ALIAS = ["--alias", "5"] # without one, CF-046 waits for 2 s in each run, and is skipped
 IN_OTHERS = ["CF-072b", *(f"CF-S0{number}" for number in range(1, 7))] # no product can have them; devices made for tests do
-DEFECTS_LEAST = 113
+DEFECTS_LEAST = 126
 
 
 def case_of(id_):
@@ -163,7 +168,9 @@ def defect(ectwin, conform, id_):
         with folder_with_a_file() as (twins, arguments):
             return find_defect(ectwin, conform, id_, ["--break", id_, *ALIAS, *twins], arguments)
     devices_ = DEFECT_TWINS.get(id_, ["fzm1"])
-    arguments = [] if devices_ in ([GATEWAY], [RACK], [STATES], [ADS]) else esi_of(devices_[-1].split(",")[0])
+    arguments = [] if devices_ in ([GATEWAY], [RACK], [STATES], [ADS], [f"{DRIVES}SERVO"]) else esi_of(devices_[-1].split(",")[0])
+    if id_.startswith("CF-D"):
+        arguments = [*DRIVE_CASES, *MOVE] if id_ >= "CF-D05" else DRIVE_CASES
     if id_ == "CF-096b":
         arguments += ["--plug", f"{ectwin} unplug 1 >&2 && sleep 0.1 && {ectwin} plug 1 >&2"]
     return find_defect(ectwin, conform, id_, ["--break", id_, *ALIAS, *devices_], arguments)
@@ -248,6 +255,16 @@ OTHERS = (
     ("soedev", [], "CF-S01", []),
     *((f"--break CF-S0{number} soedev", ["--only", "CF-S*,CF-02*"], f"CF-S0{number}", SOE_FOLLOW.get(number, []) + [f"CF-S0{number}"])
       for number in range(1, 7)),
+    (f"{DRIVES}SERVO", [*DRIVE_CASES, *MOVE], "CF-D11", []),
+    (f"{DRIVES}SMALL", [*DRIVE_CASES, *MOVE], "CF-D12", []),
+    (f"{DRIVES}BARE", [*DRIVE_CASES, *MOVE], "CF-D13", []),
+    (f"{DRIVES}SPEED", [*DRIVE_CASES, *MOVE], "CF-D09", []),
+    (f"{DRIVES}DUAL", [*DRIVE_CASES, *MOVE], "CF-D13", []),
+    (f"{DRIVES}WIDE", [*DRIVE_CASES, *MOVE], "CF-D13", []),
+    (f"{DRIVES}SCREW", [*DRIVE_CASES, *SCREW_MOVE], "CF-D13", []),
+    ("--set status_bits=402 pmctendo-dd5", [*DRIVE_CASES, *MOVE], "CF-D12", []),
+    ("pmctendo-dd5", [*DRIVE_CASES, *MOVE], "CF-D09", ["CF-D10", "CF-D11", "CF-D12", "CF-D13"]), # bits 10, 12, 13 of the manual
+    (f"--set axis1.jam=1 {DRIVES}SERVO", ["--only", "CF-D01,CF-D05,CF-D13", *MOVE], "CF-D05", ["CF-D13"]),
     ("hesitant", ["--only", "CF-084", "--file", "data", "--destructive"], "CF-084", []),
 )
 
@@ -316,6 +333,8 @@ def exit_codes(ectwin, conform):
     expect("a good run", (0, '{"event":"ready","iface":"ecat0","slaves":1}\n'), (done.returncode, done.stderr))
     for arguments, code, text in ((["--slave", "3"], 2, "there is no slave 3: 1 replied on 'ecat0'"),
                                   (["--only", "CF-777"], 64, "no case is selected"),
+                                  (["--move", "1,2"], 64, "--move takes three numbers, DISTANCE,SPEED,ACCELERATION"),
+                                  (["--move", "0,1,1"], 64, "--move takes a number from 1"),
                                   (["--slave", "x"], 64, "--slave takes a number from 1"), (["--format", "pdf"], 64, "--format is"),
                                   (["-o", "/no/such/file", "--only", "CF-001"], 2, "cannot write '/no/such/file'"),
                                   (["--pcap", "/no/such/file"], 2, "cannot write '/no/such/file'")):
@@ -554,6 +573,16 @@ def files_named(ectwin, conform):
     contains("another device's file", f"ESI file: {lot}, DO16 revision 0x00010000", another.stdout)
 
 
+def move(ectwin, conform):
+    """--move: without it no axis is enabled; an axis beyond its distance is stopped, and the case fails"""
+    for arguments, verdict, reason in (([], "skip", "needs --move"), (MOVE, "pass", ""),
+                                       (["--move", "1000,1048576,10485760"], "fail", "expected at most 1000 units of --move")):
+        done = call(ectwin, conform, [f"{DRIVES}SERVO"], [*arguments, "--only", "CF-D11", "--format", "json"])
+        case = json.loads(done.stdout)["cases"][0]
+        expect(" ".join(arguments), verdict, case["verdict"])
+        contains(" ".join(arguments), reason, case["reason"])
+
+
 def files(ectwin, conform):
     """--file: what was in the file is in it afterwards; without --destructive it is read only"""
     with tempfile.TemporaryDirectory() as folder:
@@ -620,7 +649,7 @@ def dead_slave(ectwin, conform):
 
 
 def command(ectwin, conform, only):
-    tests = [power, in_process, canary, dead_slave, on_request, wrong_file, address_goes_back, equal_runs, end_of_frame, files, exit_codes,
+    tests = [power, in_process, move, canary, dead_slave, on_request, wrong_file, address_goes_back, equal_runs, end_of_frame, files, exit_codes,
              files_named, interrupted, source_address, formats, report_fields, output_lost, listing, capture] # those that take long first
     chosen = [test for test in tests if only in (None, test.__name__)]
 

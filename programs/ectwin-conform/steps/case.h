@@ -131,7 +131,9 @@ enum {
         1u << 16,      /**< the user allows writes to the EEPROM (--destructive); the runner restores the content */
     CF_ESI = 1u << 17, /**< the user names its ESI file (--esi) */
     CF_REAL_TIME = 1u << 18, /**< slave and master share real time: not with --emulated */
-    CF_NEEDS_COUNT = 19,
+    CF_DRIVE = 1u << 19,     /**< an axis of CiA 402: 6040h and 6041h */
+    CF_MOVE = 1u << 20,      /**< the user allows torque and motion (--move) */
+    CF_NEEDS_COUNT = 21,
 
     /* Cases on request: not run, not listed without the option. */
     CF_STRESS = 1u << 24, /**< --stress */
@@ -184,6 +186,12 @@ typedef struct cf_facts {
 
 enum { CF_STATION = 0x1001 };
 
+/** --move: limits of each motion, in the units of 607Ah, 60FFh and 6083h. */
+typedef struct cf_move {
+    int64_t distance; /**< from the place at the start, each way; 0: motion is not allowed */
+    int64_t speed, acceleration;
+} cf_move_t;
+
 /** The run, with the members for cases. `engine` is private. */
 typedef struct cf {
     cf_facts_t facts;
@@ -195,6 +203,7 @@ typedef struct cf {
     const char *plug;     /**< --plug: command that pulls and reinserts the slave's plug; NULL: none */
     const char *file;     /**< --file: name of a file to read by FoE; NULL: none */
     uint32_t password;    /**< --password: FoE password of `file`; 0 none */
+    cf_move_t move;       /**< --move */
     uint32_t seconds;     /**< duration of --stress and --fuzz */
     uint64_t random;      /**< state of ::cf_random; every case starts with --seed */
     uint8_t mail_counter; /**< of the last mail sent, 1..7; 0 none yet */
@@ -385,6 +394,8 @@ const char *cf_state_name(uint16_t al_status);
 
 /** One exchange of process data by LRW, or by LWR and LRD when the chip lacks LRW. @return working counter */
 uint16_t cf_cycle(cf_t *c, const uint8_t *outputs, uint8_t *inputs);
+/** Reads the inputs alone, by LRD, so that the watchdog of the outputs expires. @return working counter */
+uint16_t cf_read_inputs(cf_t *c, uint8_t *inputs);
 /** @return the expected working counter of a ::cf_cycle, with all process data SyncManagers active */
 uint16_t cf_cycle_wkc(const cf_t *c);
 

@@ -148,6 +148,11 @@ uint16_t cf_cycle(cf_t *c, const uint8_t *outputs, uint8_t *inputs)
     return (uint16_t)(d[0].wkc + d[1].wkc);
 }
 
+uint16_t cf_read_inputs(cf_t *c, uint8_t *inputs)
+{
+    return cf_logical(c, CF_LRD, LOGICAL + c->facts.output_bytes, inputs, c->facts.input_bytes);
+}
+
 /* --- requests ----------------------------------------------------------------------------------------------------- */
 
 static uint16_t al_status(cf_t *c, uint16_t *code)
