@@ -58,7 +58,7 @@ class Browser:
     def run(self, script, *arguments):
         return self.call("POST", "/execute/sync", {"script": script, "args": list(arguments)})
 
-    def wait(self, script, *arguments, seconds=30):
+    def wait(self, script, *arguments, seconds=120):
         """Waits until a script returns something true; returns it."""
         deadline = time.monotonic() + seconds
         while not (value := self.run(script, *arguments)) and time.monotonic() < deadline:
@@ -131,7 +131,7 @@ def bus(devices, master, *options, output=subprocess.DEVNULL):
 STATES = "return [...document.querySelectorAll('.module')].map((m) => m.dataset.state).join()"
 
 
-def reaches(browser, states, seconds=60):
+def reaches(browser, states, seconds=300):
     return browser.wait(f"return {STATES.removeprefix('return ')} === arguments[0]", states, seconds=seconds) or browser.run(STATES)
 
 
@@ -139,7 +139,7 @@ def value(name):
     return subprocess.run([ECTWIN, "get", name], capture_output=True, text=True).stdout.strip()
 
 
-def until(condition, seconds=60):
+def until(condition, seconds=120):
     """Waits until a function returns something true; returns it."""
     deadline = time.monotonic() + seconds
     while not (result := condition()) and time.monotonic() < deadline:

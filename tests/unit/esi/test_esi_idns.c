@@ -1,0 +1,372 @@
+/* SPDX-License-Identifier: MIT */
+/* The parameters of a SoE drive, as its dictionary, telegrams and start-up commands in an ESI file make them. */
+#include "from_text.h"
+#include "seams/soe.h"
+
+#define TYPE(name, bits) "<DataType><Name>" name "</Name><BitSize>" bits "</BitSize></DataType>"
+#define TYPES                                                                                                          \
+    "<DataTypes>" TYPE("USINT", "8") TYPE("UINT", "16") TYPE("DINT", "32") TYPE("LINT", "64") TYPE("REAL", "32")       \
+        TYPE("LREAL", "64") TYPE(                                                                                      \
+            "STRING(4)",                                                                                               \
+            "32") "<DataType><Name>ARRAY2</Name><BaseType>UDINT</BaseType><BitSize>64</BitSize><ArrayInfo><LBound>0</" \
+                  "LBound>"                                                                                            \
+                  "<Elements>2</Elements></ArrayInfo></DataType>"                                                      \
+                  "<DataType><Name>LIST2</Name><BitSize>96</BitSize>"                                                  \
+                  "<SubItem><Name>Act</Name><Type>UINT</Type><BitSize>16</BitSize><BitOffs>0</BitOffs></SubItem>"      \
+                  "<SubItem><Name>Max</Name><Type>UINT</Type><BitSize>16</BitSize><BitOffs>16</BitOffs></SubItem>"     \
+                  "<SubItem><Name>Values</Name><Type>ARRAY2</Type><BitSize>64</BitSize><BitOffs>32</BitOffs></"        \
+                  "SubItem>"                                                                                           \
+                  "</DataType></DataTypes>"
+#define OBJECT(type, bits, rest)                                                                                       \
+    "<Object><Index>#x8001</Index><Name>N</Name><Type>" type "</Type><BitSize>" bits "</BitSize>" rest "</Object>"
+#define INFO(body)       "<Info>" body "</Info>"
+#define ATTRIBUTE(value) "<Flags><Attribute>#x" value "</Attribute></Flags>"
+#define DRIVE(objects, pdos, soe)                                                                                      \
+    ESI_DEVICE("<Profile><Dictionary>" TYPES "<Objects>" objects                                                       \
+               "</Objects></Dictionary></Profile>" ESI_MAILBOX_SMS ESI_PROCESS_SMS pdos "<Mailbox>" soe                \
+               "</Mailbox>" ESI_EEPROM)
+#define ENTRY(index, bits, type)                                                                                       \
+    "<Entry><Index>#x" index "</Index><BitLen>" bits "</BitLen><Name>V</Name><DataType>" type "</DataType></Entry>"
+#define MDT(entries) "<RxPdo Sm='2'><Index>#x0018</Index><Name>MDT</Name>" ENTRY("86", "16", "UINT") entries "</RxPdo>"
+#define AT(entries)  "<TxPdo Sm='3'><Index>#x0010</Index><Name>AT</Name>" ENTRY("87", "16", "UINT") entries "</TxPdo>"
+#define INIT(idn, data)                                                                                                \
+    "<SoE><InitCmd><Transition>PS</Transition><IDN>" idn "</IDN><Data>" data "</Data></InitCmd></SoE>"
+
+static const ect_soe_t *soe_of(const made_t *m)
+{
+    for (const ect_protocol_t *const *p = device_of(m)->protocols; p != NULL && *p != NULL; p++) {
+        if ((*p)->request == ect_soe_request)
+            return (const ect_soe_t *)(const void *)*p;
+    }
+    fail_msg("expected a device with SoE");
+    return NULL;
+}
+
+static const ect_soe_idn_t *find(const made_t *m, uint16_t idn)
+{
+    const ect_soe_idn_t *found = ect_soe_find(&soe_of(m)->drives[0], idn);
+    if (found == NULL)
+        fail_msg("expected IDN %u", idn);
+    return found;
+}
+
+/* --- the dictionary ----------------------------------------------------------------------------------------------- */
+
+static void shapes(void **state)
+{
+    static const struct {
+        const char *what, *object;
+        uint32_t attribute;
+        uint16_t size, used;
+        const char *content;
+    } rows[] = {
+        {"8 bits", OBJECT("USINT", "8", ""), ECT_SOE_8 | ECT_SOE_UNSIGNED | ECT_SOE_READ_ONLY | 1, 0, 0, NULL},
+        {"signed, 32 bits", OBJECT("DINT", "32", ""), ECT_SOE_32 | ECT_SOE_SIGNED | ECT_SOE_READ_ONLY | 1, 0, 0, NULL},
+        {"signed, 64 bits", OBJECT("LINT", "64", ""), ECT_SOE_64 | ECT_SOE_SIGNED | ECT_SOE_READ_ONLY | 1, 0, 0, NULL},
+        {"floating", OBJECT("REAL", "32", ""), ECT_SOE_32 | ECT_SOE_FLOAT | ECT_SOE_READ_ONLY | 1, 0, 0, NULL},
+        {"floating, 64 bits", OBJECT("LREAL", "64", ""), ECT_SOE_64 | ECT_SOE_FLOAT | ECT_SOE_READ_ONLY | 1, 0, 0,
+         NULL},
+        {"written in PREOP and OP",
+         OBJECT("UINT", "16", "<Flags><Access WriteRestrictions='PreOP_OP'>rw</Access></Flags>"),
+         ECT_SOE_16 | ECT_SOE_UNSIGNED | ECT_SOE_LOCK_SAFEOP | 1, 0, 0, NULL},
+        {"its own attribute, but for the width", OBJECT("DINT", "32", ATTRIBUTE("20310002")), 0x20320002, 0, 0, NULL},
+        {"a command", OBJECT("DINT", "32", ATTRIBUTE("000A0001")), 0x00090001, 0, 0, NULL},
+        {"a text", OBJECT("STRING(4)", "32", INFO("<DefaultString>AB</DefaultString>")),
+         ECT_SOE_8 | ECT_SOE_LIST | ECT_SOE_TEXT | ECT_SOE_READ_ONLY | 1, 4, 2, "AB"},
+        {"a list", OBJECT("LIST2", "96", INFO("<DefaultData>0400080001020304</DefaultData>")),
+         ECT_SOE_32 | ECT_SOE_LIST | ECT_SOE_READ_ONLY | 1, 8, 4, "\1\2\3\4"},
+        {"a list without a default", OBJECT("LIST2", "96", ""), ECT_SOE_32 | ECT_SOE_LIST | ECT_SOE_READ_ONLY | 1, 8, 0,
+         NULL},
+        {"a list with a default that has no length", OBJECT("LIST2", "96", INFO("<DefaultData>0400</DefaultData>")),
+         ECT_SOE_32 | ECT_SOE_LIST | ECT_SOE_READ_ONLY | 1, 8, 0, NULL},
+        {"a list by its attribute", OBJECT("UINT", "16", ATTRIBUTE("00050001")), 0x00050001, 2, 0, NULL},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char text[4000];
+        (void)snprintf(text, sizeof text, DRIVE("%s", "", "<SoE/>"), rows[i].object);
+        made_t m = make_text(rows[i].what, text);
+        const ect_soe_idn_t *idn = find(&m, 0x8001);
+        if (idn->attribute != rows[i].attribute || idn->size != rows[i].size || idn->used != rows[i].used)
+            fail_msg("%s: expected attribute 0x%08X, %u of %u bytes, got 0x%08X, %u of %u", rows[i].what,
+                     (unsigned int)rows[i].attribute, rows[i].used, rows[i].size, (unsigned int)idn->attribute,
+                     idn->used, idn->size);
+        if (rows[i].content != NULL)
+            assert_memory_equal(idn->content, rows[i].content, rows[i].used);
+        free_made(&m);
+    }
+}
+
+static void limits(void **state)
+{
+    enum { MIN = ECT_SOE_MINIMUM, MAX = ECT_SOE_MAXIMUM, DEFAULT = ECT_SOE_DEFAULT };
+#define OUTSIDE "line 2: the default of P-0-0001 is not within its limits: it has no limits"
+    static const struct {
+        const char *what, *object;
+        uint8_t flags;
+        int64_t minimum, maximum;
+        const char *note;
+    } rows[] = {
+        {"none", OBJECT("DINT", "32", ""), 0, 0, 0, NULL},
+        {"both",
+         OBJECT("UINT", "16", INFO("<MinValue>2</MinValue><MaxValue>9</MaxValue><DefaultValue>9</DefaultValue>")),
+         MIN | MAX | DEFAULT, 2, 9, NULL},
+        {"signed",
+         OBJECT("DINT", "32",
+                INFO("<MinData>FEFFFFFF</MinData><MaxData>05000000</MaxData><DefaultData>FEFFFFFF</DefaultData>")),
+         MIN | MAX | DEFAULT, -2, 5, NULL},
+        {"a minimum alone", OBJECT("DINT", "32", INFO("<MinValue>-7</MinValue>")), MIN, -7, 0, NULL},
+        {"a maximum alone", OBJECT("UINT", "16", INFO("<MaxValue>7</MaxValue>")), MAX, 0, 7, NULL},
+        {"equal ones are none", OBJECT("UINT", "16", INFO("<MinValue>3</MinValue><MaxValue>3</MaxValue>")), 0, 0, 0,
+         NULL},
+        {"of a floating value", OBJECT("REAL", "32", INFO("<MinValue>1</MinValue><MaxValue>2</MaxValue>")), 0, 0, 0,
+         NULL},
+        {"minimum above maximum", OBJECT("UINT", "16", INFO("<MinValue>9</MinValue><MaxValue>2</MaxValue>")), 0, 0, 0,
+         OUTSIDE},
+        {"default below", OBJECT("UINT", "16", INFO("<MinValue>2</MinValue><DefaultValue>1</DefaultValue>")), DEFAULT,
+         0, 0, OUTSIDE},
+        {"default above", OBJECT("UINT", "16", INFO("<MaxValue>2</MaxValue><DefaultValue>3</DefaultValue>")), DEFAULT,
+         0, 0, OUTSIDE},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char text[4000];
+        (void)snprintf(text, sizeof text, DRIVE("%s", "", "<SoE/>"), rows[i].object);
+        made_t m = make_text(rows[i].what, text);
+        const ect_soe_idn_t *idn = find(&m, 0x8001);
+        const char *note = note_of(&m, "line 2: the default of");
+        if (idn->flags != rows[i].flags || idn->minimum != rows[i].minimum || idn->maximum != rows[i].maximum)
+            fail_msg("%s: expected flags 0x%02X, %lld to %lld, got 0x%02X, %lld to %lld", rows[i].what, rows[i].flags,
+                     (long long)rows[i].minimum, (long long)rows[i].maximum, idn->flags, (long long)idn->minimum,
+                     (long long)idn->maximum);
+        if ((note == NULL) != (rows[i].note == NULL) || (note != NULL && strcmp(note, rows[i].note) != 0))
+            fail_msg("%s: expected the note %s, got %s", rows[i].what, rows[i].note != NULL ? rows[i].note : "none",
+                     note != NULL ? note : "none");
+        free_made(&m);
+    }
+}
+
+/* --- notes -------------------------------------------------------------------------------------------------------- */
+
+static void mistakes(void **state)
+{
+    static const struct {
+        const char *what, *text, *note;
+    } rows[] = {
+        {"an IDN twice", DRIVE(OBJECT("UINT", "16", "") OBJECT("UINT", "16", ""), "", "<SoE/>"),
+         "line 2: P-0-0001 is left out: it is there already"},
+        {"a type that is not there", DRIVE(OBJECT("NONE", "0", ""), "", "<SoE/>"),
+         "line 2: P-0-0001 is left out: the length of its type is not known"},
+        {"a list longer than its type",
+         DRIVE(OBJECT("LIST2", "96", INFO("<DefaultData>0C000C00010203040102030401020304</DefaultData>")), "",
+               "<SoE/>"),
+         "line 2: the default of P-0-0001 does not fit its type: it is empty"},
+        {"a list with a length beyond its data",
+         DRIVE(OBJECT("LIST2", "96", INFO("<DefaultData>0800080001020304</DefaultData>")), "", "<SoE/>"),
+         "line 2: the default of P-0-0001 does not fit its type: it is empty"},
+        {"a list with a part of an element",
+         DRIVE(OBJECT("LIST2", "96", INFO("<DefaultData>030008000102030405060708</DefaultData>")), "", "<SoE/>"),
+         "line 2: the default of P-0-0001 does not fit its type: it is empty"},
+        {"a telegram with another width", DRIVE(OBJECT("UINT", "16", ""), MDT(ENTRY("8001", "32", "DINT")), "<SoE/>"),
+         "line 2: PDO 0018 has 32 bits of P-0-0001, unlike the dictionary: the PDO counts"},
+        {"a telegram with a list", DRIVE(OBJECT("LIST2", "96", ""), AT(ENTRY("8001", "32", "DINT")), "<SoE/>"),
+         "line 2: PDO 0010 has 32 bits of P-0-0001, unlike the dictionary: the PDO counts"},
+        {"a telegram with 24 bits", DRIVE("", MDT(ENTRY("8001", "24", "UINT24")), "<SoE/>"),
+         "line 2: PDO 0018 has 24 bits of P-0-0001: they are a gap"},
+        {"a command for a drive that is not there",
+         DRIVE("", "",
+               "<SoE ChannelCount='1'><InitCmd "
+               "Chn='1'><Transition>PS</Transition><IDN>32</IDN><Data>0200</Data></InitCmd></SoE>"),
+         "line 2: a start-up command is for drive 1; the device has 1"},
+        {"a command for an IDN that is not there", DRIVE("", "", INIT("#x8001", "0102")),
+         "line 2: a start-up command writes P-0-0001, which the dictionary lacks: it is added"},
+        {"a command of another length", DRIVE(OBJECT("UINT", "16", ""), "", INIT("#x8001", "01020304")),
+         "line 2: a start-up command writes 4 bytes to P-0-0001, which does not take them"},
+        {"a command without data", DRIVE("", "", INIT("#x8001", "")),
+         "line 2: a start-up command writes 0 bytes to P-0-0001, which does not take them"},
+        {"a list with another length in its data",
+         DRIVE(OBJECT("LIST2", "96", ""), "", INIT("#x8001", "0500080001020304")),
+         "line 2: a start-up command writes 8 bytes to P-0-0001, which does not take them"},
+        {"a list longer than the IDN's",
+         DRIVE(OBJECT("LIST2", "96", ""), "", INIT("#x8001", "0C000C00010203040102030401020304")),
+         "line 2: a start-up command writes 16 bytes to P-0-0001, which does not take them"},
+        {"a list shorter than its lengths", DRIVE(OBJECT("LIST2", "96", ""), "", INIT("#x8001", "0400")),
+         "line 2: a start-up command writes 2 bytes to P-0-0001, which does not take them"},
+        {"nine drives", DRIVE("", "", "<SoE ChannelCount='9'/>"), "it has 9 drives; SoE reaches 8"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        made_t m = make_text(rows[i].what, rows[i].text);
+        if (note_of(&m, rows[i].note) == NULL)
+            fail_msg("%s: expected the note \"%s\"", rows[i].what, rows[i].note);
+        free_made(&m);
+    }
+}
+
+/* --- start-up commands, telegrams --------------------------------------------------------------------------------- */
+
+static void added_by_a_command(void **state)
+{
+    static const struct {
+        const char *what, *text;
+        uint32_t attribute;
+        uint16_t size;
+    } rows[] = {
+        {"a number", DRIVE("", "", INIT("#x8001", "0102")), ECT_SOE_16 | ECT_SOE_UNSIGNED | 1, 0},
+        {"a number that could be an empty list", DRIVE("", "", INIT("#x8001", "00000800")),
+         ECT_SOE_8 | ECT_SOE_LIST | 1, 8},
+        {"a list with room for more", DRIVE("", "", INIT("#x8001", "020006000102")), ECT_SOE_8 | ECT_SOE_LIST | 1, 6},
+        {"a list with less room than data", DRIVE("", "", INIT("#x8001", "020000000102")), ECT_SOE_8 | ECT_SOE_LIST | 1,
+         2},
+        {"eight bytes", DRIVE("", "", INIT("#x8001", "0400040001020304")), ECT_SOE_64 | ECT_SOE_UNSIGNED | 1, 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        made_t m = make_text(rows[i].what, rows[i].text);
+        const ect_soe_idn_t *idn = find(&m, 0x8001);
+        if (idn->attribute != rows[i].attribute || idn->size != rows[i].size)
+            fail_msg("%s: expected attribute 0x%08X and %u bytes, got 0x%08X and %u", rows[i].what,
+                     (unsigned int)rows[i].attribute, rows[i].size, (unsigned int)idn->attribute, idn->size);
+        free_made(&m);
+    }
+}
+
+static void opened_by_a_command(void **state)
+{
+    static const struct {
+        const char *transition;
+        uint32_t locks;
+    } rows[] = {
+        {"IP", ECT_SOE_LOCK_SAFEOP | ECT_SOE_LOCK_OP},
+        {"PS", ECT_SOE_LOCK_SAFEOP | ECT_SOE_LOCK_OP},
+        {"SO", ECT_SOE_LOCK_PREOP | ECT_SOE_LOCK_OP},
+        {"SP", ECT_SOE_LOCK_PREOP | ECT_SOE_LOCK_OP},
+        {"OS", ECT_SOE_LOCK_PREOP | ECT_SOE_LOCK_SAFEOP},
+        {"OP", ECT_SOE_LOCK_PREOP | ECT_SOE_LOCK_SAFEOP},
+        {"SI", ECT_SOE_READ_ONLY},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char text[4000];
+        (void)snprintf(
+            text, sizeof text,
+            DRIVE("%s", "",
+                  "<SoE><InitCmd><Transition>%s</Transition><IDN>#x8001</IDN><Data>0A00</Data></InitCmd></SoE>"),
+            OBJECT("UINT", "16", INFO("<MinValue>1</MinValue><MaxValue>9</MaxValue><DefaultValue>2</DefaultValue>")),
+            rows[i].transition);
+        made_t m = make_text(rows[i].transition, text);
+        const ect_soe_idn_t *idn = find(&m, 0x8001);
+        if ((idn->attribute & ECT_SOE_READ_ONLY) != rows[i].locks)
+            fail_msg("%s: expected locks 0x%08X, got 0x%08X", rows[i].transition, (unsigned int)rows[i].locks,
+                     (unsigned int)(idn->attribute & ECT_SOE_READ_ONLY));
+        assert_int_equal(idn->flags & (ECT_SOE_MINIMUM | ECT_SOE_MAXIMUM), 0); /* 10 is above the maximum */
+        free_made(&m);
+    }
+}
+
+static void modes(void **state)
+{
+    static const struct {
+        const char *what, *text;
+        uint64_t mode;
+    } rows[] = {
+        {"position", DRIVE("", MDT(ENTRY("2F", "32", "DINT")), "<SoE/>"), 11},
+        {"speed", DRIVE("", MDT(ENTRY("24", "32", "DINT")), "<SoE/>"), 2},
+        {"torque", DRIVE("", MDT(ENTRY("50", "16", "INT")), "<SoE/>"), 1},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        made_t m = make_text(rows[i].what, rows[i].text);
+        if (find(&m, 32)->initial != rows[i].mode)
+            fail_msg("%s: expected mode %u, got %u", rows[i].what, (unsigned int)rows[i].mode,
+                     (unsigned int)find(&m, 32)->initial);
+        free_made(&m);
+    }
+}
+
+/* A PDO that begins with another value, or has a second control word, is no list. */
+static void unlisted(void **state)
+{
+    static const struct {
+        const char *what, *pdo;
+        uint16_t used;
+    } rows[] = {
+        {"a value", MDT(ENTRY("24", "32", "DINT")), 2},
+        {"no word", "<RxPdo Sm='2'><Index>#x0018</Index><Name>MDT</Name>" ENTRY("24", "32", "DINT") "</RxPdo>", 0},
+        {"a word of 32 bits",
+         "<RxPdo Sm='2'><Index>#x0018</Index><Name>MDT</Name>" ENTRY("86", "32", "UDINT") "</RxPdo>", 0},
+        {"a second word", MDT(ENTRY("86", "16", "UINT")), 0},
+        {"the status word", MDT(ENTRY("87", "16", "UINT")), 0},
+        {"a gap", MDT("<Entry><Index>0</Index><BitLen>16</BitLen></Entry>"), 0},
+        {"no SyncManager",
+         "<RxPdo><Index>#x0018</Index><Name>MDT</Name>" ENTRY("86", "16", "UINT") ENTRY("24", "32", "DINT") "</RxPdo>",
+         0},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char text[4000];
+        (void)snprintf(text, sizeof text, DRIVE("", "%s", "<SoE/>"), rows[i].pdo);
+        made_t m = make_text(rows[i].what, text);
+        if (find(&m, 24)->used != rows[i].used)
+            fail_msg("%s: expected %u bytes in S-0-0024, got %u", rows[i].what, rows[i].used, find(&m, 24)->used);
+        free_made(&m);
+    }
+}
+
+/* S-0-0187 of the dictionary names numbers; a word, a list and an IDN that is not there are no choice. */
+static void choices(void **state)
+{
+    static const char objects[] =
+        "<Object><Index>#x00BB</Index><Name>Choices</Name><Type>LIST2</Type><BitSize>96</BitSize>" INFO(
+            "<DefaultData>0800080001808700BC000900</DefaultData>") "</Object>" OBJECT("UINT", "16", "");
+    (void)state;
+    made_t m = make_text("choices", DRIVE("", "", "<SoE/>"));
+    assert_int_equal(ect_soe_find(&soe_of(&m)->drives[0], 0x8001) != NULL, false);
+    free_made(&m);
+    char text[4000];
+    (void)snprintf(text, sizeof text, DRIVE("%s", "", "<SoE/>"), objects);
+    m = make_text("choices", text);
+    assert_int_equal(find(&m, 0x8001)->flags & (ECT_SOE_IN_AT | ECT_SOE_IN_MDT), ECT_SOE_IN_AT);
+    assert_int_equal(find(&m, 188)->flags, 0);
+    free_made(&m);
+}
+
+static void widths(void **state)
+{
+    static const struct {
+        const char *bits, *type;
+        uint32_t attribute;
+    } rows[] = {
+        {"8", "SINT", ECT_SOE_8 | ECT_SOE_SIGNED},   {"16", "UINT", ECT_SOE_16 | ECT_SOE_UNSIGNED},
+        {"32", "REAL", ECT_SOE_32 | ECT_SOE_FLOAT},  {"64", "LINT", ECT_SOE_64 | ECT_SOE_SIGNED},
+        {"64", "LREAL", ECT_SOE_64 | ECT_SOE_FLOAT},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char text[4000];
+        (void)snprintf(text, sizeof text, DRIVE("", MDT(ENTRY("8001", "%s", "%s")), "<SoE/>"), rows[i].bits,
+                       rows[i].type);
+        made_t m = make_text(rows[i].type, text);
+        const ect_soe_idn_t *idn = find(&m, 0x8001);
+        if (idn->attribute != (rows[i].attribute | 1) || idn->flags != ECT_SOE_IN_MDT)
+            fail_msg("%s: expected attribute 0x%08X, got 0x%08X", rows[i].type, (unsigned int)rows[i].attribute | 1,
+                     (unsigned int)idn->attribute);
+        free_made(&m);
+    }
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {
+        {"SOE-011 SOE-045: attribute and length of an IDN of the dictionary", shapes, NULL, NULL, NULL},
+        {"SOE-045: limits of an IDN, where the default is within them", limits, NULL, NULL, NULL},
+        {"SOE-045 SOE-046: a contradiction of the file is a note with its line", mistakes, NULL, NULL, NULL},
+        {"SOE-046: an IDN that a start-up command adds", added_by_a_command, NULL, NULL, NULL},
+        {"SOE-046: an IDN can be written in the states of its start-up command", opened_by_a_command, NULL, NULL, NULL},
+        {"SOE-044: the operation mode is that of the set value in the telegram", modes, NULL, NULL, NULL},
+        {"SOE-034: the IDNs that S-0-0187 of the dictionary names may be in the AT", choices, NULL, NULL, NULL},
+        {"SOE-037: the width and kind of a value that a telegram alone has", widths, NULL, NULL, NULL},
+        {"SOE-036: the list of a telegram is that of a PDO of words and values", unlisted, NULL, NULL, NULL},
+    };
+    return cmocka_run_group_tests_name("parameters of SoE drives in ESI files", tests, NULL, NULL);
+}
