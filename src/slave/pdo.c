@@ -115,7 +115,7 @@ static bool configure_sm(ect_slave_t *s, unsigned int sm, uint16_t first_run)
 {
     const ect_device_t *device = s->config.device;
     layout_t l = {.od = &s->od, .capacity = (uint16_t)(s->config.run_count - first_run)};
-    if (!s->config.exchange_is_callers)
+    if (!s->config.exchange_is_callers && s->config.runs) /* NULL: a slave without process data */
         l.runs = s->config.runs + first_run;
     if (!lay_out(&l, device, sm))
         return false;
