@@ -25,7 +25,14 @@ enum {
     MORE = 0x8000,
     LOCALLY_ADMINISTERED = 0x02
 };
-enum { SOEM_IMAGE = 65536, SOEM_STATE_US = 3000000, SOEM_CYCLES = 5000, SOEM_CYCLE_US = 500 };
+enum {
+    SOEM_IMAGE = 65536,
+    SOEM_STATE_US = 3000000,
+    SOEM_CYCLES = 5000,
+    SOEM_CYCLE_US = 500,
+    SOEM_TRIES = 3,
+    SOEM_REST_US = 200000
+};
 
 volatile sig_atomic_t cf_interrupted;
 
@@ -278,7 +285,13 @@ static bool soem_operational(ecx_contextt *soem, uint16_t slave, char *what, siz
 
 static bool soem_to_preop(ecx_contextt *soem, uint16_t slave, char *what, size_t room)
 {
-    int found = ecx_config_init(soem, FALSE);
+    int found = 0;
+    /* SOEM takes a reply that is 16 requests late for that of the present one: behind a busy PC it begins again */
+    for (int i = 0; i < SOEM_TRIES && found < slave && cf_interrupted == 0; i++) {
+        if (i > 0)
+            osal_usleep(SOEM_REST_US);
+        found = ecx_config_init(soem, FALSE);
+    }
     if (found < slave) {
         snprintf(what, room, "expected at least %u slaves, got %d", slave, found);
         return false;
