@@ -129,8 +129,6 @@ static void modes(cf_t *c)
 
 /* --- CF-D04 ------------------------------------------------------------------------------------------------------- */
 
-static unsigned int options_found;
-
 static void refuse_reserved(drive_t *d)
 {
     static const uint16_t options[] = {DRIVE_ABORT_OPTION,   DRIVE_QUICK_OPTION, DRIVE_SHUTDOWN_OPTION,
@@ -138,7 +136,7 @@ static void refuse_reserved(drive_t *d)
     for (size_t i = 0; i < sizeof options / sizeof options[0]; i++) {
         if (!drive_has(d, options[i], 0))
             continue;
-        options_found++;
+        d->found++;
         cf_step(d->c, "axis %u: %d in %04Xh, which the profile reserves", d->axis + 1, (int)RESERVED_OPTION,
                 options[i]);
         const int64_t before = drive_get(d, options[i], 0);
@@ -153,11 +151,10 @@ static void refuse_reserved(drive_t *d)
 
 static void options(cf_t *c)
 {
-    options_found = 0;
-    drive_each_axis(c, refuse_reserved);
-    if (options_found == 0)
+    const drive_t *d = drive_each_axis(c, refuse_reserved);
+    if (d->found == 0)
         cf_skip(c, "the drive has no option code (6007h, 605Ah to 605Eh)");
-    cf_note(c, "%u option codes", options_found);
+    cf_note(c, "%u option codes", d->found);
 }
 
 static const cf_case_t cases[] = {

@@ -433,7 +433,7 @@ static void begin_axis(drive_t *d)
         d->origin = drive_get(d, DRIVE_ACTUAL, 0);
 }
 
-void drive_each_axis(cf_t *c, void (*run)(drive_t *d))
+const drive_t *drive_each_axis(cf_t *c, void (*run)(drive_t *d))
 {
     drive_t *d = drive_open(c);
     fill_outputs(d);
@@ -450,4 +450,5 @@ void drive_each_axis(cf_t *c, void (*run)(drive_t *d))
         d->guarded = false;
     }
     cf_while_waiting(c, NULL, NULL);
+    return d;
 }

@@ -83,14 +83,16 @@ typedef struct drive {
     int64_t history[DRIVE_HISTORY]; /**< 6064h of the last cycles */
     uint64_t history_ns[DRIVE_HISTORY];
     unsigned int cycles; /**< since the start of the history */
+    unsigned int found;  /**< a count of the case over all axes; 0 at the start */
 } drive_t;
 
 /**
  * Calls `run` for each axis, in OP with control word 0, in Switch on disabled; a fault is reset before. The mapped
  * outputs have the values of their objects, set values are 0 or the present position. At the end of `run` the axis is
  * taken to Switch on disabled.
+ * @return the drive, as drive_open
  */
-void drive_each_axis(cf_t *c, void (*run)(drive_t *d));
+const drive_t *drive_each_axis(cf_t *c, void (*run)(drive_t *d));
 /** Takes the slave to PREOP, and reads its axes and process data. @return the drive, valid until the next call */
 drive_t *drive_open(cf_t *c);
 
