@@ -74,7 +74,13 @@ static uint32_t read_object(const call_t *c, uint32_t offset, uint8_t *data, uin
     const ect_sdo_t *sdo = &c->s->sdo;
     if (sdo->state == ECT_SDO_UPLOADING && sdo->instead.data)
         return ECT_ADS_BUSY; /* the device may use the same memory for this read */
-    return result_of(ect_sdo_read_all(c->s, offset, data, length));
+    const uint32_t room = *length;
+    ect_reason_t reason = ect_sdo_read_all(c->s, offset, data, length);
+    if (reason == ECT_OK && *length > room) {
+        memset(data, 0, room); /* the mail behind a refusal is all 0 */
+        reason = ECT_REASON_MAILBOX_SIZE;
+    }
+    return result_of(reason);
 }
 
 static uint32_t write_object(const call_t *c, uint32_t offset, const uint8_t *data, uint32_t length)

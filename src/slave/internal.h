@@ -154,11 +154,10 @@ uint16_t ect_coe_room(const ect_slave_t *s);
 /* Sends the mail: `length` includes the CoE header. */
 void ect_coe_send(ect_slave_t *s, uint16_t length);
 
-/* --- sdo.c: the dictionary in one piece, by the rules of the SDO server; a transfer of CoE under way continues
- * -------- */
+/* --- sdo.c: the dictionary in one piece, for aoe.c and local.c; a transfer of CoE under way continues ------------ */
 enum { ECT_SDO_COMPLETE = 0x0100 /* Complete Access, in a place: index << 16, sub-index in bits 0..7 */ };
-/* Reads an entry or object, at most `*length` bytes, to `to`, which is all 0. @return ECT_OK, and the bytes in `length`
- */
+/* Reads the first `*length` bytes of an entry or object to `to`, which is all 0. @return ECT_OK, and `*length`: all its
+ * bytes */
 ect_reason_t ect_sdo_read_all(ect_slave_t *s, uint32_t place, uint8_t *to, uint32_t *length);
 /* Writes one; not while a download in segments is under way. */
 ect_reason_t ect_sdo_write_all(ect_slave_t *s, uint32_t place, const uint8_t *data, uint16_t length);

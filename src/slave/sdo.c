@@ -604,11 +604,10 @@ ect_reason_t ect_sdo_read_all(ect_slave_t *s, uint32_t place, uint8_t *to, uint3
     uint8_t last = 0;
     address_of(place, request);
     ect_reason_t reason = open_upload(s, request, &last);
-    if (reason == ECT_OK && s->sdo.size > *length)
-        reason = ECT_REASON_MAILBOX_SIZE;
     if (reason == ECT_OK) {
-        *length = s->sdo.size;
-        cursor_read(s, to, (uint16_t)*length, last);
+        const uint32_t size = s->sdo.size;
+        cursor_read(s, to, (uint16_t)(size < *length ? size : *length), last);
+        *length = size;
     }
     s->sdo = under_way;
     return reason;

@@ -164,6 +164,8 @@ static int receive(uint8_t ams[ROOM])
     }
     assert_int_equal(mail[5] & 0x0F, ECT_MAILBOX_TYPE_AOE);
     assert_in_range(length, AMS, SIZE - MAIL_HEADER);
+    for (int i = MAIL_HEADER + length; i < SIZE; i++)
+        assert_int_equal(mail[i], 0); /* no byte of a value that is refused */
     memcpy(ams, mail + MAIL_HEADER, (size_t)length);
     return length - AMS;
 }
@@ -261,6 +263,7 @@ static void refused_by_the_dictionary(void **state)
         {"written, and unreadable", READ_WRITE, COE "00000320 02000000 02000000 0700", 0, "04070000 00000000"},
     };
     (void)state;
+    memset(ads()->base.octets, 0x5A, sizeof ads()->base.octets);
     EACH(rows);
     assert_int_equal(ads()->base.u32, 0x11223344);
     assert_int_equal(ads()->base.limited, 5);
@@ -516,7 +519,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         TEST("AoE: index group F302h reads and writes entries and whole objects", dictionary),
-        TEST("AoE: refusals of the dictionary get ADS results and change nothing", refused_by_the_dictionary),
+        TEST("AoE: refusals of the dictionary get ADS results, change nothing and show nothing",
+             refused_by_the_dictionary),
         TEST("AoE: each SDO abort code has an ADS result", abort_codes),
         TEST("AoE: the rights of the AL state hold", state_rights),
         TEST("AoE: ReadDeviceInfo and ReadState report device and AL state", information),
