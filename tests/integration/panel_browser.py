@@ -9,12 +9,12 @@ import subprocess
 import sys
 import time
 
-from panel_page import ECTWIN, MASTER, SHOTS, accessible, bus, check, panel, reaches, run, until, value
+from panel_page import ECTWIN, MASTER, SHOTS, accessible, becomes, bus, check, panel, reaches, run, until, value
 
 def with_a_master(browser, url):
     browser.open(url)
     check("the slaves are in OP", True, reaches(browser, "OP,OP,OP"))
-    check("their names are shown", "gripper", browser.run("return document.querySelector('[data-module=\"1\"] .title').textContent"))
+    becomes(browser, "their names are shown", "gripper", "return document.querySelector('[data-module=\"1\"] .title').textContent")
     browser.click('.plug[data-slave="3"][data-port="input"]')
     check("a click on a plug: the master loses the slave", "off the bus",
           browser.wait("return document.querySelector('[data-module=\"3\"]').dataset.state === 'OP' ? '' : 'off the bus'"))
@@ -69,7 +69,7 @@ def objects(browser):
 def faults_and_plots(browser):
     browser.run("const kind = document.querySelector('[name=kind]'); kind.value = 0; kind.dispatchEvent(new Event('change'));"
                 "const amount = document.querySelector('[name=amount]'); amount.value = 2; amount.dispatchEvent(new Event('input'));")
-    check("the form shows its line", "drop 2%", browser.run("return document.querySelector('[name=line]').value"))
+    becomes(browser, "the form shows its line", "drop 2%", "return document.querySelector('[name=line]').value")
     browser.click(".line-row .primary")
     check("the fault is in the list", True, browser.wait("return document.querySelector('.fault-list').textContent === 'drop 2%'"))
     check("the twin has it", "drop 2%", subprocess.run([ECTWIN, "fault"], capture_output=True, text=True).stdout.strip())
@@ -135,8 +135,8 @@ def machine(browser, url):
         browser.open("about:blank")
         browser.open(url)
         check("the machine is in OP", True, reaches(browser, "OP,OP,OP,OP"))
-        check("its fronts are in the order of the file", ["1 axis Drive", "2 ranger Distance sensor", "3 camera Vision sensor", "4 operator Base unit",
-                                                          "4 operator Remote units"], browser.run(titles))
+        becomes(browser, "its fronts are in the order of the file",
+                ["1 axis Drive", "2 ranger Distance sensor", "3 camera Vision sensor", "4 operator Base unit", "4 operator Remote units"], titles)
         browser.wait("return document.querySelector('.distance output').textContent !== ''")
         browser.command("Emulation.setDeviceMetricsOverride", width=1400, height=2300, deviceScaleFactor=1, mobile=False)
         browser.picture("machine.png", "light")
@@ -161,14 +161,14 @@ def drives(browser):
     browser.wait("return document.querySelectorAll('.states .box').length === 8")
     expected = value("axis.state").removeprefix("axis.state=")
     lit = "return [...document.querySelectorAll('.states .lit text')].map((t) => t.textContent).join()"
-    check("the present state of CiA 402 is lit", expected, browser.run(lit))
+    becomes(browser, "the present state of CiA 402 is lit", expected, lit)
     subprocess.run([ECTWIN, "set", "axis.provoke=5"], check=True)
     check("a fault of the drive is lit", "fault", browser.wait(f"const now = (() => {{ {lit} }})(); return now === 'fault' && now"))
     browser.picture("drive.png", "light")
     browser.click('[data-select="1"]')
     browser.click('[data-action="trigger"]')
     check("a camera shows its measurement", True, browser.wait("return document.querySelector('.camera-picture')?.ariaLabel.includes('OK')"))
-    check("its timing chart", 6, browser.run("return document.querySelectorAll('.camera .lane').length"))
+    becomes(browser, "its timing chart", 6, "return document.querySelectorAll('.camera .lane').length")
     check("another device has no drive", True, browser.wait("return document.querySelector('.states') === null"))
 
 
@@ -297,8 +297,8 @@ def view_only(browser):
     with panel("--view") as url, bus("fzm1", ["sleep", "600"]):
         browser.open(url)
         browser.wait("return document.querySelectorAll('.signal').length > 0")
-        check("--view: nothing to set", [0, True], browser.run("return [document.querySelectorAll('.signal input, .signal select, .switch, .fault-form').length, "
-                                                              "[...document.querySelectorAll('.plug')].every((p) => p.disabled)]"))
+        becomes(browser, "--view: nothing to set", [0, True], "return [document.querySelectorAll('.signal input, .signal select, .switch, .fault-form').length, "
+                                                              "[...document.querySelectorAll('.plug')].every((p) => p.disabled)]")
 
 
 def cases(browser, folder):

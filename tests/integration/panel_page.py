@@ -30,6 +30,12 @@ def check(title, expected, actual):
         print(f"FAILED {title}\n  expected: {expected!r}\n  got:      {actual!r}")
 
 
+def becomes(browser, title, expected, script, *arguments):
+    """Checks the value of a script when it is the expected one, at the latest after the limit of `Browser.wait`: a page follows its bus."""
+    until(lambda: browser.run(script, *arguments) == expected)
+    check(title, expected, browser.run(script, *arguments))
+
+
 class Browser:
     """A session of chromedriver."""
 
