@@ -216,7 +216,7 @@ static void speed_held(void **state)
         put(0x60FF, FAST);
         cycles(700);
         expect_near(rows[i].what, rows[i].speed, 300, (double)get(0x606C));
-        expect_bits(rows[i].what, BIT_LIMIT, rows[i].speed < FAST ? BIT_LIMIT : 0);
+        expect_bits(rows[i].what, BIT_LIMIT, rows[i].speed < (double)FAST ? BIT_LIMIT : 0);
         assert_int_equal(state_of(get(STATUS)), ENABLED);
         close_drive(state);
     }

@@ -5,6 +5,7 @@
 enum { GO = 0x2000, ALLOW = 0x4000, ON = 0x8000, RUN = ON | ALLOW | GO, CLASS_1 = 0x2000, FOLLOWS = 0x0008 };
 enum { NOT_READY, READY_FOR_POWER, TO_ENABLE, IS_ENABLED };
 enum { TURN_COUNTS = 1048576, RESET_IDN = 99, CLASS_1_IDN = 11, MODE_IDN = 32 };
+static const double TURN = TURN_COUNTS;
 
 static uint16_t word(unsigned int drive)
 {
@@ -56,7 +57,7 @@ static void speed(void **state)
     reach(0, IS_ENABLED);
     command_value(0, 5 * TURN_COUNTS);
     cycles(2000);
-    expect_near("S-0-0040", 5.0 * TURN_COUNTS, 0.01 * TURN_COUNTS, (double)actual(0));
+    expect_near("S-0-0040", 5.0 * TURN, 0.01 * TURN, (double)actual(0));
     expect_near("turns a minute", 300, 1, signal_of("axis1.speed"));
     assert_true(signal_of("axis1.turns") > 5);
     control(0, 0);
@@ -75,15 +76,15 @@ static void halt_and_off(void **state)
     control(0, ON | ALLOW);
     cycles(3000);
     assert_int_equal(power(0), IS_ENABLED);
-    expect_near("halt", 0, 0.001 * TURN_COUNTS, (double)actual(0));
+    expect_near("halt", 0, 0.001 * TURN, (double)actual(0));
     control(0, RUN);
     cycles(1000);
-    expect_near("goes on", 5.0 * TURN_COUNTS, 0.01 * TURN_COUNTS, (double)actual(0));
+    expect_near("goes on", 5.0 * TURN, 0.01 * TURN, (double)actual(0));
     control(0, ALLOW | GO);
     cycles(3);
     assert_int_equal((int)signal_of("axis1.powered"), 1);
     reach(0, TO_ENABLE);
-    expect_near("bit 15 stops it", 0, 0.01 * TURN_COUNTS, (double)actual(0));
+    expect_near("bit 15 stops it", 0, 0.01 * TURN, (double)actual(0));
 }
 
 /* --- position ----------------------------------------------------------------------------------------------------- */
@@ -105,8 +106,8 @@ static void position(void **state)
     }
     assert_int_equal(word(0) & FOLLOWS, FOLLOWS);
     cycles(500);
-    expect_near("drive 1", TURN_COUNTS, 0.001 * TURN_COUNTS, actual(0));
-    expect_near("drive 2", -2.0 * TURN_COUNTS, 0.002 * TURN_COUNTS, actual(1));
+    expect_near("drive 1", TURN_COUNTS, 0.001 * TURN, actual(0));
+    expect_near("drive 2", -2.0 * TURN, 0.002 * TURN, actual(1));
     expect_near("turns of drive 2", -2, 0.01, signal_of("axis2.turns"));
 }
 
