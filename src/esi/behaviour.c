@@ -49,21 +49,46 @@ static const axis_t *axis_of(void *instance, const ect_402_drive_t *d)
     return &drives_of(instance)->axes[d - drive_at(instance, 0)];
 }
 
+static const ect_soe_t *servo_of(const void *instance)
+{
+    const ect_standard_t *standard = instance;
+    return &((const ect_esi_twin_t *)standard->device->context)->build.soe->servo;
+}
+
+static void words_in(void *instance, const axis_t *axis, const ect_402_drive_t *d)
+{
+    ect_esi_dialect_in(&axis->dialect, instance, d);
+    ect_esi_homing_in(&axis->dialect, instance);
+}
+
+static void words_out(void *instance, const axis_t *axis, const ect_402_drive_t *d)
+{
+    ect_esi_dialect_out(&axis->dialect, instance, d);
+    ect_esi_homing_out(&axis->dialect, instance, d);
+}
+
+static void end_homing(void *instance, const axis_t *axis, const ect_402_drive_t *d)
+{
+    bool success;
+    if (axis->dialect.homes && ect_esi_homing_ends(&axis->dialect, instance, d, &success))
+        ect_soe_finish(servo_of(instance), instance, axis->dialect.drive, ECT_ESI_HOMING, success);
+}
+
 static void publish(void *instance, ect_402_drive_t *d)
 {
     const axis_t *axis = axis_of(instance, d);
     ect_402_drive_publish(d);
-    if (axis->is_soe)
-        ect_esi_dialect_out(&axis->dialect, instance, d);
+    if (!axis->is_soe)
+        return;
+    end_homing(instance, axis, d);
+    words_out(instance, axis, d);
 }
 
 /* S-0-0099 ends when a control word has carried it. */
 static void end_reset(void *instance, const axis_t *axis, const ect_402_drive_t *d)
 {
-    const ect_standard_t *standard = instance;
-    const ect_soe_t *servo = &((const ect_esi_twin_t *)standard->device->context)->build.soe->servo;
     if (ect_esi_dialect_ends(&axis->dialect, instance))
-        ect_soe_finish(servo, instance, axis->dialect.drive, RESET, d->error_code == 0);
+        ect_soe_finish(servo_of(instance), instance, axis->dialect.drive, RESET, d->error_code == 0);
 }
 
 /* Two control words, without and with the reset, which needs an edge. */
@@ -71,11 +96,35 @@ static void reset_below_op(void *instance, const axis_t *axis, ect_402_drive_t *
 {
     for (unsigned int edge = 0; edge < 2; edge++) {
         ect_esi_dialect_reset(&axis->dialect, instance, edge != 0);
-        ect_esi_dialect_in(&axis->dialect, instance, d);
+        words_in(instance, axis, d);
         ect_402_drive_written(d, ECT_402_V_CONTROL, now_ns);
     }
     ect_esi_dialect_reset(&axis->dialect, instance, false);
     publish(instance, d);
+}
+
+static uint16_t command_reset(void *instance, const axis_t *axis, ect_402_drive_t *d, bool start, uint64_t now_ns)
+{
+    ect_esi_dialect_reset(&axis->dialect, instance, start);
+    if (!start || d->al == ECT_STATE_OP)
+        return ECT_SOE_OK;
+    reset_below_op(instance, axis, d, now_ns);
+    ect_soe_finish(servo_of(instance), instance, axis->dialect.drive, RESET, d->error_code == 0);
+    return ECT_SOE_OK;
+}
+
+static uint16_t command_homing(void *instance, const axis_t *axis, ect_402_drive_t *d, bool start, uint64_t now_ns)
+{
+    bool runs = false;
+    ect_402_drive_advance(d, now_ns);
+    if (!start) {
+        ect_esi_homing_cancel(&axis->dialect, instance);
+        return ECT_SOE_OK;
+    }
+    const uint16_t code = ect_esi_homing_start(&axis->dialect, instance, d, &runs);
+    if (code == ECT_SOE_OK && !runs)
+        ect_soe_finish(servo_of(instance), instance, axis->dialect.drive, ECT_ESI_HOMING, false);
+    return code;
 }
 
 static uint16_t soe_command(const ect_soe_t *soe, void *instance, uint8_t drive, const ect_soe_idn_t *idn, bool start,
@@ -84,14 +133,12 @@ static uint16_t soe_command(const ect_soe_t *soe, void *instance, uint8_t drive,
     EACH_DRIVE(d, instance)
     {
         const axis_t *axis = axis_of(instance, d);
-        if (!axis->is_soe || axis->dialect.drive != drive || idn->idn != RESET)
+        if (!axis->is_soe || axis->dialect.drive != drive)
             continue;
-        ect_esi_dialect_reset(&axis->dialect, instance, start);
-        if (!start || d->al == ECT_STATE_OP)
-            return ECT_SOE_OK;
-        reset_below_op(instance, axis, d, now_ns);
-        ect_soe_finish(soe, instance, drive, idn->idn, d->error_code == 0);
-        return ECT_SOE_OK;
+        if (idn->idn == RESET)
+            return command_reset(instance, axis, d, start, now_ns);
+        if (idn->idn == ECT_ESI_HOMING)
+            return command_homing(instance, axis, d, start, now_ns);
     }
     ect_soe_finish(soe, instance, drive, idn->idn, true);
     return ECT_SOE_OK;
@@ -110,7 +157,7 @@ static void init(void *instance, const ect_host_t *host, uint64_t now_ns)
         const axis_t *axis = axis_of(instance, d);
         d->config.cyclic_halts = axis->is_soe;
         if (axis->is_soe)
-            ect_esi_dialect_out(&axis->dialect, instance, d);
+            words_out(instance, axis, d);
     }
 }
 
@@ -152,7 +199,7 @@ static void outputs(void *instance, uint64_t now_ns)
         ect_402_drive_advance(d, now_ns);
         const axis_t *axis = axis_of(instance, d);
         if (axis->is_soe)
-            ect_esi_dialect_in(&axis->dialect, instance, d);
+            words_in(instance, axis, d);
         ect_402_drive_outputs(d, now_ns);
         if (axis->is_soe)
             end_reset(instance, axis, d);
@@ -169,7 +216,7 @@ static void safe_outputs(void *instance, uint64_t now_ns)
     {
         const axis_t *axis = axis_of(instance, d);
         if (axis->is_soe)
-            ect_esi_dialect_in(&axis->dialect, instance, d);
+            words_in(instance, axis, d);
         ect_402_drive_leave_op(d, now_ns);
     }
 }
@@ -270,6 +317,7 @@ static void find_soe_axes(const ect_esi_twin_t *twin, ect_esi_drives_t *drives)
     for (uint8_t n = 0; soe != NULL && soe->served && n < soe->drives && drives->count < ECT_402_AXES; n++) {
         axis_t *axis = &drives->axes[drives->count];
         axis->is_soe = ect_esi_dialect_find(&twin->build, n, &axis->dialect);
+        axis->dialect.homes = ect_esi_homing_find(&twin->build, &axis->dialect);
         drives->count += axis->is_soe;
     }
 }
@@ -313,6 +361,7 @@ static size_t place_words(const ect_esi_twin_t *twin, ect_esi_drives_t *drives, 
             continue;
         at = aligned(at);
         ect_esi_dialect_links(&twin->build, &axis->dialect, at, axis->links);
+        ect_esi_homing_links(&twin->build, &axis->dialect, axis->links);
         at += sizeof(ect_esi_words_t);
     }
     return at;
@@ -337,7 +386,7 @@ static void lock(const ect_esi_drives_t *drives, ect_signal_t *signal)
             if (actual && link->bytes != 0 && link->offset == signal->offset)
                 signal->access = ECT_SIGNAL_READ;
         }
-        if (drives->axes[a].is_soe && drives->axes[a].dialect.status == signal->offset)
+        if (drives->axes[a].is_soe && ect_esi_dialect_writes(&drives->axes[a].dialect, signal->offset))
             signal->access = ECT_SIGNAL_READ;
     }
 }

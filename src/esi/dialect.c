@@ -47,7 +47,7 @@ static const struct {
     {ECT_402_V_INCREMENTS, 79},   {ECT_402_V_ERROR_CODE, 390},     {ECT_402_V_FOLLOWING_ERROR, 189},
 };
 
-static ect_402_link_t link_to(const ect_build_t *build, uint8_t drive, uint16_t idn)
+ect_402_link_t ect_esi_dialect_link(const ect_build_t *build, uint8_t drive, uint16_t idn)
 {
     const ect_build_idn_t *of = ect_build_idn(build, drive, idn);
     if (of == NULL || of->row.offset == 0 || (of->row.attribute & (ECT_SOE_LIST | ECT_SOE_COMMAND)) != 0)
@@ -69,16 +69,16 @@ static ect_402_link_t link_to(const ect_build_t *build, uint8_t drive, uint16_t 
 
 bool ect_esi_dialect_find(const ect_build_t *build, uint8_t drive, ect_esi_dialect_t *dialect)
 {
-    const ect_402_link_t control = link_to(build, drive, CONTROL_WORD);
-    const ect_402_link_t status = link_to(build, drive, STATUS_WORD);
+    const ect_402_link_t control = ect_esi_dialect_link(build, drive, CONTROL_WORD);
+    const ect_402_link_t status = ect_esi_dialect_link(build, drive, STATUS_WORD);
     *dialect = (ect_esi_dialect_t){.drive = drive, .follows = build->model->mailbox.soe_follows};
     if (control.bytes != sizeof(uint16_t) || status.bytes != sizeof(uint16_t))
         return false;
     dialect->control = control.offset;
     dialect->status = status.offset;
     for (unsigned int i = 0; i < sizeof dialect->modes / sizeof dialect->modes[0]; i++)
-        dialect->modes[i] = link_to(build, drive, (uint16_t)(OPERATION_MODE + i));
-    dialect->class_1 = link_to(build, drive, CLASS_1);
+        dialect->modes[i] = ect_esi_dialect_link(build, drive, (uint16_t)(OPERATION_MODE + i));
+    dialect->class_1 = ect_esi_dialect_link(build, drive, CLASS_1);
     return true;
 }
 
@@ -88,7 +88,7 @@ void ect_esi_dialect_links(const ect_build_t *build, ect_esi_dialect_t *dialect,
     for (unsigned int i = 0; i < ECT_402_VALUE_COUNT; i++)
         links[i] = (ect_402_link_t){0};
     for (unsigned int i = 0; i < sizeof same / sizeof same[0]; i++)
-        links[same[i].value] = link_to(build, dialect->drive, same[i].idn);
+        links[same[i].value] = ect_esi_dialect_link(build, dialect->drive, same[i].idn);
     links[ECT_402_V_CONTROL] = WORD(words, control, false);
     links[ECT_402_V_STATUS] = WORD(words, status, false);
     links[ECT_402_V_MODE] = WORD(words, mode, true);
@@ -198,6 +198,15 @@ void ect_esi_dialect_out(const ect_esi_dialect_t *dialect, void *instance, const
         (uint16_t)((unsigned int)power_of(d) << STATUS_POWER | (d->error_code != 0 ? STATUS_CLASS_1 : 0u) |
                    selected(control) << STATUS_MODE | (follows ? STATUS_FOLLOWS : 0u));
     ect_402_store(instance, &dialect->class_1, class_1_of(d->error_code));
+}
+
+bool ect_esi_dialect_writes(const ect_esi_dialect_t *dialect, size_t offset)
+{
+    const ect_402_link_t *links[] = {&dialect->class_1, &dialect->home_switch, &dialect->homed};
+    bool writes = offset == dialect->status;
+    for (unsigned int i = 0; i < sizeof links / sizeof links[0]; i++)
+        writes |= links[i]->bytes != 0 && links[i]->offset == offset;
+    return writes;
 }
 
 /* --- S-0-0099 ----------------------------------------------------------------------------------------------------- */

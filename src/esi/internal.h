@@ -490,23 +490,35 @@ struct ect_esi_twin {
 typedef struct ect_esi_words {
     uint16_t control, status;
     int8_t mode, shown;
-    uint8_t reset; /**< phase of a reset by S-0-0099 */
+    uint8_t reset;  /**< phase of a reset by S-0-0099 */
+    uint8_t homing; /**< phase of a run by S-0-0148 */
+    int8_t method;
+    int32_t home;
 } ect_esi_words_t;
+
+enum { ECT_ESI_HOMING = 148 /**< S-0-0148 */ };
 
 /** How a SoE drive reaches its axis. */
 typedef struct ect_esi_dialect {
     uint8_t drive;
-    bool follows;            /**< bit 3 of S-0-0135 */
-    size_t control, status;  /**< of S-0-0134, S-0-0135 in the instance */
-    size_t words;            /**< of an ::ect_esi_words_t */
-    ect_402_link_t modes[4]; /**< S-0-0032 to S-0-0035 */
-    ect_402_link_t class_1;  /**< S-0-0011 */
+    bool follows;                                           /**< bit 3 of S-0-0135 */
+    size_t control, status;                                 /**< of S-0-0134, S-0-0135 in the instance */
+    size_t words;                                           /**< of an ::ect_esi_words_t */
+    ect_402_link_t modes[4];                                /**< S-0-0032 to S-0-0035 */
+    ect_402_link_t class_1;                                 /**< S-0-0011 */
+    bool homes;                                             /**< has S-0-0148; then these: */
+    size_t homing;                                          /**< of the command S-0-0148 */
+    ect_402_link_t parameter, distance, home_switch, homed; /**< S-0-0147, S-0-0052, S-0-0400, S-0-0403 */
 } ect_esi_dialect_t;
 
 /** dialect.c. @return whether a drive has S-0-0134 and S-0-0135 */
 bool ect_esi_dialect_find(const ect_build_t *build, uint8_t drive, ect_esi_dialect_t *dialect);
+/** dialect.c: the link to a number of a drive; 0 bytes: it has none. */
+ect_402_link_t ect_esi_dialect_link(const ect_build_t *build, uint8_t drive, uint16_t idn);
 /** dialect.c: the links of the axis, ECT_402_VALUE_COUNT. @param words  offset of the words in the instance */
 void ect_esi_dialect_links(const ect_build_t *build, ect_esi_dialect_t *dialect, size_t words, ect_402_link_t *links);
+/** dialect.c. @return whether the drive writes the value at an offset of the instance, besides those of the links */
+bool ect_esi_dialect_writes(const ect_esi_dialect_t *dialect, size_t offset);
 /** dialect.c: S-0-0134 as the control word of the axis, before ::ect_402_drive_outputs. */
 void ect_esi_dialect_in(const ect_esi_dialect_t *dialect, void *instance, const ect_402_drive_t *d);
 /** dialect.c: the state of the axis as S-0-0135, after ::ect_402_drive_publish. */
@@ -515,6 +527,22 @@ void ect_esi_dialect_out(const ect_esi_dialect_t *dialect, void *instance, const
 void ect_esi_dialect_reset(const ect_esi_dialect_t *dialect, void *instance, bool start);
 /** dialect.c: after a control word. @return whether the reset is over */
 bool ect_esi_dialect_ends(const ect_esi_dialect_t *dialect, void *instance);
+
+/** homing.c. @return whether a drive has S-0-0148; then the links of the dialect are set */
+bool ect_esi_homing_find(const ect_build_t *build, ect_esi_dialect_t *dialect);
+/** homing.c: the links of the axis to speed, acceleration, method and reference point. */
+void ect_esi_homing_links(const ect_build_t *build, const ect_esi_dialect_t *dialect, ect_402_link_t *links);
+/** homing.c: S-0-0148 is started. @param[out] runs  false: the settings allow no run. @return ECT_SOE_OK, or the code
+ */
+uint16_t ect_esi_homing_start(const ect_esi_dialect_t *dialect, void *instance, ect_402_drive_t *d, bool *runs);
+/** homing.c: S-0-0148 is cancelled while it runs. */
+void ect_esi_homing_cancel(const ect_esi_dialect_t *dialect, void *instance);
+/** homing.c: mode and control word of a run, after ::ect_esi_dialect_in. */
+void ect_esi_homing_in(const ect_esi_dialect_t *dialect, void *instance);
+/** homing.c: time or outputs have changed the axis. @return whether a run has ended, and its success */
+bool ect_esi_homing_ends(const ect_esi_dialect_t *dialect, void *instance, const ect_402_drive_t *d, bool *success);
+/** homing.c: S-0-0400 and S-0-0403. */
+void ect_esi_homing_out(const ect_esi_dialect_t *dialect, void *instance, const ect_402_drive_t *d);
 
 /* --- writing ----------------------------------------------------------------------------------------------------- */
 
