@@ -32,7 +32,7 @@ static void print_slave(const ect_eni_slave_t *slave, size_t i, const char *name
     if (slave->place.given && (uint16_t)slave->place.value != (uint16_t)(0 - i))
         fprintf(stderr, "; its AutoIncAddr is %" PRId64 ", its place in the file %zu", slave->place.value, i + 1);
     if (slave->mailbox.others > 0)
-        fprintf(stderr, "; its %zu start-up commands of SoE and FoE, or without a mail, have no effect on the twin",
+        fprintf(stderr, "; its %zu start-up commands of FoE, or without a mail, have no effect on the twin",
                 slave->mailbox.others);
     fprintf(stderr, "\n");
 }

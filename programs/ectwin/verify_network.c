@@ -105,7 +105,7 @@ static void print_unsent(const ect_eni_t *eni)
         const ect_eni_slave_t *slave = &network->slaves[i];
         if (slave->mailbox.others > 0)
             fprintf(stderr,
-                    "ectwin verify: %s:%d: slave %zu, %s: %zu start-up commands of SoE and FoE, or without a mail, are "
+                    "ectwin verify: %s:%d: slave %zu, %s: %zu start-up commands of FoE, or without a mail, are "
                     "not sent\n",
                     ect_eni_file(eni), slave->line, i + 1, slave->name, slave->mailbox.others);
     }

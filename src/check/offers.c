@@ -285,6 +285,21 @@ static bool init_commands_good(const report_t *r)
     return true;
 }
 
+static bool init_mails_good(const report_t *r)
+{
+    const ect_device_t *d = r->device;
+    if (d->init_mail_count > 0 && !d->init_mails)
+        return wrong(r, "init_mails: they are missing");
+    for (unsigned int i = 0; i < d->init_mail_count; i++) {
+        const ect_init_mail_t *m = &d->init_mails[i];
+        if (!transitions_good(m->transitions))
+            return wrong(r, "init_mails: number %u names transitions other than IP PS SO SP OP OS", i);
+        if (m->size > 0 && !m->data)
+            return wrong(r, "init_mails: number %u has no data", i);
+    }
+    return true;
+}
+
 static bool timeouts_good(const report_t *r)
 {
     const ect_timeouts_t *t = &r->device->timeouts;
@@ -296,7 +311,7 @@ static bool timeouts_good(const report_t *r)
 bool check_offers(const report_t *r)
 {
     return protocols_good(r) && constants_good(r) && services_good(r) && clocks_good(r) && init_commands_good(r) &&
-           timeouts_good(r);
+           init_mails_good(r) && timeouts_good(r);
 }
 
 bool check_sii(const report_t *r)

@@ -253,6 +253,14 @@ static const char *transitions_of(const maker_t *m, unsigned int bits)
     return text;
 }
 
+static ect_esi_bytes_t copy_bytes(const maker_t *m, const ect_esi_bytes_t *from)
+{
+    uint8_t *bytes = ect_arena_alloc(m->arena, from->length);
+    if (from->length > 0)
+        memcpy(bytes, from->bytes, from->length);
+    return (ect_esi_bytes_t){.bytes = bytes, .length = from->length};
+}
+
 static void copy_inits(const maker_t *m)
 {
     const ect_eni_mailbox_t *from = &m->slave->mailbox;
@@ -264,9 +272,6 @@ static void copy_inits(const maker_t *m)
         mailbox->pdo_assign |= command->download && index >= PDO_ASSIGNMENT && index < PDO_ASSIGNMENT_END;
         mailbox->pdo_config |= command->download && index >= RXPDO && index < TXPDO_END;
         mailbox->complete_access |= command->complete;
-        uint8_t *bytes = ect_arena_alloc(m->arena, command->data.length);
-        if (command->data.length > 0)
-            memcpy(bytes, command->data.bytes, command->data.length);
         inits[mailbox->init_count] = (ect_esi_init_t){.transitions = transitions_of(m, command->transitions),
                                                       .index = index,
                                                       .subindex = command->subindex,
@@ -274,11 +279,37 @@ static void copy_inits(const maker_t *m)
                                                       .comment = command->comment,
                                                       .disabled = command->disabled,
                                                       .upload = !command->download,
-                                                      .data = {.bytes = bytes, .length = command->data.length},
+                                                      .data = copy_bytes(m, &command->data),
                                                       .line = command->line};
         copy_text(m, &inits[mailbox->init_count++].comment);
     }
     mailbox->inits = inits;
+}
+
+/* A drive of a command exists. */
+static void copy_mails(const maker_t *m)
+{
+    const ect_eni_mailbox_t *from = &m->slave->mailbox;
+    ect_esi_mailbox_t *mailbox = &m->device->mailbox;
+    ect_esi_mail_t *mails = ect_arena_alloc(m->arena, (from->mail_count + 1) * sizeof *mails);
+    for (size_t i = 0; i < from->mail_count; i++) {
+        const ect_eni_mail_t *mail = &from->mails[i];
+        mails[i] = (ect_esi_mail_t){.transitions = transitions_of(m, mail->transitions),
+                                    .comment = mail->comment,
+                                    .protocol = mail->protocol,
+                                    .type = mail->type,
+                                    .drive = mail->drive,
+                                    .elements = mail->elements,
+                                    .idn = mail->idn,
+                                    .disabled = mail->disabled,
+                                    .data = copy_bytes(m, &mail->data),
+                                    .line = mail->line};
+        copy_text(m, &mails[i].comment);
+        if (mail->protocol == ECT_MAILBOX_TYPE_SOE && mail->drive >= mailbox->soe_channels)
+            mailbox->soe_channels = (uint8_t)(mail->drive + 1);
+    }
+    mailbox->mails = mails;
+    mailbox->mail_count = from->mail_count;
 }
 
 static void make_mailbox(const maker_t *m)
@@ -296,6 +327,7 @@ static void make_mailbox(const maker_t *m)
                                              .voe = from->voe,
                                              .sdo_info = from->send.length >= SDO_INFO_MAILBOX};
     copy_inits(m);
+    copy_mails(m);
     if (from->boot_send.length == 0 || from->boot_receive.length == 0)
         return;
     uint8_t *boot = ect_arena_alloc(m->arena, 8);

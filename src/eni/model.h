@@ -16,6 +16,8 @@
 #include <stdint.h>
 
 #include "esi/model.h"
+#include "seams/device.h"
+#include "seams/mailbox.h"
 
 /** `<Transition>`; bits. */
 enum {
@@ -91,18 +93,18 @@ typedef struct ect_eni_coe {
     int line;
 } ect_eni_coe_t;
 
-/** Types of mailboxes, of ::ect_eni_mail_t. */
-enum { ECT_ENI_AOE = 1, ECT_ENI_EOE = 2 };
-
-/** `<InitCmd>` of AoE or EoE. */
+/** `<InitCmd>` of AoE, EoE or SoE. */
 typedef struct ect_eni_mail {
     unsigned int transitions; /**< ECT_ENI_II … */
     const char *comment;
     uint32_t timeout_ms;
-    uint8_t protocol; /**< ECT_ENI_AOE, ECT_ENI_EOE */
-    uint8_t type;     /**< of an EoE mail: 2 sets the IP parameters */
+    uint8_t protocol; /**< ECT_MAILBOX_TYPE_AOE, ECT_MAILBOX_TYPE_EOE, ECT_MAILBOX_TYPE_SOE */
+    uint8_t type;  /**< of EoE: that of the mail, 2 sets the IP parameters; of SoE: ECT_INIT_READS, ECT_INIT_WRITES */
+    uint8_t drive; /**< of SoE, 0 to 7 */
+    uint8_t elements; /**< of SoE: bit 6 is the value */
+    uint16_t idn;     /**< of SoE */
     bool disabled;
-    ect_esi_bytes_t data; /**< behind the header of the mailbox, and behind that of EoE */
+    ect_esi_bytes_t data; /**< behind the header of the mailbox, of EoE and SoE behind that of the protocol */
     int line;
 } ect_eni_mail_t;
 
@@ -140,9 +142,9 @@ typedef struct ect_eni_mailbox {
     bool aoe, eoe, coe, foe, soe, voe;
     const ect_eni_coe_t *commands;
     size_t command_count;
-    const ect_eni_mail_t *mails; /**< of AoE, then of EoE */
+    const ect_eni_mail_t *mails; /**< of AoE, then of EoE, then of SoE */
     size_t mail_count;
-    size_t others; /**< number of other start-up commands: of SoE and FoE, or without a mail */
+    size_t others; /**< number of other start-up commands: of FoE, or without a mail */
 } ect_eni_mailbox_t;
 
 /** The selected `<PreviousPort>`, or the only one. */

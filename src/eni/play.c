@@ -133,8 +133,13 @@ static void play_mails(ect_eni_player_t *p, size_t slave, unsigned int transitio
             eni_play_coe(p, slave, &mailbox->commands[i]);
     }
     for (size_t i = 0; i < mailbox->mail_count; i++) {
-        if ((mailbox->mails[i].transitions & transition) != 0 && !mailbox->mails[i].disabled)
-            eni_play_mail(p, slave, &mailbox->mails[i]);
+        const ect_eni_mail_t *mail = &mailbox->mails[i];
+        if ((mail->transitions & transition) == 0 || mail->disabled)
+            continue;
+        if (mail->protocol == ECT_MAILBOX_TYPE_SOE)
+            eni_play_soe(p, slave, mail);
+        else
+            eni_play_mail(p, slave, mail);
     }
 }
 

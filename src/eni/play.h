@@ -9,9 +9,9 @@
  *         ... OP; ect_eni_play_cycle(&player) sends the cyclic frames once ...
  *
  * Each transition sends the commands of the master with `BeforeSlave`, the commands of the slaves in the order of the
- * file, and the other commands of the master. Mails of a slave, CoE before AoE and EoE, precede its other commands,
- * except at the transition to PREOP, which has no mailbox yet: there they follow the commands of all slaves. Commands
- * of SoE and FoE are not sent. A slave with mails and no other commands is brought to PREOP by the player, with the
+ * file, and the other commands of the master. Mails of a slave, CoE before AoE, EoE and SoE, precede its other
+ * commands, except at the transition to PREOP, which has no mailbox yet: there they follow the commands of all slaves.
+ * Commands of FoE are not sent. A slave with mails and no other commands is brought to PREOP by the player, with the
  * mailbox of the file, and stays there. Output data are those of the file, zeros.
  * The start time of SYNC signals (0990h) is that of the file plus the slave's system time.
  *

@@ -142,7 +142,7 @@ static void play_eoe(eni_talk_t *t, const ect_eni_mail_t *mail)
 
 void eni_play_mail(ect_eni_player_t *p, size_t slave, const ect_eni_mail_t *mail)
 {
-    const bool ads = mail->protocol == ECT_ENI_AOE;
+    const bool ads = mail->protocol == ECT_MAILBOX_TYPE_AOE;
     const size_t header = ads ? 0 : EOE_HEADER;
     eni_talk_t t = {.line = mail->line, .timeout_ms = mail->timeout_ms, .protocol = mail->protocol};
     (void)snprintf(t.name, sizeof t.name, ads ? "AoE" : "EoE type %u", (unsigned int)mail->type);

@@ -2,7 +2,7 @@
 /**
  * @file
  * Declarations that the files of the player share: play_wire.c (datagrams, cyclic frames), play_mail.c (mails of AoE
- * and EoE), play_coe.c (SDO transfers), play.c (transitions).
+ * and EoE), play_coe.c (SDO transfers), play_soe.c (IDNs of drives), play.c (transitions).
  */
 #ifndef ECT_ENI_PLAYER_H
 #define ECT_ENI_PLAYER_H
@@ -70,7 +70,7 @@ typedef struct eni_talk {
     int line;      /**< of the command */
     uint32_t timeout_ms;
     uint8_t protocol; /**< type of the mail */
-    char name[16];    /**< of the command in reports: "8000:1" */
+    char name[24];    /**< of the command in reports: "8000:1", "SoE drive 0, S-0-0032" */
     bool failed;
 } eni_talk_t;
 
@@ -94,6 +94,9 @@ const uint8_t *eni_talk_receive(eni_talk_t *t, bool (*is_reply)(const eni_talk_t
 
 /** Plays a start-up command of AoE or EoE (play_mail.c). */
 void eni_play_mail(ect_eni_player_t *p, size_t slave, const ect_eni_mail_t *mail);
+
+/** Plays a start-up command of SoE (play_soe.c). */
+void eni_play_soe(ect_eni_player_t *p, size_t slave, const ect_eni_mail_t *mail);
 
 /** Plays a start-up command of CoE (play_coe.c). */
 void eni_play_coe(ect_eni_player_t *p, size_t slave, const ect_eni_coe_t *command);

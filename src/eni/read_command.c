@@ -137,17 +137,32 @@ const ect_eni_command_t *ect_eni_read_inits(ect_esi_xml_t *xml, const xmlNode *p
     return commands;
 }
 
+/* Without an OpCode, a command with data writes. @return false: it neither reads nor writes an IDN */
+static bool read_soe(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_mail_t *mail)
+{
+    enum { LAST_DRIVE = 7, VALUE = 0x40 };
+    const int usual = mail->data.length > 0 ? ECT_INIT_WRITES : ECT_INIT_READS;
+    mail->type = (uint8_t)ect_esi_number(xml, node, "OpCode", 0, UINT8_MAX, usual);
+    mail->drive = (uint8_t)ect_esi_number(xml, node, "DriveNo", 0, LAST_DRIVE, 0);
+    mail->elements = (uint8_t)ect_esi_number(xml, node, "Elements", 0, UINT8_MAX, VALUE);
+    mail->idn = (uint16_t)ect_esi_number(xml, node, "IDN", 0, UINT16_MAX, 0);
+    return ect_esi_child(node, "IDN") != NULL && (mail->type == ECT_INIT_READS || mail->type == ECT_INIT_WRITES);
+}
+
 bool ect_eni_read_mail(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_mail_t *mail)
 {
     enum { AMS_HEADER = 32, EOE_TYPES = 15 };
     mail->transitions = ect_eni_transitions(xml, node);
     mail->comment = ect_esi_name(xml, node, "Comment");
     mail->timeout_ms = (uint32_t)ect_esi_number(xml, node, "Timeout", 0, UINT32_MAX, 0);
-    mail->type = (uint8_t)ect_esi_number(xml, node, "Type", 0, EOE_TYPES, 0);
     mail->data = ect_esi_hex(xml, node, "Data");
     mail->disabled = says_true(xml, node, "Disabled");
     mail->line = ect_esi_line(node);
-    return mail->protocol == ECT_ENI_AOE ? mail->data.length >= AMS_HEADER : ect_esi_child(node, "Type") != NULL;
+    if (mail->protocol == ECT_MAILBOX_TYPE_SOE)
+        return read_soe(xml, node, mail);
+    mail->type = (uint8_t)ect_esi_number(xml, node, "Type", 0, EOE_TYPES, 0);
+    return mail->protocol == ECT_MAILBOX_TYPE_AOE ? mail->data.length >= AMS_HEADER
+                                                  : ect_esi_child(node, "Type") != NULL;
 }
 
 void ect_eni_read_coe(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_coe_t *command)

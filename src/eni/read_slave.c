@@ -126,7 +126,7 @@ static void read_mails(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_mailbox_
     static const struct {
         const char *name;
         uint8_t protocol;
-    } protocols[] = {{"AoE", ECT_ENI_AOE}, {"EoE", ECT_ENI_EOE}};
+    } protocols[] = {{"AoE", ECT_MAILBOX_TYPE_AOE}, {"EoE", ECT_MAILBOX_TYPE_EOE}, {"SoE", ECT_MAILBOX_TYPE_SOE}};
     ect_eni_mail_t *mails = NULL;
     ect_eni_mail_t *mail;
     for (size_t i = 0; i < sizeof protocols / sizeof protocols[0]; i++) {
@@ -145,7 +145,6 @@ static void read_mails(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_mailbox_
 
 static void read_mailbox(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_mailbox_t *mailbox)
 {
-    static const char *const others[] = {"SoE", "FoE"};
     ect_eni_coe_t *commands = NULL;
     ect_eni_coe_t *command;
     const xmlNode *receive = receive_of(node), *boot = ect_esi_child(node, "BootStrap");
@@ -169,10 +168,8 @@ static void read_mailbox(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_mailbo
     }
     mailbox->commands = commands;
     read_mails(xml, node, mailbox);
-    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
-        ECT_ESI_EACH(init, commands_of(node, others[i]), "InitCmd")
-        mailbox->others++;
-    }
+    ECT_ESI_EACH(init, commands_of(node, "FoE"), "InitCmd")
+    mailbox->others++;
 }
 
 /* ------------------------------------------------------------------------------------------------------------------ */

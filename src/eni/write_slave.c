@@ -410,6 +410,52 @@ static void write_coe(const slave_t *s)
     ect_xml_close(xml);
 }
 
+/* Writes what precedes the data of a mail: its type, or the elements of an IDN. */
+static void write_mail_head(ect_xml_writer_t *xml, const ect_init_mail_t *mail)
+{
+    if (mail->protocol == ECT_MAILBOX_TYPE_EOE)
+        ect_xml_number(xml, "Type", mail->type);
+    if (mail->protocol != ECT_MAILBOX_TYPE_SOE)
+        return;
+    ect_xml_number(xml, "OpCode", mail->type);
+    ect_xml_number(xml, "DriveNo", mail->drive);
+    ect_xml_number(xml, "IDN", mail->idn);
+    ect_xml_number(xml, "Elements", mail->elements);
+    ect_xml_number(xml, "Attribute", 0);
+}
+
+static void write_mails(const slave_t *s, const char *element, uint8_t protocol)
+{
+    ect_xml_writer_t *xml = s->xml;
+    const ect_device_t *device = s->part->device;
+    bool any = false;
+    for (unsigned int i = 0; i < device->init_mail_count; i++) {
+        const ect_init_mail_t *mail = &device->init_mails[i];
+        if (mail->protocol != protocol)
+            continue;
+        if (!any) {
+            ect_xml_open(xml, element);
+            ect_xml_open(xml, "InitCmds");
+        }
+        any = true;
+        ect_xml_open(xml, "InitCmd");
+        write_transitions(xml, mail->transitions);
+        if (mail->comment != NULL)
+            ect_xml_text(xml, "Comment", mail->comment);
+        ect_xml_number(xml, "Timeout", MAILBOX_TIMEOUT_MS);
+        write_mail_head(xml, mail);
+        if (mail->size > 0)
+            ect_xml_bytes(xml, "Data", mail->data, mail->size);
+        if (mail->disabled)
+            ect_xml_number(xml, "Disabled", 1);
+        ect_xml_close(xml);
+    }
+    if (any) {
+        ect_xml_close(xml);
+        ect_xml_close(xml);
+    }
+}
+
 static void write_mailbox(const slave_t *s)
 {
     ect_xml_writer_t *xml = s->xml;
@@ -437,6 +483,9 @@ static void write_mailbox(const slave_t *s)
     }
     if ((device->mailbox_protocols & ECT_MAILBOX_COE) != 0 && device->init_command_count > 0)
         write_coe(s);
+    write_mails(s, "SoE", ECT_MAILBOX_TYPE_SOE);
+    write_mails(s, "AoE", ECT_MAILBOX_TYPE_AOE);
+    write_mails(s, "EoE", ECT_MAILBOX_TYPE_EOE);
     ect_xml_close(xml);
 }
 

@@ -423,7 +423,7 @@ static bool looks_like_list(const ect_esi_bytes_t *data)
            data->length != 8;
 }
 
-static ect_build_idn_t *add_from(ect_build_t *build, const ect_esi_soe_init_t *init)
+static ect_build_idn_t *add_from(ect_build_t *build, const ect_esi_mail_t *init)
 {
     const char *name = *init->comment != '\0' ? init->comment : "Start-up parameter";
     const size_t length = init->data.length;
@@ -446,7 +446,7 @@ static bool fits(const ect_build_idn_t *idn, const ect_esi_bytes_t *data)
            data->length - LIST_HEAD <= idn->row.size;
 }
 
-static void drop_limits(ect_build_idn_t *idn, const ect_esi_soe_init_t *init)
+static void drop_limits(ect_build_idn_t *idn, const ect_esi_mail_t *init)
 {
     uint64_t bits = 0;
     for (size_t i = 0; i < init->data.length && i < 8; i++)
@@ -459,7 +459,7 @@ static void drop_limits(ect_build_idn_t *idn, const ect_esi_soe_init_t *init)
 }
 
 /* SOE-046: each IDN of a command exists and accepts its data. */
-static void take_init(ect_build_t *build, const ect_esi_soe_init_t *init)
+static void take_init(ect_build_t *build, const ect_esi_mail_t *init)
 {
     if (init->drive >= build->soe->drives) {
         ect_build_note(build, "line %d: a start-up command is for drive %u; the device has %u", init->line,
@@ -585,8 +585,11 @@ void ect_build_idns(ect_build_t *build)
     find_telegrams(build);
     for (uint8_t drive = 0; drive < build->soe->drives; drive++)
         add_standard(build, drive);
-    for (size_t i = 0; i < model->mailbox.soe_init_count; i++)
-        take_init(build, &model->mailbox.soe_inits[i]);
+    for (size_t i = 0; i < model->mailbox.mail_count; i++) {
+        const ect_esi_mail_t *mail = &model->mailbox.mails[i];
+        if (mail->protocol == ECT_MAILBOX_TYPE_SOE && mail->type == ECT_INIT_WRITES)
+            take_init(build, mail);
+    }
     add_entries(build);
     qsort(build->soe->idns, build->soe->count, sizeof *build->soe->idns, by_drive);
     for (size_t i = 0; i < build->soe->count; i++) {

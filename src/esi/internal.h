@@ -27,6 +27,7 @@
  *   pdo_states.c       parameters of PDOs: exclusions, toggles
  *   servo.c            SoE drives: the tables of the protocol
  *   build_signals.c    signals from PDO entries and objects
+ *   inits.c            start-up commands of the description
  *   change.c           modules that change while the twin runs
  *   twin.c             the description and its behaviour
  *   rack.c             twins, with a description for each set of modules
@@ -360,6 +361,9 @@ void ect_build_service(ect_build_t *build, ect_device_t *device, const ect_servi
 
 /** build_modules.c: adds the PDOs, objects and start-up commands of one module; `steps` outlive the build. */
 void ect_build_module(ect_build_t *build, const ect_esi_module_t *module, const ect_build_steps_t *steps);
+
+/** inits.c: sets the start-up commands: SDOs of CoE, mails of AoE, EoE and SoE. A note for each unknown transition. */
+void ect_esi_inits_set(ect_build_t *build, ect_device_t *device);
 
 /** idents.c: makes a device with F030h check it. Before a behaviour that has functions of its own. */
 void ect_esi_idents_set(const ect_build_t *build, ect_device_t *device);

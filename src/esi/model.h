@@ -100,15 +100,19 @@ typedef struct ect_esi_init {
     int line;
 } ect_esi_init_t;
 
-/** `<InitCmd>` of SoE: a value that a master writes at a transition. */
-typedef struct ect_esi_soe_init {
+/** `<InitCmd>` of AoE, EoE or SoE: a mail that a master sends at a transition. */
+typedef struct ect_esi_mail {
     const char *transitions; /**< as ect_esi_init_t::transitions */
-    uint16_t idn;
-    uint8_t drive; /**< `Chn` */
+    const char *comment;     /**< "" when absent */
+    uint8_t protocol;        /**< ECT_MAILBOX_TYPE_AOE, _EOE or _SOE */
+    uint8_t type;            /**< of EoE: that of the mail; of SoE: ECT_INIT_READS, ECT_INIT_WRITES */
+    uint8_t drive;           /**< of SoE: `Chn` */
+    uint8_t elements;        /**< of SoE: bit 6 is the value */
+    uint16_t idn;            /**< of SoE */
+    bool disabled;           /**< `Disabled` of a network file */
     ect_esi_bytes_t data;
-    const char *comment; /**< "" when absent */
     int line;
-} ect_esi_soe_init_t;
+} ect_esi_mail_t;
 
 /** `<Sm>` with its PDOs, of an `<AlternativeSmMapping>` or an `<OpMode>`. */
 typedef struct ect_esi_assignment {
@@ -249,8 +253,8 @@ typedef struct ect_esi_mailbox {
     bool aoe, eoe, coe, foe, soe, voe;
     uint8_t soe_channels; /**< `ChannelCount`, 0 when absent */
     bool soe_follows;     /**< `DriveFollowsBit3Support`: bit 3 of S-0-0135 */
-    const ect_esi_soe_init_t *soe_inits;
-    size_t soe_init_count;
+    const ect_esi_mail_t *mails;
+    size_t mail_count;
     bool sdo_info, pdo_assign, pdo_config, pdo_upload, complete_access;
     const ect_esi_init_t *inits;
     size_t init_count;

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-enum { MOST_DRIVES = 8 }; /* of SoE: a mail has three bits for the drive */
+enum { MOST_DRIVES = 8, SOE_VALUE = 0x40 }; /* of SoE: a mail has three bits for the drive */
 
 static uint16_t index_of(ect_esi_xml_t *xml, const xmlNode *parent, uint8_t *moves)
 {
@@ -142,10 +142,37 @@ static const ect_esi_init_t *read_inits(ect_esi_xml_t *xml, const xmlNode *coe, 
     return inits;
 }
 
+static void read_mail(ect_esi_xml_t *xml, const xmlNode *node, uint8_t protocol, ect_esi_mail_t *mail)
+{
+    mail->protocol = protocol;
+    mail->transitions = read_transitions(xml, node);
+    mail->data = ect_esi_hex(xml, node, "Data");
+    mail->comment = ect_esi_name(xml, node, "Comment");
+    mail->line = ect_esi_line(node);
+}
+
+/* Reads the commands of AoE or EoE; one without a mail of its protocol is left out. */
+static void read_mails(ect_esi_xml_t *xml, const xmlNode *parent, uint8_t protocol, ect_esi_mailbox_t *mailbox)
+{
+    enum { AMS_HEADER = 32, EOE_TYPES = 15 };
+    ect_esi_mail_t *mails = (ect_esi_mail_t *)(uintptr_t)mailbox->mails; // ours, growing
+    ect_esi_mail_t *mail;
+    ECT_ESI_EACH(node, parent, "InitCmd")
+    {
+        ECT_APPEND(xml, mails, mailbox->mail_count, mail);
+        read_mail(xml, node, protocol, mail);
+        mail->type = (uint8_t)ect_esi_number(xml, node, "Type", 0, EOE_TYPES, 0);
+        const bool ads = protocol == ECT_MAILBOX_TYPE_AOE;
+        if (ads ? mail->data.length < AMS_HEADER : ect_esi_child(node, "Type") == NULL)
+            mailbox->mail_count--;
+    }
+    mailbox->mails = mails;
+}
+
 static void read_soe(ect_esi_xml_t *xml, const xmlNode *soe, ect_esi_mailbox_t *mailbox)
 {
-    ect_esi_soe_init_t *inits = NULL;
-    ect_esi_soe_init_t *init;
+    ect_esi_mail_t *mails = (ect_esi_mail_t *)(uintptr_t)mailbox->mails; // ours, growing
+    ect_esi_mail_t *mail;
     if (soe == NULL)
         return;
     mailbox->soe = true;
@@ -153,17 +180,16 @@ static void read_soe(ect_esi_xml_t *xml, const xmlNode *soe, ect_esi_mailbox_t *
     mailbox->soe_follows = ect_esi_flag(xml, soe, "DriveFollowsBit3Support");
     ECT_ESI_EACH(node, soe, "InitCmd")
     {
-        ECT_APPEND(xml, inits, mailbox->soe_init_count, init);
-        init->transitions = read_transitions(xml, node);
-        init->idn = (uint16_t)ect_esi_number(xml, node, "IDN", 0, UINT16_MAX, 0);
-        init->drive = (uint8_t)ect_esi_attribute_number(xml, node, "Chn", 0, MOST_DRIVES - 1, 0);
-        init->data = ect_esi_hex(xml, node, "Data");
-        init->comment = ect_esi_name(xml, node, "Comment");
-        init->line = ect_esi_line(node);
+        ECT_APPEND(xml, mails, mailbox->mail_count, mail);
+        read_mail(xml, node, ECT_MAILBOX_TYPE_SOE, mail);
+        mail->type = ECT_INIT_WRITES;
+        mail->idn = (uint16_t)ect_esi_number(xml, node, "IDN", 0, UINT16_MAX, 0);
+        mail->drive = (uint8_t)ect_esi_attribute_number(xml, node, "Chn", 0, MOST_DRIVES - 1, 0);
+        mail->elements = SOE_VALUE;
         if (ect_esi_child(node, "IDN") == NULL)
             ect_esi_fail(xml, node, "InitCmd of SoE has no IDN");
     }
-    mailbox->soe_inits = inits;
+    mailbox->mails = mails;
 }
 
 static void read_mailbox(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_mailbox_t *mailbox)
@@ -176,6 +202,8 @@ static void read_mailbox(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_mailbo
     mailbox->foe = ect_esi_child(node, "FoE") != NULL;
     mailbox->voe = ect_esi_child(node, "VoE") != NULL;
     mailbox->data_link_layer = node != NULL && ect_esi_flag(xml, node, "DataLinkLayer");
+    read_mails(xml, ect_esi_child(node, "AoE"), ECT_MAILBOX_TYPE_AOE, mailbox);
+    read_mails(xml, ect_esi_child(node, "EoE"), ECT_MAILBOX_TYPE_EOE, mailbox);
     read_soe(xml, ect_esi_child(node, "SoE"), mailbox);
     if (coe == NULL)
         return;

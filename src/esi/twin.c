@@ -323,53 +323,6 @@ static void set_dc(ect_build_t *build, ect_device_t *device)
     device->dc_mode_count = (uint8_t)count;
 }
 
-/* @return those transitions of a command that are valid for CoE; "": none */
-static const char *known_transitions(ect_build_t *build, const ect_esi_init_t *init)
-{
-    static const char known[] = "IP PS SO SP OP OS";
-    const char *kept = "";
-    bool all = true;
-    for (const char *word = init->transitions; *word != '\0'; word += strspn(word, " ")) {
-        size_t length = strcspn(word, " ");
-        char name[3] = {word[0], word[1], '\0'};
-        bool good = length == 2 && strstr(known, name) != NULL;
-        if (good)
-            kept = ect_arena_print(build->arena, "%s%s%s", kept, *kept != '\0' ? " " : "", name);
-        all &= good;
-        word += length;
-    }
-    if (!all)
-        ect_build_note(build, "line %d: a start-up command has the transitions \"%s\", not all of them of %s",
-                       init->line, init->transitions, known);
-    return kept;
-}
-
-static void set_init_commands(ect_build_t *build, ect_device_t *device)
-{
-    const ect_esi_mailbox_t *mailbox = &build->model->mailbox;
-    size_t count = mailbox->init_count < UINT8_MAX ? mailbox->init_count : UINT8_MAX;
-    ect_init_command_t *commands = ect_arena_alloc(build->arena, (count + 1) * sizeof *commands);
-    device->init_commands = commands;
-    for (size_t i = 0; i < count; i++) {
-        const ect_esi_init_t *init = &mailbox->inits[i];
-        const char *transitions = known_transitions(build, init);
-        if (*transitions == '\0' || (init->data.length == 0 && !init->upload) || init->data.length > UINT16_MAX)
-            continue;
-        commands[device->init_command_count++] = (ect_init_command_t){
-            .transitions = transitions,
-            .index = init->index,
-            .subindex = init->subindex,
-            .complete = init->complete,
-            .adapts = init->adapts,
-            .size = (uint16_t)init->data.length,
-            .data = init->data.bytes,
-            .comment = *init->comment != '\0' ? init->comment : NULL,
-            .disabled = init->disabled,
-            .upload = init->upload,
-        };
-    }
-}
-
 static void set_eeprom(ect_build_t *build, ect_device_t *device)
 {
     const ect_esi_device_t *model = build->model;
@@ -887,7 +840,7 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
     set_general(b->model, device);
     set_boot(b->model, device);
     set_dc(b, device);
-    set_init_commands(b, device);
+    ect_esi_inits_set(b, device);
     set_eeprom(b, device);
     set_categories(b, device);
     device->esc = esc_of(device);

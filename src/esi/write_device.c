@@ -204,15 +204,20 @@ void ect_xml_pdos(ect_xml_writer_t *xml, const ect_device_t *device, bool output
 
 /* --- mailbox, clocks, EEPROM ------------------------------------------------------------------------------------- */
 
-static void write_init_command(ect_xml_writer_t *xml, const ect_init_command_t *command)
+static void write_transitions(ect_xml_writer_t *xml, const char *transitions)
 {
-    ect_xml_open(xml, "InitCmd");
-    ect_xml_flag(xml, "CompleteAccess", command->complete);
-    for (const char *from = command->transitions; *from != '\0'; from += strspn(from, " ")) {
+    for (const char *from = transitions; *from != '\0'; from += strspn(from, " ")) {
         size_t length = strcspn(from, " ");
         ect_xml_text(xml, "Transition", ect_arena_print(xml->arena, "%.*s", (int)length, from));
         from += length;
     }
+}
+
+static void write_init_command(ect_xml_writer_t *xml, const ect_init_command_t *command)
+{
+    ect_xml_open(xml, "InitCmd");
+    ect_xml_flag(xml, "CompleteAccess", command->complete);
+    write_transitions(xml, command->transitions);
     ect_xml_hex(xml, "Index", command->index, 4);
     ect_xml_number(xml, "SubIndex", command->subindex);
     ect_xml_open(xml, "Data");
@@ -245,6 +250,30 @@ static void write_coe(ect_xml_writer_t *xml, const ect_device_t *device, const x
     ect_xml_close(xml);
 }
 
+/* Writes the commands of a protocol that an ESI file can have: SoE writes, and all are enabled. */
+static void write_init_mails(ect_xml_writer_t *xml, const ect_device_t *device, uint8_t protocol)
+{
+    for (unsigned int i = 0; i < device->init_mail_count; i++) {
+        const ect_init_mail_t *mail = &device->init_mails[i];
+        const bool drives = mail->protocol == ECT_MAILBOX_TYPE_SOE;
+        if (mail->protocol != protocol || mail->disabled || (drives && mail->type != ECT_INIT_WRITES))
+            continue;
+        ect_xml_open(xml, "InitCmd");
+        if (drives && mail->drive != 0)
+            ect_xml_attribute(xml, "Chn", "%u", (unsigned int)mail->drive);
+        write_transitions(xml, mail->transitions);
+        if (protocol == ECT_MAILBOX_TYPE_EOE)
+            ect_xml_number(xml, "Type", mail->type);
+        if (drives)
+            ect_xml_number(xml, "IDN", mail->idn);
+        if (mail->size > 0)
+            ect_xml_bytes(xml, "Data", mail->data, mail->size);
+        if (mail->comment != NULL)
+            ect_xml_text(xml, "Comment", mail->comment);
+        ect_xml_close(xml);
+    }
+}
+
 static void write_soe_attributes(ect_xml_writer_t *xml, const ect_device_t *device, const xmlNode *source)
 {
     if (device->soe_channels != 0)
@@ -259,10 +288,11 @@ static void write_mailbox(ect_xml_writer_t *xml, const ect_device_t *device, con
 {
     static const struct {
         const char *element;
-        uint8_t bit;
+        uint8_t bit, type;
     } protocols[] = {
-        {"AoE", ECT_MAILBOX_AOE}, {"EoE", ECT_MAILBOX_EOE}, {"CoE", ECT_MAILBOX_COE},
-        {"FoE", ECT_MAILBOX_FOE}, {"SoE", ECT_MAILBOX_SOE}, {"VoE", ECT_MAILBOX_VOE},
+        {"AoE", ECT_MAILBOX_AOE, ECT_MAILBOX_TYPE_AOE}, {"EoE", ECT_MAILBOX_EOE, ECT_MAILBOX_TYPE_EOE},
+        {"CoE", ECT_MAILBOX_COE, ECT_MAILBOX_TYPE_COE}, {"FoE", ECT_MAILBOX_FOE, ECT_MAILBOX_TYPE_FOE},
+        {"SoE", ECT_MAILBOX_SOE, ECT_MAILBOX_TYPE_SOE}, {"VoE", ECT_MAILBOX_VOE, ECT_MAILBOX_TYPE_VOE},
     };
     if (device->mailbox_protocols == 0)
         return;
@@ -277,6 +307,8 @@ static void write_mailbox(ect_xml_writer_t *xml, const ect_device_t *device, con
             ect_xml_open(xml, protocols[i].element);
             if (protocols[i].bit == ECT_MAILBOX_SOE)
                 write_soe_attributes(xml, device, ect_esi_child(source, "SoE"));
+            if (source == NULL)
+                write_init_mails(xml, device, protocols[i].type);
             ect_xml_copy_children(xml, ect_esi_child(source, protocols[i].element), NULL);
             ect_xml_close(xml);
         }

@@ -216,6 +216,23 @@ typedef struct ect_init_command {
     const char *comment; /**< or NULL */
 } ect_init_command_t;
 
+/** Operations of SoE, of ::ect_init_mail_t. */
+enum { ECT_INIT_READS = 1, ECT_INIT_WRITES = 3 };
+
+/** A mail of AoE, EoE or SoE that a master sends at transitions, ESI `<InitCmd>` of these protocols. */
+typedef struct ect_init_mail {
+    const char *transitions; /**< as ect_init_command_t::transitions */
+    const char *comment;     /**< or NULL */
+    uint8_t protocol;        /**< ECT_MAILBOX_TYPE_AOE, _EOE or _SOE (seams/mailbox.h) */
+    uint8_t type;  /**< of EoE: that of the mail, 2 sets the IP parameters; of SoE: ECT_INIT_READS, ECT_INIT_WRITES */
+    uint8_t drive; /**< of SoE, 0 to 7 */
+    uint8_t elements; /**< of SoE: bit 6 is the value */
+    uint16_t idn;     /**< of SoE */
+    bool disabled;    /**< as ect_init_command_t::disabled */
+    uint16_t size;
+    const uint8_t *data; /**< behind the header of the mailbox, of EoE and SoE behind that of the protocol */
+} ect_init_mail_t;
+
 /** Longest time that the device takes for a transition or a mail, milliseconds (ESI `<Timeout>`); 0: the master's
  * default. */
 typedef struct ect_timeouts {
@@ -366,6 +383,8 @@ typedef struct ect_device {
     uint8_t dc_mode_count;
     const ect_init_command_t *init_commands;
     uint8_t init_command_count;
+    uint8_t init_mail_count;
+    const ect_init_mail_t *init_mails;
     ect_sync_t sync;
     ect_timeouts_t timeouts;
 

@@ -25,15 +25,36 @@ check "ENI-008: another place in AutoIncAddr" "its AutoIncAddr is 65533, its pla
 
 sed '0,\|</Mailbox>|s||<EoE><InitCmd><Transition>IP</Transition></InitCmd></EoE><SoE><InitCmds><InitCmd/><InitCmd/></InitCmds></SoE></Mailbox>|' \
   "$eni/machine.xml" >"$work/protocols.xml"
-check "ENI-025: commands of other protocols are counted at the start" "its 3 start-up commands of SoE and FoE, or without a mail, have no effect on the twin" \
+check "ENI-025: commands of other protocols are counted at the start" "its 3 start-up commands of FoE, or without a mail, have no effect on the twin" \
   "$("$ectwin" check "eni:$work/protocols.xml" 2>&1 | grep -o 'its 3 .*')"
 check "ENI-025: commands of other protocols are counted by verify, and are no difference" \
-  "0 slave 2, Drive 2 (AX1): 3 start-up commands of SoE and FoE, or without a mail, are not sent" \
+  "0 slave 2, Drive 2 (AX1): 3 start-up commands of FoE, or without a mail, are not sent" \
   "$("$ectwin" verify "eni:$work/protocols.xml" >"$work/out" 2>"$work/err"; echo "$? $(grep -o 'slave 2.*' "$work/err")")"
 
 sed 's|02f30000 00000010|02f30000 00000020|' "$eni/mails.xml" >"$work/mails.xml"
 check "ENI-025: mails of AoE and EoE are sent by verify" "0 19: slave 1, AoE: ADS error 0x0703" \
   "$("$ectwin" verify "eni:$eni/mails.xml" >"$work/out" 2>"$work/err"; echo "$? $("$ectwin" verify "eni:$work/mails.xml" 2>"$work/err" | grep -o '[0-9]*: slave 1, AoE.*')")"
+
+sed 's|<Data>0b00<|<Data>0b0000<|' "$eni/soe.xml" >"$work/soe.xml"
+check "ENI-025: commands of SoE are sent by verify" "0 17: slave 1, SoE drive 1, S-0-0032: SoE error 0x7003" \
+  "$("$ectwin" verify "eni:$eni/soe.xml" >"$work/out" 2>"$work/err"; echo "$? $("$ectwin" verify "eni:$work/soe.xml" 2>"$work/err" | grep -o '[0-9]*: slave 1, SoE.*')")"
+
+for name in mails soe; do
+  "$ectwin" eni --quiet "eni:$eni/$name.xml" -o "$work/first.xml"
+  "$ectwin" eni --quiet "eni:$work/first.xml" -o "$work/again.xml"
+  mails_of() { # FILE: its start-up commands of AoE, EoE and SoE
+    python3 - "$1" <<'END'
+import sys, xml.etree.ElementTree as tree
+for box in tree.parse(sys.argv[1]).iter("Mailbox"):
+    for name in "AoE", "EoE", "SoE":
+        for command in box.findall(f"{name}/InitCmds/InitCmd"):
+            print(name, *(f"{part.tag}={''.join((part.text or '').split()).lower()}" for part in command if part.tag not in ("Timeout", "Attribute")))
+END
+  }
+  check "ENI-025: ectwin eni of $name.xml: its start-up commands come back" "$(mails_of "$eni/$name.xml")" "$(mails_of "$work/first.xml")"
+  check "ENI-025: ectwin eni of $name.xml: again the same" "$(mails_of "$work/first.xml")" "$(mails_of "$work/again.xml")"
+  check "ENI-025: ectwin eni of $name.xml: verify" "0 " "$("$ectwin" verify "eni:$work/first.xml" 2>&1; echo "$? ")"
+done
 
 # Devices in place of ESI files.
 "$ectwin" eni --quiet fzm1,vr-bu-ect-map3 -o "$work/own.xml"

@@ -194,6 +194,9 @@ typedef struct row {
     X(sync0_without_mode, confdev, D.dc_mode_count = 0, "sync: SYNC0 is supported, but no mode of dc_modes starts it") \
     X(inits_missing, gauge, D.init_command_count = 1, "init_commands: they are missing")                               \
     X(init_transition, gauge, init(c, "PS PX", 1), "1C12h:0 names transitions other than IP PS SO SP OP OS")           \
+    X(mails_missing, gauge, D.init_mail_count = 1, "init_mails: they are missing")                                     \
+    X(mail_transition, gauge, mail(c, "PX", 1), "init_mails: number 1 names transitions other than IP PS SO SP OP OS") \
+    X(mail_data, gauge, mail(c, "PS", 2), "init_mails: number 1 has no data")                                          \
     X(init_separator, gauge, init(c, "PSSO", 1), "1C12h:0 names transitions other than IP PS SO SP OP OS")             \
     X(init_never, gauge, init(c, "", 1), "1C12h:0 names transitions other than IP PS SO SP OP OS")                     \
     X(init_empty, gauge, init(c, "PS", 0), "1C12h:0 has no data")                                                      \
@@ -210,6 +213,16 @@ static void cyclic_function(void *instance, uint8_t events, uint64_t now_ns)
 }
 
 /* The write of one init command of a device. */
+/* The second of two mails; its data are missing. */
+static void mail(copy_t *c, const char *transitions, uint16_t size)
+{
+    static ect_init_mail_t mails[2];
+    mails[0] = (ect_init_mail_t){.transitions = "IP SO", .protocol = 2, .type = 6};
+    mails[1] = (ect_init_mail_t){.transitions = transitions, .protocol = 2, .type = 2, .size = size};
+    c->device.init_mails = mails;
+    c->device.init_mail_count = 2;
+}
+
 static void init(copy_t *c, const char *transitions, uint16_t size)
 {
     static const uint8_t data[2];

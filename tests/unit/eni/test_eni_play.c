@@ -446,11 +446,13 @@ static void ENI_024_a_slave_with_CoE_commands_alone_is_brought_to_PREOP_by_the_p
 }
 
 /* The first AoE command sets the NetId to which the others are addressed. */
-static const struct {
+typedef struct talk {
     const char *title, *from, *to;
     unsigned int reached;
     const char *line; /* NULL: OP is reached without a line */
-} talks[] = {
+} talk_t;
+
+static const talk_t talks[] = {
     {"as it is", NULL, NULL, ECT_ENI_OPERATIONAL, NULL},
     {"AoE: another NetId",
      "<Transition>PS</Transition><Comment>read 1000h</Comment><Timeout>0</Timeout><Data>0a00000502",
@@ -472,22 +474,134 @@ static const struct {
      "slave 1, EoE type 7: no reply comes\n"},
 };
 
+static void play_talk(const char *path, const talk_t *talk)
+{
+    char device[300];
+    const char *const words[] = {"--quiet", device};
+    bus_of_twins_t b;
+    (void)snprintf(device, sizeof device, "eni:%s", path);
+    bus_open(&b, 2, words);
+    ect_eni_t *eni = file_with(path, talk->from, talk->to);
+    ect_eni_player_t player = {.eni = eni, .wire = &b.wire};
+    const bool fine = ect_eni_play(&player, ECT_ENI_OPERATIONAL);
+    if (fine != (talk->line == NULL) || player.state != talk->reached ||
+        (talk->line != NULL && strstr(b.lines, talk->line) == NULL))
+        fail_msg("%s: expected \"%s\" behind state %u, got state %u and \"%s\"", talk->title,
+                 talk->line != NULL ? talk->line : "", talk->reached, player.state, b.lines);
+    ect_eni_close(eni);
+    ectwin_bus_close(b.bus);
+}
+
 static void ENI_025_mails_of_AoE_and_EoE_get_the_reply_of_the_twin(void **state)
 {
-    static const char *const words[] = {"--quiet", "eni:" ENI_FILES "/mails.xml"};
     (void)state;
-    for (size_t i = 0; i < sizeof talks / sizeof talks[0]; i++) {
-        bus_of_twins_t b;
-        bus_open(&b, 2, words);
-        ect_eni_t *eni = file_with(ENI_FILES "/mails.xml", talks[i].from, talks[i].to);
-        ect_eni_player_t player = {.eni = eni, .wire = &b.wire};
-        const bool fine = ect_eni_play(&player, ECT_ENI_OPERATIONAL);
-        if (fine != (talks[i].line == NULL) || player.state != talks[i].reached ||
-            (talks[i].line != NULL && strstr(b.lines, talks[i].line) == NULL))
-            fail_msg("%s: expected \"%s\" behind state %u, got state %u and \"%s\"", talks[i].title,
-                     talks[i].line != NULL ? talks[i].line : "", talks[i].reached, player.state, b.lines);
+    for (size_t i = 0; i < sizeof talks / sizeof talks[0]; i++)
+        play_talk(ENI_FILES "/mails.xml", &talks[i]);
+}
+
+#define SOE_OF(code, drive, idn, elements)                                                                             \
+    "<OpCode>" code "</OpCode><DriveNo>" drive "</DriveNo><IDN>" idn "</IDN><Elements>" elements "</Elements>"
+
+static const talk_t drives[] = {
+    {"as it is", NULL, NULL, ECT_ENI_OPERATIONAL, NULL},
+    {"an IDN that does not exist", SOE_OF("1", "0", "33026", "200"), SOE_OF("1", "0", "999", "200"), ECT_ENI_SAFEOP,
+     "slave 1, SoE drive 0, S-0-0999: SoE error 0x1001\n"},
+    {"no elements", SOE_OF("1", "0", "33026", "200"), SOE_OF("1", "0", "33026", "0"), ECT_ENI_SAFEOP,
+     "slave 1, SoE drive 0, P-0-0258: SoE error 0x800C\n"},
+    {"a drive that does not exist", SOE_OF("3", "1", "32", "64"), SOE_OF("3", "2", "32", "64"), ECT_ENI_PREOP,
+     "slave 1, SoE drive 2, S-0-0032: SoE error 0x800A\n"},
+    {"an element that is read-only", SOE_OF("3", "1", "32", "64"), SOE_OF("3", "1", "32", "4"), ECT_ENI_PREOP,
+     "slave 1, SoE drive 1, S-0-0032: SoE error 0x3004\n"},
+    {"a value that is too long", "<Data>d007<", "<Data>d00700<", ECT_ENI_PREOP,
+     "slave 1, SoE drive 0, S-0-0001: SoE error 0x7003\n"},
+    {"a write without data", "<Data>d007</Data>", "", ECT_ENI_PREOP,
+     "slave 1, SoE drive 0, S-0-0001: SoE error 0x7002\n"},
+    {"a list that is longer than its room", "2c012c01", "2d012c01", ECT_ENI_PREOP,
+     "slave 1, SoE drive 0, P-0-0258: SoE error 0x7003\n"},
+    {"a command that is no longer disabled", "<Disabled>1</Disabled>", "<Disabled>0</Disabled>", ECT_ENI_SAFEOP,
+     "slave 1, SoE drive 1, S-0-0999: SoE error 0x1001\n"},
+};
+
+static void ENI_025_commands_of_SoE_get_the_reply_of_the_twin(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof drives / sizeof drives[0]; i++)
+        play_talk(ENI_FILES "/soe.xml", &drives[i]);
+}
+
+/* A slave that replies to each read of its mailbox with the same mail. */
+typedef struct drive {
+    uint8_t mail[16];
+    unsigned int reads;
+} drive_t;
+
+static bool drive_exchange(void *ctx, uint8_t *frame, size_t length)
+{
+    enum { COMMAND = 16, LENGTH = 22, DATA = 26, FPRD = 4 };
+    drive_t *drive = ctx;
+    (void)length;
+    frame[DATA + frame[LENGTH]] = 1;
+    if (frame[COMMAND] == FPRD) {
+        drive->reads++;
+        memcpy(frame + DATA, drive->mail, sizeof drive->mail);
+    }
+    return true;
+}
+
+static bool has_end(const char *line, const char *end)
+{
+    const size_t length = strlen(line), wanted = strlen(end);
+    return length >= wanted && strcmp(line + length - wanted, end) == 0;
+}
+
+static void drive_report(void *ctx, const char *line)
+{
+    drive_t *drive = ctx;
+    drive->mail[15] = has_end(line, "S-0-0017: the reply does not end") ? 'e'
+                      : has_end(line, "S-0-0017: no reply comes")       ? 'n'
+                      : has_end(line, "S-0-0017: SoE error 0x0000")     ? '0'
+                      : has_end(line, "S-0-0017: SoE error 0x7009")     ? '9'
+                      : has_end(line, "for this start-up command")      ? 'm'
+                                                                        : '?';
+}
+
+static void ENI_025_a_reply_of_SoE_is_bounded_whatever_the_slave_sends(void **state)
+{
+    enum { SKIPPED = 65 };
+#define READS_17(length)                                                                                               \
+    ENI_ONE("", "<Mailbox><Send><Start>4096</Start><Length>" length "</Length></Send><Recv><Start>4160</Start>"        \
+                "<Length>16</Length></Recv><SoE><InitCmd><Transition>PS</Transition><DriveNo>1</DriveNo><IDN>17</IDN>" \
+                "</InitCmd></SoE></Mailbox>")
+    static const struct {
+        const char *title, *text;
+        uint8_t mail[16];
+        unsigned int reads;
+        char line; /* 0: none */
+    } rows[] = {
+        {"the value", READS_17("16"), {6, 0, 0, 0, 0, 5, 0x22, 0x40, 17, 0, 1, 2}, 1, 0},
+        {"a piece, for ever", READS_17("16"), {6, 0, 0, 0, 0, 5, 0x2A, 0x40, 1, 0, 1, 2}, 1 << 14, 'e'},
+        {"another drive", READS_17("16"), {6, 0, 0, 0, 0, 5, 0x42, 0x40, 17, 0, 1, 2}, SKIPPED, 'n'},
+        {"the reply to a write", READS_17("16"), {6, 0, 0, 0, 0, 5, 0x24, 0x40, 17, 0, 1, 2}, SKIPPED, 'n'},
+        {"longer than the mailbox", READS_17("16"), {11, 0, 0, 0, 0, 5, 0x22, 0x40, 17, 0, 1, 2}, SKIPPED, 'n'},
+        {"shorter than its header", READS_17("16"), {3, 0, 0, 0, 0, 5, 0x22, 0x40, 17, 0, 1, 2}, SKIPPED, 'n'},
+        {"an error without code", READS_17("16"), {4, 0, 0, 0, 0, 5, 0x32, 0x40, 17, 0, 1, 2}, 1, '0'},
+        {"an error", READS_17("16"), {6, 0, 0, 0, 0, 5, 0x32, 0x40, 17, 0, 9, 0x70}, 1, '9'},
+        {"a mailbox for an error", READS_17("12"), {6, 0, 0, 0, 0, 5, 0x22, 0x40, 17, 0, 1, 2}, 1, 0},
+        {"a mailbox without room for an error", READS_17("11"), {0}, 0, 'm'},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        drive_t drive = {.reads = 0};
+        memcpy(drive.mail, rows[i].mail, sizeof drive.mail);
+        const ect_eni_wire_t wire = {
+            .ctx = &drive, .exchange = drive_exchange, .wait = fake_wait, .report = drive_report};
+        ect_eni_t *eni = eni_of(rows[i].title, rows[i].text);
+        ect_eni_player_t player = {.eni = eni, .wire = &wire, .state = ECT_ENI_PREOP};
+        const bool fine = ect_eni_play(&player, ECT_ENI_SAFEOP);
+        if (fine != (rows[i].line == 0) || drive.mail[15] != (uint8_t)rows[i].line || drive.reads != rows[i].reads)
+            fail_msg("%s: expected %u reads and '%c', got %u and '%c'", rows[i].title, rows[i].reads, rows[i].line,
+                     drive.reads, drive.mail[15]);
         ect_eni_close(eni);
-        ectwin_bus_close(b.bus);
     }
 }
 
@@ -517,6 +631,8 @@ int main(void)
         cmocka_unit_test(ENI_024_a_slave_with_CoE_commands_alone_is_brought_to_PREOP_by_the_player),
         cmocka_unit_test(ENI_024_a_slave_that_is_not_there_is_named),
         cmocka_unit_test(ENI_025_mails_of_AoE_and_EoE_get_the_reply_of_the_twin),
+        cmocka_unit_test(ENI_025_commands_of_SoE_get_the_reply_of_the_twin),
+        cmocka_unit_test(ENI_025_a_reply_of_SoE_is_bounded_whatever_the_slave_sends),
         cmocka_unit_test(each_slave_gets_mails_with_counters_of_its_own),
         cmocka_unit_test(emergencies_before_a_reply_are_skipped),
         cmocka_unit_test(ENI_015_a_long_value_is_sent_in_mails_that_fit_the_mailbox),

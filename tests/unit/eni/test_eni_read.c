@@ -225,11 +225,46 @@ static void ENI_025_mails_of_AoE_and_EoE_have_their_data(void **state)
     const ect_eni_mail_t *ads = &mailbox->mails[0], *address = &mailbox->mails[2];
     assert_int_equal(mailbox->mail_count, 3);
     assert_int_equal(mailbox->others, 0);
-    assert_true(ads->protocol == ECT_ENI_AOE && ads->disabled && ads->data.length == 32);
+    assert_true(ads->protocol == ECT_MAILBOX_TYPE_AOE && ads->disabled && ads->data.length == 32);
     assert_string_equal(ads->comment, "C");
-    assert_true(address->protocol == ECT_ENI_EOE && address->type == 2 && !address->disabled);
+    assert_true(address->protocol == ECT_MAILBOX_TYPE_EOE && address->type == 2 && !address->disabled);
     assert_true(address->transitions == ECT_ENI_IP && address->timeout_ms == 7 && address->data.length == 1);
     free_eni(eni);
+}
+
+static void ENI_025_commands_of_SoE_have_operation_drive_elements_and_IDN(void **state)
+{
+#define SOE(body) ENI_ONE("", "<Mailbox><SoE><InitCmds><InitCmd>" body "</InitCmd></InitCmds></SoE></Mailbox>")
+    static const struct {
+        const char *text;
+        uint8_t type, drive, elements; /* type 0: counted only */
+        uint16_t idn;
+        size_t bytes;
+    } rows[] = {
+        {SOE("<OpCode>3</OpCode><DriveNo>7</DriveNo><IDN>33026</IDN><Elements>64</Elements><Data>0102</Data>"), 3, 7,
+         64, 0x8102, 2},
+        {SOE("<OpCode>1</OpCode><IDN>17</IDN><Elements>255</Elements>"), 1, 0, 255, 17, 0},
+        {SOE("<IDN>17</IDN>"), 1, 0, 0x40, 17, 0},
+        {SOE("<IDN>17</IDN><Data>01</Data>"), 3, 0, 0x40, 17, 1},
+        {SOE("<OpCode>3</OpCode><IDN>0</IDN>"), 3, 0, 0x40, 0, 0},
+        {SOE("<OpCode>3</OpCode><Data>01</Data>"), 0, 0, 0, 0, 0},
+        {SOE("<OpCode>2</OpCode><IDN>17</IDN>"), 0, 0, 0, 0, 0},
+        {SOE("<OpCode>4</OpCode><IDN>17</IDN>"), 0, 0, 0, 0, 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_eni_t *eni = eni_of(rows[i].text, rows[i].text);
+        const ect_eni_mailbox_t *mailbox = &slave_of(eni, 0)->mailbox;
+        assert_int_equal(mailbox->mail_count, rows[i].type != 0);
+        assert_int_equal(mailbox->others, rows[i].type == 0);
+        const ect_eni_mail_t *mail = mailbox->mails;
+        if (rows[i].type != 0 &&
+            (mail->protocol != ECT_MAILBOX_TYPE_SOE || mail->type != rows[i].type || mail->drive != rows[i].drive ||
+             mail->elements != rows[i].elements || mail->idn != rows[i].idn || mail->data.length != rows[i].bytes))
+            fail_msg("%s: operation %u, drive %u, elements 0x%02X, IDN 0x%04X, %zu bytes", rows[i].text, mail->type,
+                     mail->drive, mail->elements, mail->idn, mail->data.length);
+        free_eni(eni);
+    }
 }
 
 static void ENI_025_commands_of_other_protocols_are_counted(void **state)
@@ -330,6 +365,7 @@ int main(void)
         CASE(ENI_005_a_validate_has_data_mask_and_comparison),
         CASE(ENI_006_007_data_makes_a_download_whatever_Ccs_and_a_disabled_command_is_kept),
         CASE(ENI_025_mails_of_AoE_and_EoE_have_their_data),
+        CASE(ENI_025_commands_of_SoE_have_operation_drive_elements_and_IDN),
         CASE(ENI_025_commands_of_other_protocols_are_counted),
         CASE(ENI_025_a_command_without_a_mail_is_counted),
         CASE(a_file_gives_its_slaves_in_order_with_process_data_and_mailbox),

@@ -485,6 +485,83 @@ static void ENI_007_a_disabled_command_stays_disabled(void **state)
     drop(&w);
 }
 
+static void ENI_025_mails_of_AoE_EoE_and_SoE_come_back(void **state)
+{
+    enum { MAILS = 5, BYTES = 40 };
+    static const uint8_t bytes[BYTES] = {10, 0, 0, 5};
+    static const ect_init_mail_t mails[MAILS] = {
+        /* in the order of a network file */
+        {.transitions = "IP", .protocol = ECT_MAILBOX_TYPE_AOE, .comment = "NetId", .size = 38, .data = bytes},
+        {.transitions = "IP PS", .protocol = ECT_MAILBOX_TYPE_EOE, .type = 2, .size = 16, .data = bytes},
+        {.transitions = "PS", .protocol = ECT_MAILBOX_TYPE_EOE, .type = 6, .disabled = true},
+        {.transitions = "PS",
+         .protocol = ECT_MAILBOX_TYPE_SOE,
+         .type = ECT_INIT_WRITES,
+         .drive = 1,
+         .elements = 0x40,
+         .idn = 0x8102,
+         .size = 2,
+         .data = bytes},
+        {.transitions = "SO", .protocol = ECT_MAILBOX_TYPE_SOE, .type = ECT_INIT_READS, .elements = 0xC8, .idn = 17}};
+    char why[400] = "";
+    written_t w = {.count = 0};
+    (void)state;
+    add_part(&w, "pmctendo-dd5");
+    ect_device_t device = *w.parts[0].device;
+    device.mailbox_protocols |= ECT_MAILBOX_AOE | ECT_MAILBOX_EOE | ECT_MAILBOX_SOE;
+    device.init_mails = mails;
+    device.init_mail_count = MAILS;
+    w.parts[0].device = &device;
+    write_parts("mails", &w);
+    assert_int_equal(slave_of(w.eni, 0)->mailbox.mail_count, MAILS);
+    assert_int_equal(slave_of(w.eni, 0)->mailbox.others, 0);
+    ect_esi_t *esi = ect_eni_device(w.eni, 0, why, sizeof why);
+    ect_esi_twin_t *twin = ect_esi_twin_take(esi, "", NULL, 0, why, sizeof why);
+    assert_non_null(twin);
+    const ect_device_t *made = ect_esi_twin_product(twin)->device;
+    assert_int_equal(made->soe_channels, 2);
+    assert_int_equal(made->init_mail_count, MAILS);
+    for (size_t i = 0; i < MAILS; i++) {
+        const ect_init_mail_t *to = &made->init_mails[i], *from = &mails[i];
+        if (to->protocol != from->protocol || to->type != from->type || to->drive != from->drive ||
+            to->elements != from->elements || to->idn != from->idn || to->disabled != from->disabled ||
+            to->size != from->size)
+            fail_msg("mail %zu: protocol %u, type %u, IDN 0x%04X, %u bytes", i, to->protocol, to->type, to->idn,
+                     to->size);
+        assert_string_equal(to->transitions, from->transitions);
+        assert_int_equal(to->comment != NULL, from->comment != NULL);
+        if (from->size > 0)
+            assert_memory_equal(to->data, from->data, from->size);
+    }
+    ect_esi_twin_free(twin);
+    drop(&w);
+}
+
+/* Commands of an ESI file, by way of its twin. */
+static void ENI_025_commands_of_an_ESI_file_are_those_of_the_written_file(void **state)
+{
+    char why[400] = "";
+    written_t w = {.count = 0};
+    (void)state;
+    ect_esi_t *file = ect_esi_open(ESI_FILES "/soe.xml", why, sizeof why);
+    ect_esi_twin_t *twin = ect_esi_twin_take(file, "TWO", NULL, 0, why, sizeof why);
+    if (twin == NULL)
+        fail_msg("%s", why);
+    const ect_device_t *device = ect_esi_twin_product(twin)->device;
+    w.parts[w.count++] = (ect_eni_part_t){.device = device, .identity = device->identity};
+    write_parts("drives", &w);
+    const ect_eni_mailbox_t *mailbox = &slave_of(w.eni, 0)->mailbox;
+    assert_int_equal(mailbox->mail_count, 5);
+    assert_int_equal(mailbox->mails[3].drive, 1);
+    assert_int_equal(mailbox->mails[3].idn, 32);
+    assert_int_equal(mailbox->mails[3].elements, 0x40);
+    assert_int_equal(mailbox->mails[3].type, ECT_INIT_WRITES);
+    assert_int_equal(mailbox->mails[4].transitions, ECT_ENI_IP);
+    assert_memory_equal(mailbox->mails[4].data.bytes, "\x04\x00\x08\x00\x41\x42\x0D\x0A", 8);
+    drop(&w);
+    ect_esi_twin_free(twin);
+}
+
 static void ENI_006_uploads_and_transitions_come_back(void **state)
 {
     char why[400] = "";
@@ -602,6 +679,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(ENI_019_commands_that_a_tool_adapts_have_the_cycle_of_the_bus),
         cmocka_unit_test(ENI_019_cycle_times_of_synchronisation_have_the_cycle_of_the_clock),
         cmocka_unit_test(ENI_020_mailboxes_have_a_bit_each),
+        cmocka_unit_test(ENI_025_mails_of_AoE_EoE_and_SoE_come_back),
+        cmocka_unit_test(ENI_025_commands_of_an_ESI_file_are_those_of_the_written_file),
         cmocka_unit_test(ENI_006_uploads_and_transitions_come_back),
         cmocka_unit_test(ENI_007_a_disabled_command_stays_disabled),
         cmocka_unit_test(ENI_021_a_hot_connect_group_comes_back),

@@ -164,6 +164,16 @@ typedef struct row {
       "<Comment>")                                                                                                     \
     X(transitions, testdev, command(c, "IP PS OS"),                                                                    \
       "<Transition>IP</Transition><Transition>PS</Transition><Transition>OS</Transition><Index>", NULL)                \
+    X(mails_of_EoE, testdev, mails(c, ECT_MAILBOX_EOE),                                                                \
+      "<EoE><InitCmd><Transition>IP</Transition><Transition>PS</Transition><Type>2</Type><Data>010203</Data>"          \
+      "<Comment>Why</Comment></InitCmd></EoE><CoE ",                                                                   \
+      "<IDN>")                                                                                                         \
+    X(mails_of_AoE, testdev, mails(c, ECT_MAILBOX_AOE),                                                                \
+      "<AoE><InitCmd><Transition>PS</Transition><Data>010203</Data></InitCmd></AoE><CoE ", "<Type>0</Type>")           \
+    X(mails_of_SoE, testdev, mails(c, ECT_MAILBOX_SOE),                                                                \
+      "<SoE><InitCmd><Transition>PS</Transition><IDN>32</IDN><Data>010203</Data></InitCmd><InitCmd Chn=\"1\">"         \
+      "<Transition>PS</Transition><IDN>33026</IDN><Data>010203</Data></InitCmd></SoE>",                                \
+      "<IDN>17</IDN>")                                                                                                 \
     X(no_clocks, testdev, AS_IS, "</Mailbox><Eeprom>", "<Dc>")                                                         \
     X(clocks, confdev, AS_IS,                                                                                          \
       "</Mailbox><Dc><OpMode><Name>DC</Name><Desc>DC SYNC0</Desc><AssignActivate>#x0300</AssignActivate></OpMode>"     \
@@ -208,6 +218,22 @@ static void command(copy_t *c, const char *transitions)
                                        .comment = "Why"};
     c->device.init_commands = &the_command;
     c->device.init_command_count = 1;
+}
+
+/* Commands of three protocols, of which the device offers one more; some are none of an ESI file. */
+static void mails(copy_t *c, uint8_t protocol)
+{
+    static const ect_init_mail_t all[] = {
+        {"PS", NULL, ECT_MAILBOX_TYPE_AOE, 0, 0, 0, 0, false, sizeof bytes, bytes},
+        {"IP PS", "Why", ECT_MAILBOX_TYPE_EOE, 2, 0, 0, 0, false, sizeof bytes, bytes},
+        {"PS", NULL, ECT_MAILBOX_TYPE_EOE, 4, 0, 0, 0, true, sizeof bytes, bytes},
+        {"PS", NULL, ECT_MAILBOX_TYPE_SOE, ECT_INIT_WRITES, 0, 0x40, 32, false, sizeof bytes, bytes},
+        {"PS", NULL, ECT_MAILBOX_TYPE_SOE, ECT_INIT_WRITES, 1, 0x40, 0x8102, false, sizeof bytes, bytes},
+        {"PS", NULL, ECT_MAILBOX_TYPE_SOE, ECT_INIT_READS, 0, 0x40, 17, false, 0, NULL},
+    };
+    c->device.mailbox_protocols |= protocol;
+    c->device.init_mails = all;
+    c->device.init_mail_count = sizeof all / sizeof all[0];
 }
 
 static void command_plain(void)

@@ -63,9 +63,9 @@ static void start_up(void **state)
     (void)state;
     open_servo("TWO", ECT_BEHAVIOUR_NONE);
     mailbox = &ect_esi_twin_model(twin)->mailbox;
-    assert_int_equal(mailbox->soe_init_count, 5);
-    for (size_t i = 0; i < mailbox->soe_init_count; i++) {
-        const ect_esi_soe_init_t *init = &mailbox->soe_inits[i];
+    assert_int_equal(mailbox->mail_count, 5);
+    for (size_t i = 0; i < mailbox->mail_count; i++) {
+        const ect_esi_mail_t *init = &mailbox->mails[i];
         if (write_value(init->drive, init->idn, init->data.bytes, (uint16_t)init->data.length) != 0)
             fail_msg("expected that drive %u takes %zu bytes of IDN %u", init->drive, init->data.length, init->idn);
     }

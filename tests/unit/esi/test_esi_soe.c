@@ -51,7 +51,7 @@ static void element(void **state)
         assert_true(m.model->mailbox.soe);
         assert_int_equal(m.model->mailbox.soe_channels, cases[i].channels);
         assert_int_equal(m.model->mailbox.soe_follows, cases[i].follows);
-        assert_int_equal(m.model->mailbox.soe_init_count, 0);
+        assert_int_equal(m.model->mailbox.mail_count, 0);
         free_made(&m);
     }
 }
@@ -64,8 +64,8 @@ static void commands(void **state)
                         "<InitCmd Chn='7'><Transition>SO</Transition><IDN>#x0001</IDN><Data>D007</Data></InitCmd>"));
     (void)state;
     assert_non_null(m.model);
-    const ect_esi_soe_init_t *inits = m.model->mailbox.soe_inits;
-    assert_int_equal(m.model->mailbox.soe_init_count, 2);
+    const ect_esi_mail_t *inits = m.model->mailbox.mails;
+    assert_int_equal(m.model->mailbox.mail_count, 2);
     assert_string_equal(inits[0].transitions, "IP PS");
     assert_int_equal(inits[0].idn, 0x800A);
     assert_int_equal(inits[0].drive, 0);
@@ -77,6 +77,41 @@ static void commands(void **state)
     assert_int_equal(inits[1].idn, 1);
     assert_int_equal(inits[1].drive, 7);
     assert_string_equal(inits[1].comment, "");
+    free_made(&m);
+}
+
+/* A command without a mail of its protocol is left out; all are commands of the twin. */
+static void mails(void **state)
+{
+#define AMS "00112233445566778899AABBCCDDEEFF00112233445566778899AABBCCDDEEFF"
+    static const char text[] = ESI_DEVICE(
+        ESI_MAILBOX_SMS
+        "<Mailbox><AoE><InitCmd><Transition>IP</Transition><Data>" AMS "</Data><Comment>NetId</Comment></InitCmd>"
+        "<InitCmd><Transition>IP</Transition><Data>00</Data></InitCmd></AoE><EoE>"
+        "<InitCmd><Transition>PS</Transition><Transition>XX</Transition><Type>2</Type><Data>0102</Data></InitCmd>"
+        "<InitCmd><Transition>PS</Transition><Data>0102</Data></InitCmd></EoE>"
+        "<SoE><InitCmd><Transition>SO</Transition><IDN>32</IDN><Data>0B00</Data></InitCmd></SoE></Mailbox>" ESI_EEPROM);
+    static const ect_init_mail_t expected[] = {
+        {"IP", "NetId", ECT_MAILBOX_TYPE_AOE, 0, 0, 0, 0, false, 32, NULL},
+        {"PS", NULL, ECT_MAILBOX_TYPE_EOE, 2, 0, 0, 0, false, 2, NULL},
+        {"SO", NULL, ECT_MAILBOX_TYPE_SOE, ECT_INIT_WRITES, 0, 0x40, 32, false, 2, NULL},
+    };
+    (void)state;
+    made_t m = make_text("mails", text);
+    const ect_device_t *device = device_of(&m);
+    assert_int_equal(device->init_mail_count, 3);
+    for (size_t i = 0; i < 3; i++) {
+        const ect_init_mail_t *mail = &device->init_mails[i];
+        assert_string_equal(mail->transitions, expected[i].transitions);
+        assert_int_equal(mail->comment != NULL, expected[i].comment != NULL);
+        assert_int_equal(mail->protocol, expected[i].protocol);
+        assert_int_equal(mail->type, expected[i].type);
+        assert_int_equal(mail->elements, expected[i].elements);
+        assert_int_equal(mail->idn, expected[i].idn);
+        assert_int_equal(mail->size, expected[i].size);
+        assert_non_null(mail->data);
+    }
+    assert_non_null(note_of(&m, "line 2: a start-up command has the transitions \"PS XX\""));
     free_made(&m);
 }
 
@@ -319,6 +354,7 @@ int main(void)
     static const struct CMUnitTest tests[] = {
         {"the number of drives and bit 3 of S-0-0135", element, NULL, NULL, NULL},
         {"SOE-046: start-up commands with transitions, IDN, drive and data", commands, NULL, NULL, NULL},
+        {"ENI-025: start-up commands of AoE, EoE and SoE are those of the twin", mails, NULL, NULL, NULL},
         {"SOE-046: a mistake in a start-up command is one line", mistakes, NULL, NULL, NULL},
         {"SOE-045: a dictionary is that of SoE without CoE, or with attributes", dictionaries, NULL, NULL, NULL},
         {"SOE-045: the attribute of an IDN", attribute, NULL, NULL, NULL},
