@@ -286,10 +286,12 @@ static void give_turn(ect_runner_t *r)
         ect_kernel_give(r->kernel, r->exchange.chain, ect_packet_now());
 }
 
-/* The frames that the kernel has replied to come before all else. */
+/* The frames that the kernel has replied to come before all else. The devices run before the next frame, which may
+ * replace the outputs of the last one. */
 static void take_turn(ect_runner_t *r)
 {
     const ect_held_t *held;
+    bool any = false;
     if (!r->kernel)
         return;
     ect_kernel_take(r->kernel);
@@ -297,7 +299,10 @@ static void take_turn(ect_runner_t *r)
         uint8_t frame[ECT_HELD_ROOM];
         memcpy(frame, held->frame, held->length);
         ect_exchange_replied(&r->exchange, frame, held->length, held->time_ns);
+        any = true;
     }
+    if (any)
+        (void)ect_exchange_run(&r->exchange);
 }
 
 /* Devices, then a frame, or all that there is to wait for. @return as serve() */

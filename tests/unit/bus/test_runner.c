@@ -568,6 +568,7 @@ static struct {
     int fd;            /* an eventfd: readable when it holds frames */
     unsigned int held; /* frames that it holds */
     ect_held_t frame;
+    uint64_t runs_asleep, runs_got; /* of the devices, when the loop slept, and when it got a frame of the socket */
 } kernel;
 
 int __wrap_ect_kernel_fd(const ect_kernel_t *k);
@@ -616,6 +617,7 @@ void __wrap_ect_kernel_got(ect_kernel_t *k)
 {
     (void)k;
     assert_false(kernel.given);
+    kernel.runs_got = running->runner.exchange.stats.polls;
     note('G');
 }
 
@@ -642,24 +644,56 @@ static void take_turns(bench_t *b, unsigned int n, const struct timespec *limit)
         (void)raise(SIGUSR1);
 }
 
-static void turns(void **state)
+/* A loop with the kernel of the test, which has BRD of AL status as its frame. */
+static void run_with_kernel(bench_t *b, script_t *script)
 {
     static int any;
-    bench_t b;
-    (void)state;
-    open_bench(&b, "fzm1", 1);
-    wire_build(&b.wire, BRD, 0, ECT_REG_AL_STATUS, "\0", 1);
-    memcpy(kernel.frame.frame, b.wire.frame, b.wire.frame_length);
-    kernel.frame.length = (uint32_t)b.wire.frame_length;
-    b.runner.kernel = (ect_kernel_t *)(void *)&any;
+    open_bench(b, "fzm1", 1);
+    wire_build(&b->wire, BRD, 0, ECT_REG_AL_STATUS, "\0", 1);
+    memcpy(kernel.frame.frame, b->wire.frame, b->wire.frame_length);
+    kernel.frame.length = (uint32_t)b->wire.frame_length;
+    b->runner.kernel = (ect_kernel_t *)(void *)&any;
     kernel.fd = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
     assert_true(kernel.fd >= 0);
-    run(&b, take_turns);
-    b.runner.kernel = NULL;
+    run(b, script);
+    b->runner.kernel = NULL;
     close(kernel.fd);
+}
+
+static void turns(void **state)
+{
+    bench_t b;
+    (void)state;
+    run_with_kernel(&b, take_turns);
     assert_string_equal(b.order, "KTKTGSFKT");
     assert_int_equal(b.runner.exchange.stats.in_kernel, 2);
     assert_int_equal(b.runner.exchange.stats.answered, 3);
+    close_bench(&b);
+}
+
+/* A frame of the kernel with one of the socket behind it, then the end. */
+static void one_of_each(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    const uint64_t one = 1;
+    (void)limit;
+    if (n > 0) {
+        (void)raise(SIGUSR1);
+        return;
+    }
+    kernel.held = 1;
+    kernel.runs_asleep = b->runner.exchange.stats.polls;
+    assert_int_equal(write(kernel.fd, &one, sizeof one), sizeof one);
+    send_frame(b);
+}
+
+static void devices_between(void **state)
+{
+    bench_t b;
+    (void)state;
+    run_with_kernel(&b, one_of_each);
+    assert_string_equal(b.order, "KTGSFKT");
+    assert_int_equal(b.runner.exchange.stats.in_kernel, 1);
+    assert_true(kernel.runs_got > kernel.runs_asleep);
     close_bench(&b);
 }
 
@@ -1048,6 +1082,8 @@ int main(int argc, char **argv)
         {"--busy-poll: nothing rests, and all is served", never_rests, NULL, NULL, NULL},
         {"--in-kernel: the kernel has the turn while the loop sleeps, and its frames come first", turns, NULL, NULL,
          NULL},
+        {"--in-kernel: the devices get the outputs of a frame of the kernel before a frame of the socket replaces them",
+         devices_between, NULL, NULL, NULL},
         {"Each result of the wire has its counter", results_of_the_wire, NULL, NULL, NULL},
         {"A pause of the clients ends at its last nanosecond", a_pause_ends_at_its_last_nanosecond, NULL, NULL, NULL},
         {"Attack: a frame longer than any of EtherCAT is counted by the controller, gets no reply and changes "
