@@ -19,6 +19,7 @@ def with_a_master(browser, url):
     check("a click on a plug: the master loses the slave", "off the bus",
           browser.wait("return document.querySelector('[data-module=\"3\"]').dataset.state === 'OP' ? '' : 'off the bus'"))
     check("the twin knows it", True, browser.wait("return document.querySelectorAll('.cable.cut').length === 1"))
+    browser.picture("cut.png", "light", "section.wide", 1000)
     browser.click('.plug[data-slave="3"][data-port="input"]')
     check("again, and the slave returns to OP", True, reaches(browser, "OP,OP,OP"))
     browser.type('[data-signal="data1"] input.number', "12.5\n")
@@ -44,6 +45,7 @@ def events(browser):
     subprocess.run([ECTWIN, "fault", "emergency 0x4210 slave gripper"], check=True)
     check("an emergency is in the list, with its words", True, browser.wait(
         "return document.querySelector('.event.bad .text')?.textContent.startsWith('emergency 0x4210: device temperature')"))
+    browser.picture("events.png", "light", "section:has(.events)")
 
 
 def objects(browser):
@@ -62,6 +64,10 @@ def objects(browser):
     check("an entry is written", "1234", browser.wait(f"const text = (() => {{ {value} }})(); return text === '1234' && text", "6081h:0"))
     browser.run(write, "6081h:0", "fast")
     check("a refusal has its reason", True, browser.wait(f"return (() => {{ {value} }})().includes('no value of type UNSIGNED32')", "6081h:0"))
+    if SHOTS:
+        browser.run("for (const read of [...document.querySelectorAll('.object button[aria-label^=Read]')].slice(0, 40)) read.click()")
+        time.sleep(2)
+    browser.picture("objects.png", "light", ".dictionary")
     browser.click('[data-select="1"]')
     browser.wait("return document.querySelector('[data-signal=data1]') !== null")
 
@@ -73,6 +79,7 @@ def faults_and_plots(browser):
     browser.click(".line-row .primary")
     check("the fault is in the list", True, browser.wait("return document.querySelector('.fault-list').textContent === 'drop 2%'"))
     check("the twin has it", "drop 2%", subprocess.run([ECTWIN, "fault"], capture_output=True, text=True).stdout.strip())
+    browser.picture("faults.png", "light", "section:has(.fault-form)")
     browser.click(".faults > button")
     check("it is cleared", True, browser.wait("return document.querySelector('.fault-list .none') !== null"))
     browser.click(".presets button")
@@ -84,7 +91,12 @@ def faults_and_plots(browser):
         for n in range(40):
             subprocess.run([ECTWIN, "set", "gripper.trigger=1"], check=True)
             time.sleep(0.25 + 0.05 * (n % 3))
+        browser.picture("plot.png", "light", "section:has(> .plot)")
+        subprocess.run([ECTWIN, "set", "gripper.trigger=1"], check=True)
+        browser.picture("camera.png", "light", ".front-of", 1200)
+        browser.picture("response.png", "light", "section:has(.histogram)")
         browser.run("scrollTo(0, 0)")
+        subprocess.run([ECTWIN, "set", "gripper.trigger=1"], check=True)
         browser.picture("dark.png", "dark")
         browser.picture("light.png", "light")
         browser.command("Emulation.setDeviceMetricsOverride", width=390, height=1600, deviceScaleFactor=1, mobile=True)
@@ -116,6 +128,7 @@ def recordings(browser, folder):
     check("the page plays it", "gripper.data1=-1", until(lambda: value("gripper.data1") == "gripper.data1=-1") and value("gripper.data1"))
     check("it shows the end", True, browser.wait(f"const line = (() => {{ {replayed} }})(); return line.startsWith(arguments[0])",
                                                  f"{len(lines) - 1} of {len(lines) - 1} lines played"))
+    browser.picture("recorder.png", "light", "section:has(> .recorder)")
     played = pathlib.Path(folder, "settable.csv")
     played.write_text("".join(f"{line[0]},{line[column]}\n" for line in lines if line[column]))
     subprocess.run([ECTWIN, "set", "gripper.data1=77"], check=True)
@@ -154,6 +167,7 @@ def scenario(browser, url, folder):
         browser.open(url)
         check("a scenario shows its progress", True, browser.wait(
             "return [...document.querySelectorAll('.figure')].some((f) => f.textContent === 'Scenario2 of 3 steps')"))
+        browser.picture("scenario.png", "light", ".overview")
 
 
 def drives(browser):
@@ -164,7 +178,7 @@ def drives(browser):
     becomes(browser, "the present state of CiA 402 is lit", expected, lit)
     subprocess.run([ECTWIN, "set", "axis.provoke=5"], check=True)
     check("a fault of the drive is lit", "fault", browser.wait(f"const now = (() => {{ {lit} }})(); return now === 'fault' && now"))
-    browser.picture("drive.png", "light")
+    browser.picture("drive.png", "light", ".front-of", 800)
     browser.click('[data-select="1"]')
     browser.click('[data-action="trigger"]')
     check("a camera shows its measurement", True, browser.wait("return document.querySelector('.camera-picture')?.ariaLabel.includes('OK')"))
@@ -201,6 +215,54 @@ def widths(browser):
     check("every control has a name for screen readers", [], named)
 
 
+# The points that a chart of 20 curves hands to the canvas for each frame of 16 ms in 5 s of the chart's time: `changes` a millisecond.
+# Then its picture beside one that is painted completely.
+CHART_WORK = """const changes = arguments[0];
+return import('/plot.js').then(({ Plot }) => {
+  const listeners = [];
+  const plot = new Plot({ add: (signal, listener) => { listeners.push(listener); return () => {}; } });
+  plot.running = true; // its frames are painted here
+  plot.element.style.width = '900px';
+  document.body.append(plot.element);
+  plot.choose([...Array(20).keys()].map((i) => ({ name: `s${i}`, slave: 1, range: { low: -1000, high: 1000, unit: '' }, value: null, watchers: [] })));
+  const pen = plot.canvas.getContext('2d', { willReadFrequently: true });
+  let points = 0;
+  for (const name of ['moveTo', 'lineTo', 'fillRect']) {
+    const plain = pen[name];
+    pen[name] = (...place) => { points++; return plain.apply(pen, place); };
+  }
+  const work = [];
+  const value = (i, time) => (Math.floor(time) === 22000 ? 99 : 100 * Math.sin(time / (200 + 37 * i)));
+  for (let now = 16; now <= 25000; now += 16) {
+    for (let time = now - 16; time < now; time += 1 / changes) listeners.forEach((listener, i) => listener(time, value(i, time)));
+    if (now < 20000) continue;
+    points = 0;
+    plot.paint(now);
+    work.push(points);
+  }
+  const look = () => pen.getImageData(0, 0, plot.canvas.width, plot.canvas.height).data;
+  const moved = look();
+  points = 0;
+  plot.key = '';
+  plot.paint(24992);
+  const complete = look();
+  let other = 0;
+  for (let i = 3; i < complete.length; i += 4) if (Math.abs(moved[i] - complete[i]) > 96) other++;
+  plot.element.remove();
+  return { steady: Math.max(...work.slice(1)), whole: points, columns: plot.canvas.width, other, drawn: complete.filter((v, i) => i % 4 === 3 && v > 0).length };
+})"""
+
+
+def chart_work(browser):
+    """The work of the chart for a frame is bounded by its columns, not by the number of changes."""
+    slow, fast = browser.run(CHART_WORK, 1), browser.run(CHART_WORK, 4)
+    check("20 curves at 1 kHz: a frame paints at most 50 points a curve", True, slow["steady"] <= 20 * 50 or slow)
+    check("at 4 kHz as well", True, fast["steady"] <= 20 * 50 or fast)
+    check("a chart that is painted completely has at most 5 points a bucket of each curve", True, fast["whole"] <= 20 * 5 * 1700 or fast)
+    check("the picture that is moved is the picture that is painted completely", True,
+          (slow["other"] < slow["drawn"] / 1000 and slow["drawn"] > 20 * slow["columns"]) or slow)
+
+
 def remotes(browser, url, folder):
     """The front of a base unit and of its remote units: what is moved there reaches the PLC."""
     lines = pathlib.Path(folder, "inputs")
@@ -224,7 +286,8 @@ def remotes(browser, url, folder):
         browser.pointer([{"type": "pointerMove", "x": round(x), "y": round(y)}, {"type": "pointerDown", "button": 0},
                          {"type": "pointerMove", "duration": 100, "x": round(x) + 200, "y": round(y)}])
         check("a joystick is dragged and the PLC reads it", True, until(lambda: 1000 in seen()))
-        browser.picture("remote.png", "light")
+        browser.picture("base.png", "light", "section:has(.base)", 1200)
+        browser.picture("remote.png", "light", "section:has(.remotes)", 1200)
         browser.pointer([{"type": "pointerUp", "button": 0}])
         check("released, it returns to its centre", 0, until(lambda: seen()[-1] == 0) and seen()[-1])
         browser.pointer([{"type": "pointerMove", "x": round(x), "y": round(y)}, {"type": "pointerDown", "button": 0},
@@ -261,6 +324,7 @@ def sensor(browser, url):
         check("the target is moved", "ranger.surface1.distance=12.5",
               until(lambda: value("ranger.surface1.distance") == "ranger.surface1.distance=12.5") and value("ranger.surface1.distance"))
         check("its distance is read", True, browser.wait("return document.querySelector('.distance output').textContent === '12.500 mm'"))
+        browser.picture("sensor.png", "light", ".front-of", 800)
         subprocess.run([ECTWIN, "set", "ranger.laser=0"], check=True)
         check("a missing distance shows its reason", True, browser.wait("return document.querySelector('.distance output.bad')?.textContent.includes('aser')"))
         subprocess.run([ECTWIN, "set", "ranger.laser=1"], check=True)
@@ -268,10 +332,11 @@ def sensor(browser, url):
         check("a terminal has a lamp for each bit of its PDOs", 4, browser.wait("return document.querySelectorAll('.terminal .led').length"))
         browser.click(".terminal [data-toggle]")
         check("a contact lights its lamp", True, browser.wait("return document.querySelectorAll('.led.on').length === 1"))
+        browser.picture("terminal.png", "light", ".front-of", 800)
         browser.click("main header > button")
         check("the fronts of all twins", [1, 4], browser.wait("const n = [...document.querySelectorAll('.terminal')].length;"
                                                                "return n === 4 && [document.querySelectorAll('.sensor').length, n]"))
-        browser.picture("fronts.png", "light")
+        browser.picture("fronts.png", "light", "main")
 
 
 HOSTILE = "<img src=x onerror=document.title='hit'>"
@@ -310,6 +375,7 @@ def cases(browser, folder):
             faults_and_plots(browser)
             recordings(browser, folder)
             drives(browser)
+            chart_work(browser)
             widths(browser)
         remotes(browser, url, folder)
         sensor(browser, url)

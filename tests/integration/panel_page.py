@@ -92,13 +92,27 @@ class Browser:
         element = self.call("POST", "/element", {"using": "css selector", "value": selector})[ELEMENT]
         self.call("POST", f"/element/{element}/value", {"text": str(path)})
 
-    def picture(self, name, scheme=None):
+    def picture(self, name, scheme=None, part=None, width=None):
+        """A screenshot of the window, or of the element that the selector `part` finds, at most 900 pixels of its height; `width`: of the window."""
         if not SHOTS:
             return
+        self.command("Emulation.setScrollbarsHidden", hidden=True)  # a picture of a part has none, and is as wide
+        self.run("document.getElementById('messages').replaceChildren()")
+        if width:
+            self.command("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
+            time.sleep(0.3)
         if scheme:
             self.command("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
             time.sleep(0.3)
-        pathlib.Path(SHOTS, name).write_bytes(base64.b64decode(self.call("GET", "/screenshot")))
+        if not part:
+            pathlib.Path(SHOTS, name).write_bytes(base64.b64decode(self.call("GET", "/screenshot")))
+            return
+        clip = self.run("const b = document.querySelector(arguments[0]).getBoundingClientRect();"
+                        "return { x: b.x + scrollX, y: b.y + scrollY, width: b.width, height: Math.min(b.height, 900), scale: 1 }", part)
+        shot = self.command("Page.captureScreenshot", format="png", clip=clip, captureBeyondViewport=True)
+        pathlib.Path(SHOTS, name).write_bytes(base64.b64decode(shot["data"]))
+        if width:
+            self.command("Emulation.clearDeviceMetricsOverride")
 
     def command(self, name, **parameters):
         return self.call("POST", "/goog/cdp/execute", {"cmd": name, "params": parameters})

@@ -41,7 +41,7 @@ def process_data(browser, url):
         check("its place, address and type", ["16", "2300h:1", "INTEGER32, 32"], [cell for i, cell in enumerate(browser.run(place)) if i != 2])
         subprocess.run([ECTWIN, "set", "camera.data1=-12.5", "camera.trigger=1"], check=True)
         check("a measurement is in the process data", "-12500", shows(browser, "2300h:1", "-12500"))
-        browser.picture("pdos.png", "light")
+        browser.picture("pdos.png", "light", ".process-data")
         accessible(browser)
         browser.click("[data-select='2']")
         browser.wait("return document.querySelector('.process-data:not([open])') !== null")
@@ -65,7 +65,7 @@ def counters(browser, url):
         becomes(browser, "two slaves with outputs and inputs add 6 to LRW", "6", counter)
         browser.click('.plug[data-slave="2"][data-port="input"]')
         becomes(browser, "one that is cut off adds nothing", "3 of 6", counter)
-        browser.picture("counters.png", "light")
+        browser.picture("counters.png", "light", "section:has(> .counters-frame)")
         browser.click('.plug[data-slave="2"][data-port="input"]')
         becomes(browser, "and again when it is back", "6", counter)
 
@@ -80,7 +80,7 @@ def tree(browser, url):
                  ".map((part) => part.querySelector('.title')?.textContent ?? (part.className === 'master' ? part.textContent : null)).filter(Boolean))")
         becomes(browser, "the line and its branch are drawn as they are wired", [["Master", "hub", "right"], ["1, port 3", "left", "tip"]], lines)
         cut = "return [...document.querySelectorAll('.cable.cut')].length"
-        browser.picture("tree.png", "light")
+        browser.picture("tree.png", "light", "section.wide", 1000)
         browser.click('.plug[data-slave="1"][data-port="port 3"]')
         check("a click on the plug of the junction cuts off the branch alone", "OP,OP", browser.wait(
             "const s = [...document.querySelectorAll('.module')].filter((m) => !['left', 'tip'].includes(m.querySelector('.title').textContent));"
@@ -103,6 +103,7 @@ def ring(browser, url):
         browser.click('.plug[data-slave="2"][data-port="output"]')
         check("its last cable can be cut", True, browser.wait(
             "return document.querySelector('.rail > .cable:nth-last-child(2)').classList.contains('cut')", seconds=120))
+        browser.picture("ring.png", "light", "section.wide", 1000)
 
 
 def waves(browser, url):
@@ -120,7 +121,7 @@ def waves(browser, url):
         for number in ("9", "3", "9"):
             check(f"the signal reaches {number}", True, bool(until(lambda n=number: value("ranger.surface1.distance") == f"ranger.surface1.distance={n}", 120)))
         accessible(browser)
-        browser.picture("waves.png", "light")
+        browser.picture("waves.png", "light", "section:has(> .waves)")
         browser.click("[data-wave] button")
         check("it ends", "No wave runs.", browser.wait(
             "const text = document.querySelector('.waves > .label').textContent; return !document.querySelector('[data-wave]') && text", seconds=120))

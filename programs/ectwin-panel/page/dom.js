@@ -28,6 +28,11 @@ export function setText(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
+/** The devices of a bus, descriptions without their folders. */
+export function withoutFolders(devices) {
+  return devices.replace(/\b(esi|sii|eni):[^,#]*\//g, "$1:");
+}
+
 const units = [[1e9, "G"], [1e6, "M"], [1e3, "k"]];
 
 /** A number of at most seven digits. */

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The page: the list of buses, and the bus that is shown.
-import { make, setText, short } from "./dom.js";
+import { make, setText, short, withoutFolders } from "./dom.js";
 import { collect, Connection, Signals, Tracer } from "./bus.js";
 import { makeRail } from "./rail.js";
 import { makeSignals } from "./signals.js";
@@ -48,7 +48,7 @@ const context = {
 /* --- the list of buses --------------------------------------------------------------------------------------------- */
 
 function nameOf(bus) {
-  return bus.about.name || bus.about.devices || `process ${bus.process}`;
+  return bus.about.name || withoutFolders(bus.about.devices ?? "") || `process ${bus.process}`;
 }
 
 function stateOf(about) {
@@ -165,7 +165,7 @@ async function readWires(slaves) {
 
 function showBus() {
   const about = view.buses.find((bus) => bus.bus === view.shown)?.about ?? {};
-  const names = String(about.devices ?? "").split(",").map((name) => name.replace(/^[^=]*=/, ""));
+  const names = withoutFolders(String(about.devices ?? "")).split(",").map((name) => name.replace(/^[^=]*=/, ""));
   const slaves = view.signals.slaves();
   const devices = names.length === slaves.length ? names : [];
   const figures = Object.fromEntries(["Frames/s", "Replied", "Dropped", "Median", "99 %", "Longest", "Scenario"].map((label) => [label, makeFigure(label)]));
@@ -210,7 +210,7 @@ function showBus() {
 }
 
 function showAbout(about) {
-  const parts = [about.name, about.devices, about.iface && `on ${about.iface}`].filter(Boolean);
+  const parts = [about.name, withoutFolders(String(about.devices ?? "")), about.iface && `on ${about.iface}`].filter(Boolean);
   setText(view.parts.about, parts.join(" · "));
 }
 

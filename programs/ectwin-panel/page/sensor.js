@@ -91,7 +91,7 @@ export const isSensor = (signals, slave) => ["distance1", "surface1.distance", "
 
 export function makeSensor(context, slave) {
   const find = (name) => context.signals.find(slave, name);
-  return make("div", { class: "sensor" }, makePicture(find), makeTarget(context, find),
+  return make("div", { class: "sensor" }, make("div", { class: "sensor-scale" }, makePicture(find), makeTarget(context, find)),
     make("div", { class: "figures" }, makeReading(find, 1), makeReading(find, 2), ...makeFigures(find, [["intensity1", "Intensity"], ["rate", "Rate"], ["counter", "Record"]])),
     make("div", { class: "tools" }, makeToggle(context, find("laser"), "Laser", "toggle"), makeToggle(context, find("surface1.present"), "Target 1", "toggle"),
       makeToggle(context, find("surface2.present"), "Target 2", "toggle"), makeField(context, find("surface1.noise"), "Noise, mm")));
