@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A drive over a dictionary: entries of each width, cycle times, losses of supply and of OP, refused values. */
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -626,6 +627,478 @@ static void motor_speeds(void **unused)
     }
 }
 
+/* --- settings ----------------------------------------------------------------------------------------------------- */
+
+/* A drive in PREOP whose entries are all there; a turn has 2^20 increments. */
+static void preop(void)
+{
+    prepare();
+    ect_402_drive_init(&r.d, r.links, &r.around, r.value, &r.host, r.now_ns);
+    ect_402_drive_below_op(&r.d, ECT_STATE_PREOP);
+}
+
+static int64_t member(size_t offset, size_t size)
+{
+    const uint8_t *at = (const uint8_t *)&r.d.axis + offset;
+    ect_402_link_t link = {.bytes = (uint8_t)size, .is_signed = size < 4};
+    return ect_402_load(at, &link);
+}
+
+#define MEMBER(name) offsetof(ect_402_axis_t, name), sizeof r.d.axis.name
+
+static void settings(void **unused)
+{
+    static const struct {
+        const char *what;
+        ect_402_value_t value;
+        uint8_t unit;
+        int32_t number;
+        size_t offset, size;
+        int64_t taken;
+    } rows[] = {
+        {"605Ah", ECT_402_V_QUICK_OPTION, 0, 5, MEMBER(quick_option), 5},
+        {"605Ah, too large", ECT_402_V_QUICK_OPTION, 0, 40000, MEMBER(quick_option), INT16_MAX},
+        {"605Ah, too small", ECT_402_V_QUICK_OPTION, 0, -40000, MEMBER(quick_option), -INT16_MAX},
+        {"605Bh", ECT_402_V_SHUTDOWN_OPTION, 0, 1, MEMBER(shutdown_option), 1},
+        {"605Ch", ECT_402_V_DISABLE_OPTION, 0, 0, MEMBER(disable_option), 0},
+        {"605Dh", ECT_402_V_HALT_OPTION, 0, 3, MEMBER(halt_option), 3},
+        {"605Eh", ECT_402_V_FAULT_OPTION, 0, 4, MEMBER(fault_option), 4},
+        {"6065h", ECT_402_V_ERROR_WINDOW, 0, 333, MEMBER(error_window), 333},
+        {"6066h", ECT_402_V_ERROR_TIME, 0, 33, MEMBER(error_time), 33},
+        {"6067h", ECT_402_V_POSITION_WINDOW, 0, 34, MEMBER(position_window), 34},
+        {"6068h", ECT_402_V_POSITION_TIME, 0, 35, MEMBER(position_time), 35},
+        {"606Dh", ECT_402_V_SPEED_WINDOW, 0, 36, MEMBER(speed_window), 36},
+        {"606Eh", ECT_402_V_SPEED_TIME, 0, 37, MEMBER(speed_time), 37},
+        {"606Fh", ECT_402_V_ZERO_WINDOW, 0, 38, MEMBER(zero_window), 38},
+        {"6070h", ECT_402_V_ZERO_TIME, 0, 39, MEMBER(zero_time), 39},
+        {"6072h", ECT_402_V_MAX_TORQUE, 0, 40, MEMBER(max_torque), 40},
+        {"6073h", ECT_402_V_MAX_CURRENT, 0, 41, MEMBER(max_current), 41},
+        {"607Fh", ECT_402_V_SPEED_LIMIT, 0, 42, MEMBER(speed_limit), 42},
+        {"607Fh in turns a minute", ECT_402_V_SPEED_LIMIT, ECT_402_UNIT_RPM, 3, MEMBER(speed_limit), 52429},
+        {"607Fh in tenths of them", ECT_402_V_SPEED_LIMIT, ECT_402_UNIT_TENTH_RPM, 3, MEMBER(speed_limit), 5243},
+        {"607Fh below 0", ECT_402_V_SPEED_LIMIT, 0, -3, MEMBER(speed_limit), 0},
+        {"6080h", ECT_402_V_MOTOR_SPEED, ECT_402_UNIT_RPM, 43, MEMBER(motor_speed), 43},
+        {"6081h", ECT_402_V_TASK_SPEED, 0, 44, MEMBER(task_speed), 44},
+        {"6082h", ECT_402_V_END_SPEED, 0, 45, MEMBER(end_speed), 45},
+        {"6083h", ECT_402_V_ACCELERATION, 0, 46, MEMBER(acceleration), 46},
+        {"6084h", ECT_402_V_DECELERATION, 0, 47, MEMBER(deceleration), 47},
+        {"6085h", ECT_402_V_QUICK_DECELERATION, 0, 48, MEMBER(quick_deceleration), 48},
+        {"6087h", ECT_402_V_TORQUE_SLOPE, 0, 49, MEMBER(torque_slope), 49},
+        {"6098h", ECT_402_V_HOME_METHOD, 0, 35, MEMBER(home_method), 35},
+        {"6099h:1", ECT_402_V_HOME_SEARCH, 0, 50, MEMBER(home_speed[0]), 50},
+        {"6099h:2", ECT_402_V_HOME_ZERO, 0, 51, MEMBER(home_speed[1]), 51},
+        {"609Ah", ECT_402_V_HOME_ACCELERATION, 0, 52, MEMBER(home_acceleration), 52},
+        {"60C5h", ECT_402_V_MOST_ACCELERATION, 0, 53, MEMBER(most_acceleration), 53},
+        {"60C6h", ECT_402_V_MOST_DECELERATION, 0, 54, MEMBER(most_deceleration), 54},
+        {"60E0h", ECT_402_V_TORQUE_POSITIVE, 0, 55, MEMBER(torque_limit[0]), 55},
+        {"60E1h", ECT_402_V_TORQUE_NEGATIVE, 0, 56, MEMBER(torque_limit[1]), 56},
+        {"60F2h", ECT_402_V_POSITIONING, 0, 0x81, MEMBER(options), 0x81},
+    };
+    (void)unused;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        preop();
+        r.around.velocity_unit = rows[i].unit;
+        r.value[rows[i].value] = rows[i].number;
+        ect_402_drive_touched(&r.d);
+        int64_t got = member(rows[i].offset, rows[i].size);
+        if (got != rows[i].taken)
+            fail_msg("%s = %d: expected %lld, got %lld", rows[i].what, rows[i].number, (long long)rows[i].taken,
+                     (long long)got);
+    }
+}
+
+/* 607Ch, 607Dh, 607Bh, by 607Eh. */
+static void ranges(void **unused)
+{
+    static const struct {
+        const char *what;
+        int32_t polarity, offset, lower, upper, home, limit[2];
+    } rows[] = {
+        {"as they are", 0, 10, -100, 200, -10, {-110, 190}},
+        {"turned round", 0x80, 10, -100, 200, 10, {-190, 110}},
+        {"another bit", 0x7F, 10, -100, 200, -10, {-110, 190}},
+        {"equal limits", 0, 10, 50, 50, -10, {0, 0}},
+        {"crossed limits", 0, 10, 51, 50, -10, {0, 0}},
+        {"both outermost", 0, 10, INT32_MIN, INT32_MAX, -10, {0, 0}},
+        {"the lower one outermost", 0, 10, INT32_MIN, 200, -10, {INT32_MIN, 190}},
+        {"the upper one outermost", 0, -10, -100, INT32_MAX, 10, {-90, INT32_MAX}},
+    };
+    (void)unused;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        preop();
+        r.value[ECT_402_V_POLARITY] = rows[i].polarity;
+        r.value[ECT_402_V_HOME_OFFSET] = rows[i].offset;
+        r.value[ECT_402_V_RANGE_MIN] = r.value[ECT_402_V_LIMIT_MIN] = rows[i].lower;
+        r.value[ECT_402_V_RANGE_MAX] = r.value[ECT_402_V_LIMIT_MAX] = rows[i].upper;
+        ect_402_drive_touched(&r.d);
+        const ect_402_axis_t *a = &r.d.axis;
+        bool on = rows[i].limit[0] < rows[i].limit[1];
+        if (a->home_offset != rows[i].home || a->limit[0] != rows[i].limit[0] || a->limit[1] != rows[i].limit[1])
+            fail_msg("%s: expected offset %d and limits %d, %d, got %d and %d, %d", rows[i].what, rows[i].home,
+                     rows[i].limit[0], rows[i].limit[1], a->home_offset, a->limit[0], a->limit[1]);
+        assert_int_equal(a->range[0], on ? rows[i].lower : 0);
+        assert_int_equal(a->range[1], on ? rows[i].upper : 0);
+    }
+}
+
+static void refused_pairs(void **unused)
+{
+    static const struct {
+        const char *what;
+        ect_402_value_t first;
+        int32_t as;
+        ect_402_value_t value;
+        int64_t number;
+        ect_reason_t reason;
+    } rows[] = {
+        {"607Dh:1 up to 607Dh:2", ECT_402_V_LIMIT_MAX, 100, ECT_402_V_LIMIT_MIN, 100, ECT_OK},
+        {"607Dh:1 above 607Dh:2", ECT_402_V_LIMIT_MAX, 100, ECT_402_V_LIMIT_MIN, 101, ECT_REASON_MIN_MAX},
+        {"607Dh:1 above 1", ECT_402_V_LIMIT_MAX, 1, ECT_402_V_LIMIT_MIN, 2, ECT_REASON_MIN_MAX},
+        {"607Dh:2 was not written yet", ECT_402_V_LIMIT_MAX, 0, ECT_402_V_LIMIT_MIN, 101, ECT_OK},
+        {"607Dh:2 down to 607Dh:1", ECT_402_V_LIMIT_MIN, 50, ECT_402_V_LIMIT_MAX, 50, ECT_OK},
+        {"607Dh:2 below 607Dh:1", ECT_402_V_LIMIT_MIN, 50, ECT_402_V_LIMIT_MAX, 49, ECT_REASON_MIN_MAX},
+        {"607Bh:1 above 607Bh:2", ECT_402_V_RANGE_MAX, 100, ECT_402_V_RANGE_MIN, 101, ECT_REASON_MIN_MAX},
+        {"607Bh:2 below 607Bh:1", ECT_402_V_RANGE_MIN, 50, ECT_402_V_RANGE_MAX, 49, ECT_REASON_MIN_MAX},
+        {"608Fh:1 is 0", ECT_402_V_POLARITY, 0, ECT_402_V_INCREMENTS, 0, ECT_REASON_RANGE},
+        {"608Fh:1 is 1", ECT_402_V_POLARITY, 0, ECT_402_V_INCREMENTS, 1, ECT_OK},
+        {"6091h:2 is below 0", ECT_402_V_POLARITY, 0, ECT_402_V_GEAR_SHAFT, -1, ECT_REASON_RANGE},
+        {"6092h:2 is 0", ECT_402_V_POLARITY, 0, ECT_402_V_FEED_TURNS, 0, ECT_REASON_RANGE},
+        {"60F2h", ECT_402_V_POLARITY, 0, ECT_402_V_POSITIONING, 0xC2, ECT_OK},
+        {"60F2h, base 3", ECT_402_V_POLARITY, 0, ECT_402_V_POSITIONING, 3, ECT_REASON_RANGE},
+        {"60F2h, bit 2", ECT_402_V_POLARITY, 0, ECT_402_V_POSITIONING, 4, ECT_REASON_RANGE},
+        {"60F2h, bit 5", ECT_402_V_POLARITY, 0, ECT_402_V_POSITIONING, 0x20, ECT_REASON_RANGE},
+        {"60F2h, bit 8", ECT_402_V_POLARITY, 0, ECT_402_V_POSITIONING, 0x100, ECT_REASON_RANGE},
+        {"60C2h:1 is 0", ECT_402_V_POLARITY, 0, ECT_402_V_CYCLE_UNITS, 0, ECT_REASON_RANGE},
+        {"60C2h:1 is 1", ECT_402_V_POLARITY, 0, ECT_402_V_CYCLE_UNITS, 1, ECT_OK},
+        {"60C2h:1 is 255", ECT_402_V_POLARITY, 0, ECT_402_V_CYCLE_UNITS, 255, ECT_OK},
+        {"60C2h:1 is 256", ECT_402_V_POLARITY, 0, ECT_402_V_CYCLE_UNITS, 256, ECT_REASON_RANGE},
+        {"60C2h:2 is -6", ECT_402_V_POLARITY, 0, ECT_402_V_CYCLE_POWER, -6, ECT_OK},
+        {"60C2h:2 is -7", ECT_402_V_POLARITY, 0, ECT_402_V_CYCLE_POWER, -7, ECT_REASON_RANGE},
+        {"60C2h:2 is 0", ECT_402_V_POLARITY, 0, ECT_402_V_CYCLE_POWER, 0, ECT_OK},
+        {"60C2h:2 is 1", ECT_402_V_POLARITY, 0, ECT_402_V_CYCLE_POWER, 1, ECT_REASON_RANGE},
+        {"1 us", ECT_402_V_CYCLE_UNITS, 1, ECT_402_V_CYCLE_POWER, -6, ECT_REASON_RANGE},
+        {"1 ms", ECT_402_V_CYCLE_UNITS, 1, ECT_402_V_CYCLE_POWER, -3, ECT_OK},
+        {"750 us, in units of 50", ECT_402_V_CYCLE_UNITS, 75, ECT_402_V_CYCLE_POWER, -5, ECT_OK},
+        {"760 us", ECT_402_V_CYCLE_UNITS, 76, ECT_402_V_CYCLE_POWER, -5, ECT_REASON_RANGE},
+    };
+    (void)unused;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        preop();
+        r.value[rows[i].first] = rows[i].as;
+        ect_402_drive_written(&r.d, rows[i].first, r.now_ns);
+        ect_reason_t reason = ect_402_drive_check(&r.d, rows[i].value, rows[i].number);
+        if (reason != rows[i].reason)
+            fail_msg("%s: expected reason %d, got %d", rows[i].what, (int)rows[i].reason, (int)reason);
+    }
+}
+
+static void refused_states(void **unused)
+{
+    (void)unused;
+    preop();
+    assert_int_equal(ect_402_drive_check(&r.d, ECT_402_V_CYCLE_UNITS, 1), ECT_OK);
+    ect_402_drive_below_op(&r.d, ECT_STATE_SAFEOP);
+    assert_int_equal(ect_402_drive_check(&r.d, ECT_402_V_CYCLE_UNITS, 1), ECT_REASON_STATE);
+    assert_int_equal(ect_402_drive_check(&r.d, ECT_402_V_CYCLE_POWER, -3), ECT_REASON_STATE);
+    assert_int_equal(ect_402_drive_check(&r.d, ECT_402_V_HOME_METHOD, 35), ECT_OK);
+    ect_402_drive_enter_op(&r.d, r.now_ns);
+    assert_int_equal(ect_402_drive_check(&r.d, ECT_402_V_CYCLE_UNITS, 1), ECT_REASON_STATE);
+    assert_int_equal(ect_402_drive_check(&r.d, ECT_402_V_FEED, 5), ECT_OK);
+    enable();
+    assert_int_equal(ect_402_drive_check(&r.d, ECT_402_V_FEED, 5), ECT_REASON_STATE);
+    assert_int_equal(ect_402_drive_check(&r.d, ECT_402_V_HOME_METHOD, 35), ECT_OK);
+}
+
+/* --- set values --------------------------------------------------------------------------------------------------- */
+
+static void set_values(void **unused)
+{
+    enum { TURNED = 0x80, BACKWARDS = 0x40 };
+    static const struct {
+        const char *what;
+        int32_t mode, polarity;
+        int32_t position, speed;
+        int16_t torque;
+    } rows[] = {
+        {"csp", ECT_402_CSP, 0, 1020, 50, 30},
+        {"csp, 607Eh bit 7", ECT_402_CSP, TURNED, -1020, 50, 30},
+        {"csv", ECT_402_CSV, 0, 1000, 57, 30},
+        {"csv, 607Eh bit 6", ECT_402_CSV, BACKWARDS, 1000, -57, 30},
+        {"cst", ECT_402_CST, 0, 1000, 50, 34},
+        {"pv, 607Eh bit 6", ECT_402_PV, BACKWARDS, 1000, -50, 30},
+        {"tq, 607Eh both", ECT_402_TQ, 0xC0, -1000, -50, 30},
+        {"pp, 607Eh bit 7", ECT_402_PP, TURNED, -1000, 50, 30},
+        {"ip", ECT_402_IP, 0, 900, 50, 30},
+        {"ip, 607Eh bit 7", ECT_402_IP, TURNED, -900, 50, 30},
+    };
+    (void)unused;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        prepare();
+        power_on();
+        r.value[ECT_402_V_MODE] = rows[i].mode;
+        r.value[ECT_402_V_POLARITY] = rows[i].polarity;
+        r.value[ECT_402_V_TARGET_POSITION] = 1000;
+        r.value[ECT_402_V_POSITION_OFFSET] = 20;
+        r.value[ECT_402_V_RECORD] = 900;
+        r.value[ECT_402_V_TARGET_SPEED] = 50;
+        r.value[ECT_402_V_SPEED_OFFSET] = 7;
+        r.value[ECT_402_V_TARGET_TORQUE] = 30;
+        r.value[ECT_402_V_TORQUE_OFFSET] = 4;
+        ect_402_drive_touched(&r.d);
+        ect_402_drive_outputs(&r.d, r.now_ns);
+        const ect_402_set_t *set = &r.d.axis.set;
+        if (set->position != rows[i].position || set->speed != rows[i].speed || set->torque != rows[i].torque)
+            fail_msg("%s: expected %d, %d, %d, got %d, %d, %d", rows[i].what, rows[i].position, rows[i].speed,
+                     rows[i].torque, set->position, set->speed, set->torque);
+        assert_int_equal(set->ahead, 4);
+        assert_int_equal(r.d.axis.target, (rows[i].polarity & TURNED) != 0 ? -1000 : 1000);
+        r.value[ECT_402_V_TARGET_TORQUE] = -70000;
+        r.value[ECT_402_V_TORQUE_OFFSET] = 70000;
+        ect_402_drive_outputs(&r.d, r.now_ns);
+        assert_int_equal(set->ahead, INT16_MAX);
+        assert_int_equal(set->torque, rows[i].mode == ECT_402_CST ? 0 : -INT16_MAX);
+    }
+}
+
+/* --- inputs, bits ------------------------------------------------------------------------------------------------- */
+
+static void inputs_and_bits(void **unused)
+{
+    enum { VOLTAGE = 0x0010, WARNING = 0x0080, LIMIT = 0x0800, BITS = VOLTAGE | WARNING | LIMIT };
+    static const struct {
+        const char *what;
+        uint8_t input[ECT_402_INPUTS]; /* probe, home, positive, negative */
+        uint8_t power, enable, sto, warning;
+        int32_t inputs;
+        unsigned int bits;
+    } rows[] = {
+        {"none", {0, 0, 1, 1}, 1, 1, 0, 0, 0, VOLTAGE},
+        {"probe", {1, 0, 1, 1}, 1, 1, 0, 0, 0x10000, VOLTAGE},
+        {"home", {0, 1, 1, 1}, 1, 1, 0, 0, 0x20004, VOLTAGE},
+        {"positive switch", {0, 0, 0, 1}, 1, 1, 0, 0, 2, VOLTAGE | LIMIT},
+        {"negative switch", {0, 0, 1, 0}, 1, 1, 0, 0, 1, VOLTAGE | LIMIT},
+        {"STO", {0, 0, 1, 1}, 1, 1, 1, 0, 8, VOLTAGE},
+        {"no enable", {0, 0, 1, 1}, 1, 0, 0, 0, 8, VOLTAGE},
+        {"no power", {0, 0, 1, 1}, 0, 1, 0, 0, 0, 0},
+        {"a warning", {0, 0, 1, 1}, 1, 1, 0, 1, 0, VOLTAGE | WARNING},
+    };
+    (void)unused;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        prepare();
+        power_on();
+        memcpy(r.around.machine.input, rows[i].input, sizeof rows[i].input);
+        r.around.power = rows[i].power;
+        r.around.enable = rows[i].enable;
+        r.around.sto = rows[i].sto;
+        r.around.warning = rows[i].warning;
+        ect_402_drive_touched(&r.d);
+        unsigned int bits = (unsigned int)r.value[ECT_402_V_STATUS] & BITS;
+        if (r.value[ECT_402_V_INPUTS] != rows[i].inputs || bits != rows[i].bits)
+            fail_msg("%s: expected 60FDh %X and bits %X, got %X and %X", rows[i].what, (unsigned int)rows[i].inputs,
+                     rows[i].bits, (unsigned int)r.value[ECT_402_V_INPUTS], bits);
+        assert_int_equal(r.value[ECT_402_V_DC_LINK], rows[i].power ? 325000 : 0);
+    }
+}
+
+/* 608Fh twice as fine: the machine has the same shape, in twice the units. */
+static void finer_units(void **unused)
+{
+    (void)unused;
+    preop();
+    ect_402_plant_t *m = &r.around.machine;
+    m->position = 1000.5;
+    m->mark[ECT_402_PROBE] = (ect_402_mark_t){100, 10};
+    m->mark[ECT_402_HOME] = (ect_402_mark_t){-200, 20};
+    m->stop_positive.at = 5000;
+    m->index_at = 70;
+    r.d.axis.zero = 30;
+    r.value[ECT_402_V_INCREMENTS] = 2097152;
+    r.value[ECT_402_V_INCREMENT_TURNS] = 1;
+    ect_402_drive_touched(&r.d);
+    assert_true(m->position > 2000.99 && m->position < 2001.01);
+    assert_int_equal(m->mark[ECT_402_PROBE].at, 200);
+    assert_int_equal(m->mark[ECT_402_PROBE].width, 20);
+    assert_int_equal(m->mark[ECT_402_HOME].at, -400);
+    assert_int_equal(m->mark[ECT_402_HOME].width, 40);
+    assert_int_equal(m->stop_positive.at, 10000);
+    assert_int_equal(m->stop_negative.at, INT32_MIN); /* none */
+    assert_int_equal(m->index_at, 140);
+    assert_int_equal((int)r.d.axis.zero, 60);
+    assert_int_equal(r.value[ECT_402_V_POSITION], 1941);
+    assert_int_equal(r.value[ECT_402_V_INTERNAL], 1941);
+}
+
+static void by_mailbox_below_op(void **unused)
+{
+    static const struct {
+        int32_t word;
+        unsigned int state;
+        bool fault;
+    } rows[] = {
+        {0x80, 0x08, true}, /* the first word has no edge */
+        {0x00, 0x08, false}, {0x80, 0x40, false}, {0x06, 0x21, false}, {0x0F, 0x21, false},
+        {0x00, 0x40, false}, {0x80, 0x40, false}, {0x80, 0x08, true}, /* bit 7 without an edge */
+        {0x00, 0x08, false}, {0x8F, 0x40, false},                     /* its other bits do not count */
+    };
+    (void)unused;
+    preop();
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        if (rows[i].fault)
+            ect_402_drive_fault(&r.d, 0x7300);
+        r.value[ECT_402_V_CONTROL] = rows[i].word;
+        ect_402_drive_written(&r.d, ECT_402_V_CONTROL, r.now_ns);
+        r.now_ns += 2 * MS;
+        ect_402_drive_advance(&r.d, r.now_ns);
+        ect_402_drive_publish(&r.d);
+        if (state() != rows[i].state)
+            fail_msg("DRV-154, word %zu, %02X: expected state %02X, got %02X", i, (unsigned int)rows[i].word,
+                     rows[i].state, state());
+    }
+}
+
+/* --- touch probes ------------------------------------------------------------------------------------------------- */
+
+static void probes(void **unused)
+{
+    static const ect_402_value_t counts[][2] = {{ECT_402_V_PROBE_1_POSITIVES, ECT_402_V_PROBE_1_NEGATIVES},
+                                                {ECT_402_V_PROBE_2_POSITIVES, ECT_402_V_PROBE_2_NEGATIVES}};
+    static const uint8_t lines[] = {ECT_402_PROBE, ECT_402_HOME};
+    static const struct {
+        const char *what;
+        uint8_t function, input, status;
+        int32_t positives, negatives;
+    } rows[] = {
+        {"both edges, once", 0x31, 0, 0x01, 0, 0},
+        {"the positive one", 0x31, 1, 0x03, 1, 0},
+        {"the negative one", 0x31, 0, 0x07, 1, 1},
+        {"no second positive one", 0x31, 1, 0x07, 1, 1},
+        {"no second negative one", 0x31, 0, 0x07, 1, 1},
+        {"bit 4 falls", 0x21, 0, 0x07, 1, 1},
+        {"bit 4 is 0", 0x21, 1, 0x07, 1, 1},
+        {"bit 4 is 0, the input falls", 0x21, 0, 0x07, 1, 1},
+        {"bit 4 rises", 0x31, 0, 0x07, 1, 1},
+        {"another positive one", 0x31, 1, 0x07, 2, 1},
+        {"no negative one", 0x31, 0, 0x07, 2, 1},
+        {"off", 0x30, 0, 0x00, 2, 1},
+        {"off, the input rises", 0x30, 1, 0x00, 2, 1},
+        {"off, the input falls", 0x30, 0, 0x00, 2, 1},
+        {"all edges", 0x33, 0, 0x01, 2, 1},
+        {"bit 6 toggles", 0x33, 1, 0x43, 3, 1},
+        {"bit 7 toggles", 0x33, 0, 0xC7, 3, 2},
+        {"bit 6 toggles again", 0x33, 1, 0x87, 4, 2},
+        {"bit 7 toggles again", 0x33, 0, 0x07, 4, 3},
+        {"no edge is wanted", 0x03, 0, 0x07, 4, 3},
+        {"no edge is wanted, the input rises", 0x03, 1, 0x07, 4, 3},
+        {"off again", 0x00, 1, 0x00, 4, 3},
+        {"source 3 is none", 0x3F, 0, 0x01, 4, 3},
+        {"source 3 is none, the input rises", 0x3F, 1, 0x01, 4, 3},
+    };
+    (void)unused;
+    for (unsigned int n = 0; n < ECT_402_PROBES; n++) {
+        prepare();
+        power_on();
+        for (size_t i = 0; i < COUNT(rows); i++) {
+            r.value[ECT_402_V_PROBE] = rows[i].function << (8 * n);
+            r.around.machine.input[lines[n]] = rows[i].input;
+            ect_402_drive_touched(&r.d);
+            int32_t status = r.value[ECT_402_V_PROBE_STATUS];
+            int32_t up = r.value[counts[n][0]];
+            int32_t down = r.value[counts[n][1]];
+            if (status != rows[i].status << (8 * n) || up != rows[i].positives || down != rows[i].negatives)
+                fail_msg("probe %u, %s: expected 60B9h %02X, %d and %d edges, got %04X, %d and %d", n + 1, rows[i].what,
+                         rows[i].status, rows[i].positives, rows[i].negatives, (unsigned int)status, up, down);
+        }
+    }
+}
+
+/* --- faults ------------------------------------------------------------------------------------------------------- */
+
+static void fault_by_hand(void **unused)
+{
+    static const char *const states[] = {
+        "not ready to switch on", "switch on disabled", "ready to switch on",    "switched on",
+        "operation enabled",      "quick stop active",  "fault reaction active", "fault"};
+    const uint16_t code = 0x7300;
+    unsigned int written = 0;
+    char text[64];
+    (void)unused;
+    prepare();
+    power_on();
+    for (uint16_t i = 0; i < ect_402_drive_signal_count; i++) {
+        const ect_signal_t *signal = &ect_402_drive_signals[i];
+        const char *reply = ect_402_drive_signal_write(&r.d, signal, &code);
+        assert_int_equal(reply != NULL, strcmp(signal->name, "fault") == 0);
+        written += reply != NULL;
+    }
+    assert_int_equal(written, 1);
+    assert_int_equal(r.code, code);
+    assert_int_equal(r.value[ECT_402_V_ERROR_CODE], code);
+    assert_int_equal(state(), 0x08);
+    for (size_t i = 0; i < COUNT(states); i++) {
+        memset(text, 'x', sizeof text);
+        ect_402_drive_signal_describe(&ect_402_drive_signals[0], (uint16_t)i, text);
+        assert_string_equal(text, states[i]);
+    }
+}
+
+/* A shaft that is stuck: 6065h and 6066h give 8611h; FFFFFFFFh is off. */
+static void following_error(void **unused)
+{
+    (void)unused;
+    for (unsigned int off = 0; off < 2; off++) {
+        prepare();
+        r.links[ECT_402_V_ERROR_WINDOW].is_signed = false;
+        power_on();
+        r.value[ECT_402_V_ERROR_WINDOW] = off ? -1 : 1000;
+        ect_402_drive_touched(&r.d);
+        enable();
+        r.value[ECT_402_V_MODE] = ECT_402_CSP;
+        cycle(5);
+        r.around.machine.jam = 1;
+        r.value[ECT_402_V_TARGET_POSITION] = 2000;
+        cycle(100);
+        assert_int_equal(r.value[ECT_402_V_FOLLOWING_ERROR], off ? 2000 : 0);
+        assert_int_equal(r.code, off ? 0 : 0x8611);
+        assert_int_equal(r.d.axis.error_window, off ? 0 : 1000);
+    }
+}
+
+/* Edges of the control word count from the first one in OP. */
+static void first_word_in_op(void **unused)
+{
+    (void)unused;
+    preop();
+    r.value[ECT_402_V_CONTROL] = 0;
+    ect_402_drive_written(&r.d, ECT_402_V_CONTROL, r.now_ns);
+    ect_402_drive_fault(&r.d, 0x7300);
+    ect_402_drive_enter_op(&r.d, r.now_ns);
+    control(0x80);
+    assert_int_equal(state(), 0x08);
+    control(0x00);
+    control(0x80);
+    assert_int_equal(state(), 0x40);
+}
+
+/* A rated torque of 0 is none: the default is 3 Nm. */
+static void rated_torques(void **unused)
+{
+    static const struct {
+        int32_t thousandths;
+        double nm;
+    } rows[] = {{5000, 5}, {0, 3}, {-1, 3}};
+    (void)unused;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        preop();
+        r.value[ECT_402_V_RATED_TORQUE] = rows[i].thousandths;
+        ect_402_drive_touched(&r.d);
+        const ect_402_config_t *c = &r.d.config;
+        if (fabs(c->rated_torque - rows[i].nm) > 1e-9 || fabs(c->peak_torque - 3 * rows[i].nm) > 1e-9 ||
+            fabs(c->inertia - 1e-4 * rows[i].nm) > 1e-12)
+            fail_msg("6076h %d: expected %f Nm, got %f Nm, %f Nm, %f kg m2", rows[i].thousandths, rows[i].nm,
+                     c->rated_torque, c->peak_torque, c->inertia);
+    }
+}
+
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
@@ -648,6 +1121,19 @@ int main(void)
         {"A jammed shaft does not move", jammed, NULL, NULL, NULL},
         {"DRV-041: 6080h limits the speed, from one turn a minute on", motor_speeds, NULL, NULL, NULL},
         {"DRV-519: speeds in turns a minute, and in tenths", speed_units, NULL, NULL, NULL},
+        {"DRV-097 DRV-519: each setting acts at its place in the axis", settings, NULL, NULL, NULL},
+        {"DRV-231 DRV-235 DRV-237: limits and ranges by offset and polarity", ranges, NULL, NULL, NULL},
+        {"DRV-096 DRV-223 DRV-263: pairs that cross, and values out of range", refused_pairs, NULL, NULL, NULL},
+        {"DRV-263: units with torque, cycle times from SAFEOP on are refused", refused_states, NULL, NULL, NULL},
+        {"DRV-231 DRV-256: set values by mode, offset and polarity", set_values, NULL, NULL, NULL},
+        {"DRV-311: 60FDh and bits 4, 7 and 11, by input", inputs_and_bits, NULL, NULL, NULL},
+        {"DRV-230: a finer unit leaves the machine as it is", finer_units, NULL, NULL, NULL},
+        {"DRV-154 DRV-151: control words by SDO below OP", by_mailbox_below_op, NULL, NULL, NULL},
+        {"DRV-301 DRV-302 DRV-304 DRV-306 DRV-307: edges of probes, once and all", probes, NULL, NULL, NULL},
+        {"A fault by hand; the names of states", fault_by_hand, NULL, NULL, NULL},
+        {"DRV-241: 8611h beyond 6065h, FFFFFFFFh is off", following_error, NULL, NULL, NULL},
+        {"DRV-151: edges count from the first control word in OP", first_word_in_op, NULL, NULL, NULL},
+        {"DRV-030: the motor by its rated torque", rated_torques, NULL, NULL, NULL},
         {"Options, modes and methods that do not exist are refused", refused_values, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("CiA 402 over a dictionary", tests, NULL, NULL);
