@@ -21,7 +21,8 @@ typedef struct axis {
 struct ect_esi_drives {
     axis_t axes[ECT_402_AXES];
     unsigned int count;
-    size_t offset, outside; /* offsets of the drives and of their surroundings in the instance */
+    size_t offset, outside;    /* offsets of the drives and of their surroundings in the instance */
+    size_t reporters, reports; /* of SoE drives */
     void (*init)(void *instance, const ect_host_t *host, uint64_t now_ns);
     void (*safe_outputs)(void *instance, uint64_t now_ns);
     void (*inputs)(void *instance, uint64_t now_ns);
@@ -144,14 +145,30 @@ static uint16_t soe_command(const ect_soe_t *soe, void *instance, uint8_t drive,
     return ECT_SOE_OK;
 }
 
+static const ect_esi_reports_t *reports_of(const void *instance)
+{
+    return (const void *)((const uint8_t *)instance + drives_of(instance)->reports);
+}
+
+static const ect_host_t *host_of(void *instance, unsigned int n, const ect_host_t *host)
+{
+    const axis_t *axis = &drives_of(instance)->axes[n];
+    ect_esi_reporter_t *reporters = (void *)((uint8_t *)instance + drives_of(instance)->reporters);
+    return axis->is_soe ? ect_esi_reporter(&reporters[n], servo_of(instance), instance, axis->dialect.drive, host)
+                        : host;
+}
+
 static void init(void *instance, const ect_host_t *host, uint64_t now_ns)
 {
     const ect_esi_drives_t *drives = drives_of(instance);
     ect_402_surroundings_t *around = (void *)((uint8_t *)instance + drives->outside);
     if (drives->init != NULL)
         drives->init(instance, host, now_ns);
+    if (drives->axes[0].is_soe)
+        ect_esi_report(servo_of(instance), instance, reports_of(instance));
     for (unsigned int i = 0; i < drives->count; i++)
-        ect_402_drive_init(drive_at(instance, i), drives->axes[i].links, &around[i], instance, host, now_ns);
+        ect_402_drive_init(drive_at(instance, i), drives->axes[i].links, &around[i], instance,
+                           host_of(instance, i, host), now_ns);
     EACH_DRIVE(d, instance)
     {
         const axis_t *axis = axis_of(instance, d);
@@ -305,6 +322,8 @@ static void signal_written(void *instance, const ect_signal_t *signal, uint16_t 
     (void)signal;
     (void)number;
     (void)now_ns;
+    if (drives_of(instance)->axes[0].is_soe)
+        ect_esi_report(servo_of(instance), instance, reports_of(instance));
     EACH_DRIVE(d, instance)
     ect_402_drive_touched(d);
 }
@@ -370,9 +389,12 @@ static size_t place_words(const ect_esi_twin_t *twin, ect_esi_drives_t *drives, 
 static void lay_out(ect_esi_twin_t *twin, ect_esi_drives_t *drives)
 {
     drives->offset = aligned(place_words(twin, drives, twin->device.instance_size));
-    drives->outside = aligned(drives->offset + drives->count * sizeof(ect_402_drive_t));
+    const bool is_soe = drives->axes[0].is_soe;
+    drives->reporters = aligned(drives->offset + drives->count * sizeof(ect_402_drive_t));
+    drives->outside = aligned(drives->reporters + (is_soe ? drives->count * sizeof(ect_esi_reporter_t) : 0));
+    drives->reports = drives->outside + drives->count * sizeof(ect_402_surroundings_t);
     twin->plant.outside_offset = drives->outside;
-    twin->plant.outside_size = drives->count * sizeof(ect_402_surroundings_t);
+    twin->plant.outside_size = drives->reports - drives->outside + (is_soe ? sizeof(ect_esi_reports_t) : 0);
     twin->device.instance_size = drives->outside + twin->plant.outside_size;
 }
 
@@ -396,7 +418,8 @@ static void set_signals(ect_esi_twin_t *twin, const ect_esi_drives_t *drives)
 {
     ect_plant_t *plant = &twin->plant;
     size_t count = plant->signal_group_count;
-    ect_signal_group_t *groups = ect_arena_alloc(&twin->arena, (count + 2) * sizeof *groups);
+    const uint16_t own = drives->axes[0].is_soe ? 3 : 2;
+    ect_signal_group_t *groups = ect_arena_alloc(&twin->arena, (count + own) * sizeof *groups);
     groups[0] = (ect_signal_group_t){.prefix = "axis",
                                      .count = (uint16_t)drives->count,
                                      .signal_count = ect_402_drive_signal_count,
@@ -408,13 +431,18 @@ static void set_signals(ect_esi_twin_t *twin, const ect_esi_drives_t *drives)
     groups[1].offset = (uint32_t)drives->outside;
     groups[1].stride = sizeof(ect_402_surroundings_t);
     groups[1].signals = ect_402_around_signals;
+    if (drives->axes[0].is_soe)
+        groups[2] = (ect_signal_group_t){.prefix = "soe",
+                                         .signal_count = ect_esi_report_signal_count,
+                                         .offset = (uint32_t)drives->reports,
+                                         .signals = ect_esi_report_signals};
     for (size_t g = 0; g < count; g++) {
-        groups[g + 2] = plant->signal_groups[g];
-        for (unsigned int i = 0; i < groups[g + 2].signal_count; i++)
-            lock(drives, (ect_signal_t *)(uintptr_t)&groups[g + 2].signals[i]); /* made by build_signals.c */
+        groups[g + own] = plant->signal_groups[g];
+        for (unsigned int i = 0; i < groups[g + own].signal_count; i++)
+            lock(drives, (ect_signal_t *)(uintptr_t)&groups[g + own].signals[i]); /* made by build_signals.c */
     }
     plant->signal_groups = groups;
-    plant->signal_group_count = (uint16_t)(count + 2);
+    plant->signal_group_count = (uint16_t)(count + own);
     plant->signal_write = signal_write;
     plant->signal_written = signal_written;
     plant->signal_describe = ect_402_drive_signal_describe;

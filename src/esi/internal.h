@@ -548,6 +548,29 @@ bool ect_esi_homing_ends(const ect_esi_dialect_t *dialect, void *instance, const
 /** homing.c: S-0-0400 and S-0-0403. */
 void ect_esi_homing_out(const ect_esi_dialect_t *dialect, void *instance, const ect_402_drive_t *d);
 
+/** The mails that a SoE drive sends unasked, where a user wants them. In the surroundings of the twin. */
+typedef struct ect_esi_reports {
+    uint8_t on;
+} ect_esi_reports_t;
+
+/** The host of a SoE drive: its emergencies are those of SoE. In the instance. */
+typedef struct ect_esi_reporter {
+    ect_host_t host; /**< `emergency` alone */
+    const ect_host_t *twin;
+    const ect_soe_t *servo;
+    void *instance;
+    uint8_t drive;
+} ect_esi_reporter_t;
+
+/** reports.c: signals over ::ect_esi_reports_t. */
+extern const ect_signal_t ect_esi_report_signals[];
+extern const uint16_t ect_esi_report_signal_count;
+/** reports.c: power-on of a drive. `reporter`, all else as in its members, stays. @return the host of the drive */
+const ect_host_t *ect_esi_reporter(ect_esi_reporter_t *reporter, const ect_soe_t *servo, void *instance, uint8_t drive,
+                                   const ect_host_t *twin);
+/** reports.c: power-on, or a change by a user. */
+void ect_esi_report(const ect_soe_t *servo, void *instance, const ect_esi_reports_t *reports);
+
 /* --- writing ----------------------------------------------------------------------------------------------------- */
 
 /** Copies an element of a file with its content. */

@@ -234,9 +234,10 @@ typedef struct ect_soe_emergency {
     uint8_t data[5];
 } ect_soe_emergency_t;
 
-/** State of SoE, in the device's instance, zero at power-on. Private but for the counter. */
+/** State of SoE, in the device's instance, zero at power-on. Private but for the first two. */
 typedef struct ect_soe_state {
     uint32_t emergencies_lost; /**< the queue was full; wraps */
+    bool notifies;             /**< the device may set it: notifications as with ect_soe_t::notifies */
 
     ect_slave_t *slave; /* NULL until the mailbox has started */
     uint16_t length;    /* bytes in the buffer: of a reply, or of a write so far */

@@ -464,7 +464,7 @@ static void finish(const place_t *p, bool success)
         return;
     command->state = success ? ECT_SOE_COMMAND_DONE : ECT_SOE_COMMAND_ERROR;
     report_change(p);
-    if (!p->soe->notifies)
+    if (!p->soe->notifies && !st->notifies)
         return;
     st->notices |= (uint8_t)(1u << p->number);
     st->notice[p->number] = p->idn->idn;
