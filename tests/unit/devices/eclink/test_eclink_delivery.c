@@ -187,9 +187,9 @@ static void expired_make_room(void **state)
     assert_int_equal(wire_al(&r.w, 0, ECT_STATE_SAFEOP, NULL), ECT_STATE_SAFEOP);
     for (unsigned int n = 0; n < QUEUE; n++)
         send_command(&r, "04000000000000000000000000000000");
-    wire_advance(&r.w, 999 * MS);
+    wire_advance(&r.w, 1000 * MS - 1);
     assert_false(signal_try_set(&r.w, "ru1.command", "05000000000000000000000000000000", message));
-    wire_advance(&r.w, 1 * MS);
+    wire_advance(&r.w, 1);
     send_command(&r, "05000000000000000000000000000000");
     assert_int_equal(bu_number(&r, "bu.commands_expired"), QUEUE);
     assert_int_equal(bu_number(&r, "bu.overflows"), 1);

@@ -447,6 +447,65 @@ static void cut_short(void **state)
     }
 }
 
+/* System data with one value changed: all of it counts, or none. The defaults that differ from the record show which.
+ */
+static void system_limits(void **state)
+{
+    static const struct {
+        const char *what;
+        uint8_t at, bytes; /* of the record */
+        uint16_t value;
+        bool good;
+    } rows[] = {
+        {"as it is", 1, 1, 1, true},
+        {"fieldbus 2", 1, 1, 2, false},
+        {"output control 1", 2, 1, 1, true},
+        {"output control 2", 2, 1, 2, false},
+        {"output repeat 1", 3, 1, 1, true},
+        {"output repeat 2", 3, 1, 2, false},
+        {"output period 20", 4, 2, 20, true},
+        {"output period 19", 4, 2, 19, false},
+        {"output period 50000", 4, 2, 50000, true},
+        {"output period 50001", 4, 2, 50001, false},
+        {"output time 10", 6, 2, 10, true},
+        {"output time 9", 6, 2, 9, false},
+        {"output time 99, of 100", 6, 2, 99, true},
+        {"output time 100, of 100", 6, 2, 100, false},
+        {"timeout 5", 8, 2, 5, true},
+        {"timeout 4", 8, 2, 4, false},
+        {"timeout 1200", 8, 2, 1200, true},
+        {"timeout 1201", 8, 2, 1201, false},
+        {"EXE timeout 0", 10, 2, 0, true},
+        {"EXE timeout 1200", 10, 2, 1200, true},
+        {"EXE timeout 1201", 10, 2, 1201, false},
+        {"scene group 31", 12, 1, 31, true},
+        {"scene group 32", 12, 1, 32, false},
+        {"scene 127", 13, 1, 127, true},
+        {"scene 128", 13, 1, 128, false},
+    };
+    uint8_t kept[14];
+    (void)state;
+    signal_set(&s.w, "exe_timeout", "77");
+    signal_set(&s.w, "output_time", "19");
+    assert_true(save());
+    unsigned int bank = ect_load_le32(memory.bank[0]) == 0x314D5A46 ? 0 : 1;
+    uint8_t *system = memory.bank[bank] + ECT_RECORD_HEADER;
+    memcpy(kept, system, sizeof kept);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        memcpy(system, kept, sizeof kept);
+        if (rows[i].bytes == 1)
+            system[rows[i].at] = (uint8_t)rows[i].value;
+        else
+            ect_store_le16(system + rows[i].at, rows[i].value);
+        seal(bank);
+        power_cycle();
+        bool of_record =
+            rows[i].at == 6 ? signal_number(&s.w, "exe_timeout") == 77 : signal_number(&s.w, "output_time") == 19;
+        if (of_record != rows[i].good)
+            fail_msg("%s: expected that the record is %s", rows[i].what, rows[i].good ? "used" : "not used");
+    }
+}
+
 static void no_room(void **state)
 {
     (void)state;
@@ -567,6 +626,7 @@ int main(int argc, char **argv)
         TEST("FZM-056: a record with nonsense in it breaks nothing", nonsense),
         TEST("FZM-056: a record of another layout is not used, and is replaced", other_layout),
         TEST("FZM-034 FZM-056: a record with values that are no numbers", no_numbers),
+        TEST("FZM-056: system data at the limits of each setting, and beyond them", system_limits),
         TEST("FZM-056: a record that is cut short breaks nothing", cut_short),
         TEST("FZM-056: a memory without room: -1 and the cause", no_room),
         TEST("FZM-056: a disk with a cache: the power may be cut at any step of a Save, and what is acknowledged is "

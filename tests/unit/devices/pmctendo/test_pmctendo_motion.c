@@ -79,6 +79,33 @@ static void cyclic_speed(void **state)
     assert_int_equal(drive_read(&d, 0x6061, 0), PMC_MODE_SPEED);
 }
 
+/* Two turns a second against 0.45 Nm; friction is 0.05 Nm. */
+static void actual_values(void **state)
+{
+    static const struct {
+        uint16_t index;
+        int32_t value, off;
+    } rows[] = {
+        {0x606C, 2 * TURN, 200}, {0x6074, 167, 1}, {0x6077, 167, 1},
+        {0x6078, 167, 1},        {0x60F4, 0, 0},   {0x60FD, 0xC0000, 0},
+    };
+    (void)state;
+    start(0x1702);
+    signal_set(&d.w, "load", "0.45");
+    drive_set(&d, 2 * TURN);
+    drive_cycles(&d, 500);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint32_t value = drive_read(&d, rows[i].index, 0);
+        int32_t got = rows[i].index == 0x6074 || rows[i].index == 0x6077 || rows[i].index == 0x6078 ? (int16_t)value
+                                                                                                    : (int32_t)value;
+        if (got < rows[i].value - rows[i].off || got > rows[i].value + rows[i].off)
+            fail_msg("%04Xh: expected %d, got %d", rows[i].index, rows[i].value, got);
+    }
+    assert_int_equal(drive_read(&d, 0x6063, 0), drive_read(&d, 0x6064, 0));
+    assert_int_equal(drive_read(&d, 0x6062, 0), drive_read(&d, 0x6064, 0));
+    assert_int_equal(signal_number(&d.w, "position"), (int32_t)drive_read(&d, 0x6064, 0));
+}
+
 /* The ramps of 6083h and 6084h: 20 turns a second at 100 turns a second squared take 200 ms each way. */
 static void speed_ramp(void **state)
 {
@@ -441,6 +468,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"PLZ-019: position set values are followed to the count", position, setup, teardown, NULL},
         {"PLZ-019: a cyclic speed is followed", cyclic_speed, setup, teardown, NULL},
+        {"PLZ-019: actual values of a motion", actual_values, setup, teardown, NULL},
         {"speed with ramps", speed_ramp, setup, teardown, NULL},
         {"a torque on an inertia gives its acceleration", torque, setup, teardown, NULL},
         {"friction and load take their share", load_and_friction, setup, teardown, NULL},
