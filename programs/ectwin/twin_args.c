@@ -103,8 +103,8 @@ static const struct argp_option options[] = {
     {"module", KEY_MODULE, "[N:]SLOT=IDENT", 0,
      "ModuleIdent of the module in a slot of twin N (default 1), a modular device of an ESI file. May be repeated", 1},
     {"behaviour", KEY_BEHAVIOUR, "[N:]KIND", 0,
-     "Behaviour of twin N of an ESI file, or of all twins without N: cia402, a drive for each axis, or none "
-     "(default: cia402 if the file has 6040h and 6041h). May be repeated",
+     "Behaviour of twin N of an ESI file, or of all twins without N: cia402, a drive for each axis; cia406, an "
+     "encoder; or none (default: cia406 if ProfileNo is 406, cia402 if the file has 6040h and 6041h). May be repeated",
      1},
     {"connect", KEY_CONNECT, "SIGNAL=SIGNAL", 0,
      "Set a signal from another one, N.NAME=M.NAME of twins N and M, modified by ,factor=F ,offset=O ,delay=10ms "
@@ -219,14 +219,28 @@ static void add_module(twin_args_t *args, const struct argp_state *state, const 
     args->modules[args->module_count++] = module;
 }
 
+static bool parse_behaviour(const char *word, ect_behaviour_t *behaviour)
+{
+    static const struct {
+        const char *word;
+        ect_behaviour_t behaviour;
+    } words[] = {{"none", ECT_BEHAVIOUR_NONE}, {"cia402", ECT_BEHAVIOUR_CIA402}, {"cia406", ECT_BEHAVIOUR_CIA406}};
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        if (strcmp(word, words[i].word) == 0) {
+            *behaviour = words[i].behaviour;
+            return true;
+        }
+    }
+    return false;
+}
+
 static void add_behaviour(twin_args_t *args, const struct argp_state *state, const char *text)
 {
     const char *word = text;
     twin_behaviour_t one = {.twin = twin_of(args->names, &word, 0)};
-    bool drive = strcmp(word, "cia402") == 0;
-    if ((word != text && one.twin == 0) || (!drive && strcmp(word, "none") != 0))
-        argp_error(state, "--behaviour takes cia402 or none, or one of them for a twin, as 2:none, not '%s'", text);
-    one.behaviour = drive ? ECT_BEHAVIOUR_CIA402 : ECT_BEHAVIOUR_NONE;
+    if ((word != text && one.twin == 0) || !parse_behaviour(word, &one.behaviour))
+        argp_error(state, "--behaviour takes cia402, cia406 or none, or one of them for a twin, as 2:none, not '%s'",
+                   text);
     args->behaviours = grow(state, args->behaviours, args->behaviour_count, sizeof *args->behaviours);
     args->behaviours[args->behaviour_count++] = one;
 }

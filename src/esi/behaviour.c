@@ -274,7 +274,7 @@ static ect_402_drive_t *find(void *instance, uint16_t index, uint8_t subindex, e
     return NULL;
 }
 
-static int64_t wire_number(const ect_402_link_t *link, const uint8_t *data, uint16_t size)
+int64_t ect_esi_wire_number(const ect_402_link_t *link, const uint8_t *data, uint16_t size)
 {
     uint64_t bits = 0;
     for (unsigned int i = size; i-- > 0;)
@@ -291,7 +291,7 @@ static ect_reason_t sdo_write(void *instance, uint16_t index, uint8_t subindex, 
         return ect_esi_idents_write(instance, index, subindex, data, size);
     if (size == 0 || size > 8 || d->links[value].is_real)
         return ECT_OK;
-    return ect_402_drive_check(d, value, wire_number(&d->links[value], data, size));
+    return ect_402_drive_check(d, value, ect_esi_wire_number(&d->links[value], data, size));
 }
 
 static void sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns)
@@ -366,7 +366,7 @@ static void find_defaults(const ect_build_t *build, axis_t *axis)
     }
 }
 
-static size_t aligned(size_t at)
+size_t ect_esi_aligned(size_t at)
 {
     return (at + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
 }
@@ -378,7 +378,7 @@ static size_t place_words(const ect_esi_twin_t *twin, ect_esi_drives_t *drives, 
         axis_t *axis = &drives->axes[i];
         if (!axis->is_soe)
             continue;
-        at = aligned(at);
+        at = ect_esi_aligned(at);
         ect_esi_dialect_links(&twin->build, &axis->dialect, at, axis->links);
         ect_esi_homing_links(&twin->build, &axis->dialect, axis->links);
         at += sizeof(ect_esi_words_t);
@@ -388,10 +388,10 @@ static size_t place_words(const ect_esi_twin_t *twin, ect_esi_drives_t *drives, 
 
 static void lay_out(ect_esi_twin_t *twin, ect_esi_drives_t *drives)
 {
-    drives->offset = aligned(place_words(twin, drives, twin->device.instance_size));
+    drives->offset = ect_esi_aligned(place_words(twin, drives, twin->device.instance_size));
     const bool is_soe = drives->axes[0].is_soe;
-    drives->reporters = aligned(drives->offset + drives->count * sizeof(ect_402_drive_t));
-    drives->outside = aligned(drives->reporters + (is_soe ? drives->count * sizeof(ect_esi_reporter_t) : 0));
+    drives->reporters = ect_esi_aligned(drives->offset + drives->count * sizeof(ect_402_drive_t));
+    drives->outside = ect_esi_aligned(drives->reporters + (is_soe ? drives->count * sizeof(ect_esi_reporter_t) : 0));
     drives->reports = drives->outside + drives->count * sizeof(ect_402_surroundings_t);
     twin->plant.outside_offset = drives->outside;
     twin->plant.outside_size = drives->reports - drives->outside + (is_soe ? sizeof(ect_esi_reports_t) : 0);
@@ -498,16 +498,14 @@ static bool is_simulated(uint16_t index)
     return false;
 }
 
-/* The objects of the profile's range without a behaviour. */
-static const char *rest_of(ect_esi_twin_t *twin, const axis_t *axis)
+const char *ect_esi_objects_without(ect_esi_twin_t *twin, unsigned int distance, bool (*simulated)(uint16_t index))
 {
     const char *text = "";
     size_t count = 0;
-    for (unsigned int i = 0; !axis->is_soe && i < twin->device.object_count; i++) {
-        unsigned int first = FIRST_OBJECT + axis->number * ECT_402_AXIS_OBJECTS;
+    for (unsigned int i = 0; i < twin->device.object_count; i++) {
+        unsigned int first = FIRST_OBJECT + distance;
         uint16_t index = twin->device.objects[i].index;
-        if (index < first || index >= first + ECT_402_AXIS_OBJECTS ||
-            is_simulated((uint16_t)(index - axis->number * ECT_402_AXIS_OBJECTS)))
+        if (index < first || index >= first + ECT_402_AXIS_OBJECTS || simulated((uint16_t)(index - distance)))
             continue;
         if (++count <= MOST_LISTED)
             text = ect_arena_print(&twin->arena, "%s %04X", text, (unsigned int)index);
@@ -515,6 +513,12 @@ static const char *rest_of(ect_esi_twin_t *twin, const axis_t *axis)
     if (count > MOST_LISTED)
         text = ect_arena_print(&twin->arena, "%s and %zu more", text, count - MOST_LISTED);
     return text;
+}
+
+/* The objects of the profile's range without a behaviour. */
+static const char *rest_of(ect_esi_twin_t *twin, const axis_t *axis)
+{
+    return axis->is_soe ? "" : ect_esi_objects_without(twin, axis->number * ECT_402_AXIS_OBJECTS, is_simulated);
 }
 
 static void add_note(ect_esi_twin_t *twin, const ect_esi_drives_t *drives)
@@ -531,9 +535,11 @@ static void add_note(ect_esi_twin_t *twin, const ect_esi_drives_t *drives)
 
 bool ect_esi_twin_behave(ect_esi_twin_t *twin, ect_behaviour_t behaviour, char *text, size_t room)
 {
-    ECT_ASSERT(twin->drives == NULL);
+    ECT_ASSERT(twin->drives == NULL && twin->encoders == NULL);
     if (behaviour == ECT_BEHAVIOUR_NONE)
         return true;
+    if (ect_esi_encoders_wanted(twin, behaviour))
+        return ect_esi_encoders_set(twin, behaviour, text, room);
     ect_esi_drives_t *drives = ect_arena_alloc(&twin->arena, sizeof *drives);
     find_axes(twin, drives);
     if (drives->count == 0 && behaviour == ECT_BEHAVIOUR_CIA402) {

@@ -33,6 +33,7 @@
  *   rack.c             twins, with a description for each set of modules
  *   dialect.c          the words of SoE drives over axes of CiA 402
  *   behaviour.c        drives with objects of CiA 402, or IDNs
+ *   encoders.c         encoders with objects of CiA 406
  *   network.c          EoE: an IP host; AoE
  *   values.c           the values of a dictionary before the first write
  *   write_xml.c        elements and attributes; the first failure
@@ -477,6 +478,9 @@ void ect_esi_twin_drop(struct ect_esi_twin *twin);
 /** The axes of a twin that is a drive: behaviour.c. */
 typedef struct ect_esi_drives ect_esi_drives_t;
 
+/** The encoders of a twin: encoders.c. */
+typedef struct ect_esi_encoders ect_esi_encoders_t;
+
 struct ect_esi_twin {
     ect_arena_t arena;
     ect_arena_t racks; /* of the first set of modules: the rack */
@@ -487,8 +491,26 @@ struct ect_esi_twin {
     ect_device_t device;
     ect_plant_t plant;
     ect_product_t product;
-    ect_esi_drives_t *drives; /* NULL: a shell */
+    ect_esi_drives_t *drives;     /* NULL: no drive */
+    ect_esi_encoders_t *encoders; /* NULL: no encoder */
 };
+
+/** behaviour.c. @return a number in the wire form of an entry */
+int64_t ect_esi_wire_number(const ect_link_t *link, const uint8_t *data, uint16_t size);
+/** behaviour.c. @return the next offset in an instance at which a structure may begin */
+size_t ect_esi_aligned(size_t at);
+/**
+ * behaviour.c: the objects of a profile without behaviour, as " 6040 6200".
+ * @param distance   of the profile's first object from 6000h
+ * @param simulated  @return whether an object of the profile has a behaviour
+ */
+const char *ect_esi_objects_without(struct ect_esi_twin *twin, unsigned int distance,
+                                    bool (*simulated)(uint16_t index));
+
+/** encoders.c. @return whether a twin is an encoder: by request, by its ProfileNo, or by its objects */
+bool ect_esi_encoders_wanted(const struct ect_esi_twin *twin, ect_behaviour_t behaviour);
+/** encoders.c: as ::ect_esi_twin_behave. */
+bool ect_esi_encoders_set(struct ect_esi_twin *twin, ect_behaviour_t behaviour, char *text, size_t room);
 
 /** The words of a SoE drive, as an axis of CiA 402 has them; in the instance. */
 typedef struct ect_esi_words {

@@ -12,7 +12,7 @@
 #ifndef ECT_PROFILES_CIA402_VALUES_H
 #define ECT_PROFILES_CIA402_VALUES_H
 
-#include "od/od.h"
+#include "od/link.h"
 #include "wire/linkage.h"
 
 ECT_C_BEGIN
@@ -136,14 +136,8 @@ typedef struct ect_402_object {
     double initial;
 } ect_402_object_t;
 
-/** The entry of a dictionary that holds a value. */
-typedef struct ect_402_link {
-    uint32_t offset; /**< in the instance */
-    uint8_t bytes;   /**< 1, 2, 4, 8; 0: the dictionary has no such entry */
-    bool is_signed, is_real;
-    bool output; /**< may be mapped by a master that writes it */
-    bool given;  /**< the dictionary has a default for it */
-} ect_402_link_t;
+/** The entry of a dictionary that holds a value of an axis. */
+typedef ect_link_t ect_402_link_t;
 
 /** The row of a value. */
 const ect_402_object_t *ect_402_object(ect_402_value_t value);
@@ -160,11 +154,17 @@ bool ect_402_value_of(uint16_t index, uint8_t subindex, ect_402_value_t *value);
  */
 bool ect_402_links_find(const ect_od_t *od, unsigned int axis, ect_402_link_t *links);
 
-/** The value in the instance; 0 for an object that the dictionary lacks. */
-int64_t ect_402_load(const void *instance, const ect_402_link_t *link);
+/** As ::ect_link_load. */
+static inline int64_t ect_402_load(const void *instance, const ect_402_link_t *link)
+{
+    return ect_link_load(instance, link);
+}
 
-/** Stores a value, at the limits of the entry's type when it is beyond them. */
-void ect_402_store(void *instance, const ect_402_link_t *link, int64_t value);
+/** As ::ect_link_store. */
+static inline void ect_402_store(void *instance, const ect_402_link_t *link, int64_t value)
+{
+    ect_link_store(instance, link, value);
+}
 
 /** The modes that these objects allow: bit n - 1 for mode n, as in 6502h. */
 uint32_t ect_402_modes_of(const ect_402_link_t *links);

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Links: entries of a dictionary, written by somebody else, as numbers in an instance. A profile over such a dictionary
+ * uses the objects that are there, in the widths that the dictionary gives them, integer or floating point. A link of 0
+ * bytes stands for an entry that the dictionary lacks.
+ *
+ * Context: any; the functions are pure but for the memory that they are given.
+ */
+#ifndef ECT_OD_LINK_H
+#define ECT_OD_LINK_H
+
+#include "od/od.h"
+#include "wire/linkage.h"
+
+ECT_C_BEGIN
+
+/** The entry of a dictionary that holds a value. */
+typedef struct ect_link {
+    uint32_t offset; /**< in the instance */
+    uint8_t bytes;   /**< 1, 2, 4, 8; 0: the dictionary has no such entry */
+    bool is_signed, is_real;
+    bool output; /**< may be mapped by a master that writes it */
+    bool given;  /**< the dictionary has a default for it */
+} ect_link_t;
+
+/**
+ * Links to an entry.
+ * @param od  entries with offsets into an instance; its instance is not used
+ * @return 0 bytes: there is no such entry, or the entry is no number of whole bytes
+ */
+ect_link_t ect_link_to(const ect_od_t *od, uint16_t index, uint8_t subindex);
+
+/** The value in the instance, floating point rounded, within 2^53; 0 for an entry that the dictionary lacks. */
+int64_t ect_link_load(const void *instance, const ect_link_t *link);
+
+/** Stores a value, at the limits of the entry's type when it is beyond them. */
+void ect_link_store(void *instance, const ect_link_t *link, int64_t value);
+
+ECT_C_END
+
+#endif
