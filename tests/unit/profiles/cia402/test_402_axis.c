@@ -228,6 +228,24 @@ static void end_speed(void **state)
     expect_near("and ends at its target", -50000, 1, axis.reference.position);
 }
 
+/* The demand goes on while a position is followed; after braking by speed it begins at the shaft. */
+static void demands(void **state)
+{
+    static const struct {
+        ect_402_loop_t loop;
+        double demand, first;
+    } rows[] = {{ECT_402_LOOP_POSITION, 300, 300}, {ECT_402_LOOP_SPEED, 300, 295}, {ECT_402_LOOP_TORQUE, 0, 295}};
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        setup(state);
+        plant.position = 295;
+        axis.reference = (ect_402_reference_t){.loop = rows[i].loop, .position = rows[i].demand};
+        axis.options = 1; /* relative to the demand */
+        set_point(ECT_402_RELATIVE, 1000);
+        expect_near("DRV-222, the target", rows[i].first + 1000, 1e-9, axis.task_target);
+        expect_near("the demand", rows[i].first, 1e-9, axis.reference.position);
+    }
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -238,6 +256,7 @@ int main(int argc, char **argv)
         {"DRV-408 DRV-409: a new target at once, or after the first one", changed, setup, NULL, NULL},
         {"DRV-410: two set-points with and without a stop between them", blended, NULL, NULL, NULL},
         {"DRV-219 DRV-404: 6082h, the speed at the target", end_speed, setup, NULL, NULL},
+        {"DRV-222: the first demand of a set-point", demands, setup, NULL, NULL},
         {"DRV-411: relative set-points add up", relative, setup, NULL, NULL},
     };
     if (argc > 1)

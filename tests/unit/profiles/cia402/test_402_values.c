@@ -1099,6 +1099,63 @@ static void rated_torques(void **unused)
     }
 }
 
+/* Without a description by the user: 6076h of 6 Nm has a friction of 0.1 Nm. Known surroundings outlast a power cycle.
+ */
+static void first_surroundings(void **unused)
+{
+    (void)unused;
+    prepare();
+    r.value[ECT_402_V_RATED_TORQUE] = 6000;
+    power_on();
+    const ect_402_plant_t *m = &r.around.machine;
+    assert_true(fabs(m->friction - 0.1) < 1e-12);
+    assert_int_equal(m->brake_delay_ms, 30);
+    assert_true(r.around.known && r.around.power == 1 && r.around.enable == 1 && r.around.sto == 0);
+    assert_true(m->input[ECT_402_POSITIVE] == 1 && m->input[ECT_402_NEGATIVE] == 1);
+    assert_true(m->input[ECT_402_PROBE] == 0 && m->input[ECT_402_HOME] == 0);
+    assert_true(m->stop_negative.at == INT32_MIN && m->stop_positive.at == INT32_MAX);
+    assert_true(m->stop_negative.fitted == 0 && m->stop_positive.fitted == 0);
+    r.around.machine.friction = 2;
+    r.around.machine.stop_negative.at = -70;
+    r.around.power = 0;
+    memset(&r.d, 0, sizeof r.d);
+    power_on();
+    assert_true(fabs(m->friction - 2) < 1e-12);
+    assert_int_equal(r.around.power, 0);
+    assert_true(m->stop_negative.fitted == 1 && m->stop_positive.fitted == 0);
+}
+
+static void by_write(void)
+{
+    ect_402_drive_written(&r.d, ECT_402_V_HOME_OFFSET, r.now_ns);
+}
+
+static void by_end_of_op(void)
+{
+    ect_402_drive_leave_op(&r.d, r.now_ns);
+}
+
+static void by_time(void)
+{
+    ect_402_drive_advance(&r.d, r.now_ns);
+}
+
+/* Each call with a time takes the steps up to it: 10 ms are 40, and a rest of a step waits. */
+static void steps_before(void **unused)
+{
+    static void (*const calls[])(void) = {by_write, by_end_of_op, by_time};
+    (void)unused;
+    for (size_t i = 0; i < COUNT(calls); i++) {
+        prepare();
+        power_on();
+        enable();
+        uint64_t before = r.d.axis.time_ns;
+        r.now_ns = before + 10 * MS + ECT_402_STEP_NS - 1;
+        calls[i]();
+        assert_true(r.d.axis.time_ns == before + 10 * MS);
+    }
+}
+
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
@@ -1133,6 +1190,8 @@ int main(void)
         {"A fault by hand; the names of states", fault_by_hand, NULL, NULL, NULL},
         {"DRV-241: 8611h beyond 6065h, FFFFFFFFh is off", following_error, NULL, NULL, NULL},
         {"DRV-151: edges count from the first control word in OP", first_word_in_op, NULL, NULL, NULL},
+        {"The machine at first power-on, and at the next", first_surroundings, NULL, NULL, NULL},
+        {"Writes and the end of OP come after the steps up to them", steps_before, NULL, NULL, NULL},
         {"DRV-030: the motor by its rated torque", rated_torques, NULL, NULL, NULL},
         {"Options, modes and methods that do not exist are refused", refused_values, NULL, NULL, NULL},
     };

@@ -193,6 +193,9 @@ static void no_reply(void **state)
         {"no room for a UDP header", 'u', IP + 2, 27, false},
         {"ARP: a reply", 'a', 20, 2, true},
         {"ARP: another hardware", 'a', 14, 6, true},
+        {"ARP: another protocol", 'a', 16, 0x86DD, true},
+        {"ARP: hardware addresses of 8 bytes", 'a', 18, 0x0804, true},
+        {"ARP: protocol addresses of 16 bytes", 'a', 18, 0x0610, true},
         {"ARP: another address", 'a', 40, 0x0A15, true},
     };
     (void)state;
