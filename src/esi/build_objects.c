@@ -225,6 +225,7 @@ static void add_object(ect_build_t *build, const ect_esi_dictionary_t *dictionar
         count_entries(build, maker.object);
     } else {
         const ect_esi_item_t alone = {.info = model->info,
+                                      .display = model->info.display,
                                       .line = model->line,
                                       .flags = {.access = "", .read_in = "", .write_in = "", .mapping = ""}};
         add_entry(&maker, 0, &alone, model->name, model->type, model->bits);

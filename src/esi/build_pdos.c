@@ -147,6 +147,15 @@ static size_t values_of(const ect_build_t *build, const ect_build_pdo_t *pdo)
     return ect_build_idn(build, pdo->drive, list)->row.size / sizeof(uint16_t);
 }
 
+/* Whether the dictionary of the file says that a master may write a mapping or an assignment, whatever PdoConfig and
+ * PdoAssign announce. */
+static bool is_writable(const ect_build_t *build, uint16_t index)
+{
+    const ect_build_object_t *object = ect_build_find(build, index);
+    const ect_build_entry_t *count = object != NULL ? ect_build_entry(object, 0) : NULL;
+    return count != NULL && (count->access & ECT_ACCESS_W_PREOP) != 0;
+}
+
 static void add_mapping(ect_build_t *build, ect_build_pdo_t *pdo)
 {
     uint32_t values[LONGEST_MAPPING];
@@ -170,7 +179,7 @@ static void add_mapping(ect_build_t *build, ect_build_pdo_t *pdo)
         ect_build_note(build, "line %d: PDO %04X (%s) has no entries: it carries no data", pdo->model->line,
                        (unsigned int)pdo->index, pdo->model->name);
     const ect_build_object_t *described = ect_build_find(build, pdo->index);
-    bool changeable = build->model->mailbox.pdo_config && !pdo->model->fixed;
+    bool changeable = (build->model->mailbox.pdo_config || is_writable(build, pdo->index)) && !pdo->model->fixed;
     size_t capacity = described != NULL && described->count > count + 1 ? described->count - 1 : count;
     if (is_configured(build, pdo))
         capacity = values_of(build, pdo) + 1 > count ? values_of(build, pdo) + 1 : count;
@@ -301,7 +310,7 @@ static void add_assignment(ect_build_t *build, int sm)
             values[count++] = pdo->index;
     }
     ECT_ASSERT(sm >= 0 && (size_t)sm < build->model->sm_count && count <= capacity);
-    bool changeable = build->model->mailbox.pdo_assign;
+    bool changeable = build->model->mailbox.pdo_assign || is_writable(build, (uint16_t)(ASSIGNMENT + sm));
     (void)ect_build_numbers(build, (uint16_t)(ASSIGNMENT + sm), "", "Assigned PDO", ECT_TYPE_UNSIGNED16,
                             changeable ? ECT_ACCESS_RW_PREOP : ECT_ACCESS_RO, values, count,
                             changeable ? capacity : count);

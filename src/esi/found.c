@@ -319,7 +319,8 @@ static void make_array(ect_esi_t *esi, ect_esi_object_t *object, ect_esi_type_t 
     object->item_count = count;
 }
 
-/* Sets the type: of a single value that of its entry, else a type of its own. */
+/* Sets the type: of a single value that of its entry, else a type of its own. An entry of another name than its object
+ * has it as display name. */
 static void finish_object(uint8_t code, ect_esi_object_t *object, ect_esi_type_t *type)
 {
     if (code == ECT_OBJECT_VAR && type->item_count == 1 && type->items[0].subindex == 0) {
@@ -328,6 +329,8 @@ static void finish_object(uint8_t code, ect_esi_object_t *object, ect_esi_type_t
         object->bits = item->bits;
         object->flags = item->flags;
         object->info = item->info;
+        if (*item->name != '\0' && strcmp(item->name, object->name) != 0)
+            object->info.display = item->name;
         type->item_count = 0;
     } else {
         object->type = type->name;

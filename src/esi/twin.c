@@ -83,12 +83,26 @@ static uint32_t in_ram(const ect_esi_sm_t *model)
     return model->start < RAM_END_SMALL ? (uint32_t)(RAM_END_SMALL - model->start) / 3 : 0;
 }
 
+/* @return whether a master may write any mapping or assignment, whatever the file's PdoAssign and PdoConfig announce */
+static bool can_be_configured(const ect_build_t *build)
+{
+    for (size_t i = 0; i < build->object_count; i++) {
+        const ect_build_object_t *object = &build->objects[i];
+        bool assignment = object->index >= ECT_OD_ASSIGNMENT && object->index < ECT_OD_ASSIGNMENT + ECT_SMS;
+        const ect_build_entry_t *count = ect_build_entry(object, 0);
+        if ((assignment || ect_od_is_rxpdo(object->index) || ect_od_is_txpdo(object->index)) && count != NULL &&
+            (count->access & ECT_ACCESS_WO) != 0)
+            return true;
+    }
+    return false;
+}
+
 static void set_process_sm(ect_build_t *build, size_t n, ect_sm_t *sm)
 {
     uint32_t now = (ect_build_assigned_bits(build, (int)n) + 7) / 8;
     uint32_t most = (ect_build_largest_bits(build, (int)n) + 7) / 8;
     const ect_esi_sm_t *model = &build->model->sms[n];
-    if (build->model->mailbox.pdo_config || build->model->mailbox.pdo_assign)
+    if (build->model->mailbox.pdo_config || build->model->mailbox.pdo_assign || can_be_configured(build))
         most = larger(most, larger(model->maximum, (uint32_t)model->size.value));
     most = larger(most, smaller(telegram_bytes(build, model), in_ram(model)));
     most = larger(smaller(most, gap_behind(build, n)), now);
@@ -527,7 +541,9 @@ static void add_identity(ect_build_t *build)
         {"Serial number", offsetof(ect_standard_t, identity.serial)},
     };
     ect_build_object_t *object =
-        ect_build_numbers(build, 0x1018, "Identity", "", ECT_TYPE_UNSIGNED32, ECT_ACCESS_RO, NULL, 0, 4);
+        ect_build_numbers(build, 0x1018, "", "", ECT_TYPE_UNSIGNED32, ECT_ACCESS_RO, NULL, 0, 4);
+    if (*object->name == '\0')
+        object->name = "Identity";
     ect_build_initial(build, &object->entries[0], 4);
     for (size_t i = 0; i < 4; i++) {
         object->entries[i + 1].name = members[i].name;
@@ -798,20 +814,6 @@ static uint64_t tick(void *instance, uint64_t now_ns)
     (void)instance;
     (void)now_ns;
     return ECT_NEVER;
-}
-
-/* @return whether a master may write any mapping or assignment, whatever the file's PdoAssign and PdoConfig announce */
-static bool can_be_configured(const ect_build_t *build)
-{
-    for (size_t i = 0; i < build->object_count; i++) {
-        const ect_build_object_t *object = &build->objects[i];
-        bool assignment = object->index >= ECT_OD_ASSIGNMENT && object->index < ECT_OD_ASSIGNMENT + ECT_SMS;
-        const ect_build_entry_t *count = ect_build_entry(object, 0);
-        if ((assignment || ect_od_is_rxpdo(object->index) || ect_od_is_txpdo(object->index)) && count != NULL &&
-            (count->access & ECT_ACCESS_WO) != 0)
-            return true;
-    }
-    return false;
 }
 
 /* --- the twin ----------------------------------------------------------------------------------------------------- */

@@ -282,6 +282,13 @@ static uint16_t access_of_all(const ect_object_t *object)
     return bits;
 }
 
+/* @return the name of the entry of a single value; NULL: none other than that of the object */
+static const char *name_of_value(const ect_object_t *object)
+{
+    const char *name = object->entries->name;
+    return name != NULL && *name != '\0' && object->name != NULL && strcmp(name, object->name) != 0 ? name : NULL;
+}
+
 static void write_object(list_t *list, const ect_object_t *object)
 {
     ect_xml_writer_t *xml = list->xml;
@@ -297,7 +304,7 @@ static void write_object(list_t *list, const ect_object_t *object)
             write_item_info(list, object, e);
         ect_xml_close(xml);
     } else {
-        write_info(list, object, object->entries, NULL);
+        write_info(list, object, object->entries, name_of_value(object));
     }
     write_flags(xml, object->index, access_of_all(object), record);
     ect_xml_close(xml);

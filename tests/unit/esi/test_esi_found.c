@@ -244,6 +244,60 @@ static const ect_esi_pdo_t *pdo_at(const made_t *m, uint16_t index)
     return NULL;
 }
 
+/* The image announces neither PDO assignment nor PDO configuration, and its PDOs are fixed. */
+static void CLN_015_a_mapping_and_an_assignment_keep_the_right_of_a_master_to_write_them(void **state)
+{
+    static const struct {
+        const char *title;
+        uint16_t found, of_mapping, of_assignment;
+    } rows[] = {
+        {"none", ECT_ACCESS_RO, ECT_ACCESS_RO, ECT_ACCESS_RO},
+        {"in PREOP", ECT_ACCESS_RW_PREOP, ECT_ACCESS_RW_PREOP, ECT_ACCESS_RW_PREOP},
+        {"in SAFEOP only", ECT_ACCESS_RO | ECT_ACCESS_W_SAFEOP, ECT_ACCESS_RO, ECT_ACCESS_RO},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_esi_t *esi = open_image();
+        for (uint16_t index = 0x1A05; index != 0; index = index == 0x1A05 ? 0x1600 : 0) {
+            object(esi, index, ECT_OBJECT_RECORD, "Mapping");
+            entry(esi, 0, ECT_TYPE_UNSIGNED8, 8, rows[i].found, 1);
+            entry(esi, 1, ECT_TYPE_UNSIGNED32, 32, rows[i].found, 0x21000220);
+        }
+        object(esi, 0x1C13, ECT_OBJECT_ARRAY, "Assignment");
+        entry(esi, 0, ECT_TYPE_UNSIGNED8, 8, rows[i].found, 1);
+        entry(esi, 1, ECT_TYPE_UNSIGNED16, 16, rows[i].found, 0x1A05);
+        made_t m = finish(esi);
+        assert_int_equal(m.device->coe_details & (ECT_COE_PDO_ASSIGN | ECT_COE_PDO_CONFIG), 0);
+        if (find(&m, 0x1A05, 1)->access != rows[i].of_mapping || find(&m, 0x1C13, 1)->access != rows[i].of_assignment ||
+            find(&m, 0x1600, 1)->access != ECT_ACCESS_RO)
+            fail_msg("%s: expected 0x%04X, 0x%04X and a fixed PDO, got 0x%04X, 0x%04X, 0x%04X", rows[i].title,
+                     rows[i].of_mapping, rows[i].of_assignment, find(&m, 0x1A05, 1)->access,
+                     find(&m, 0x1C13, 1)->access, find(&m, 0x1600, 1)->access);
+        drop(&m);
+    }
+}
+
+static void CLN_015_names_of_values_and_of_the_identity_stay(void **state)
+{
+    (void)state;
+    ect_esi_t *esi = open_image();
+    object(esi, 0x1018, ECT_OBJECT_RECORD, "Identity Object");
+    entry(esi, 0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, 4);
+    object(esi, 0x4100, ECT_OBJECT_VAR, "Speed");
+    entry(esi, 0, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW, 9);
+    object(esi, 0x4101, ECT_OBJECT_VAR, "Entry 0");
+    entry(esi, 0, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RW, 9);
+    made_t m = finish(esi);
+    const ect_od_t od = ect_device_od(m.device, NULL);
+    assert_string_equal(ect_od_find(&od, 0x1018)->name, "Identity Object");
+    assert_string_equal(ect_od_find(&od, 0x4100)->name, "Speed");
+    assert_string_equal(find(&m, 0x4100, 0)->name, "Entry 0");
+    assert_string_equal(m.model->dictionary.objects[1].info.display, "Entry 0");
+    assert_string_equal(find(&m, 0x4101, 0)->name, "Entry 0");
+    assert_string_equal(m.model->dictionary.objects[2].info.display, "");
+    drop(&m);
+}
+
 static void mappings_and_assignments_replace_those_of_the_image(void **state)
 {
     (void)state;
@@ -335,6 +389,8 @@ int main(void)
         cmocka_unit_test(limits_and_units_stay),
         cmocka_unit_test(a_mapping_keeps_what_the_image_knows),
         cmocka_unit_test(mappings_and_assignments_replace_those_of_the_image),
+        cmocka_unit_test(CLN_015_a_mapping_and_an_assignment_keep_the_right_of_a_master_to_write_them),
+        cmocka_unit_test(CLN_015_names_of_values_and_of_the_identity_stay),
         cmocka_unit_test(without_an_assignment_the_image_counts),
         cmocka_unit_test(an_object_without_description_has_only_its_pdos),
     };

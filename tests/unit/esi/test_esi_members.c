@@ -252,6 +252,8 @@ static void command_plain(void)
           "32") "<Info><DefaultData>44332211</DefaultData>"                                                            \
                 "</Info><Flags><Access>rw</Access><Category>o</Category><Backup>1</Backup></Flags></Object>",          \
       NULL)                                                                                                            \
+    X(name_of_value, testdev, ENTRY(0x2000, 0)->name = "Entry",                                                        \
+      "<Info><DefaultData>44332211</DefaultData><DisplayName>Entry</DisplayName></Info>", NULL)                        \
     X(no_object_name, testdev, OBJECT(0x2000)->name = NULL, "<Index>#x2000</Index><Name></Name><Type>UDINT", NULL)     \
     X(write_only, testdev, AS_IS,                                                                                      \
       OBJECT_HEAD("Write only", "UINT", "16") "<Info><DefaultData>0000</DefaultData></Info><Flags><Access>wo</Access>" \
