@@ -147,7 +147,7 @@ static size_t values_of(const ect_build_t *build, const ect_build_pdo_t *pdo)
     return ect_build_idn(build, pdo->drive, list)->row.size / sizeof(uint16_t);
 }
 
-/* Whether the dictionary of the file says that a master may write a mapping or an assignment, whatever PdoConfig and
+/* Whether the dictionary of the file lets a master write a mapping or an assignment, whatever PdoConfig and
  * PdoAssign announce. */
 static bool is_writable(const ect_build_t *build, uint16_t index)
 {
