@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "esi/internal.h"
+#include "esi/units.h"
 
 /* Maximum characters of parts of a name, with room left for prefix, dot and the number that makes the name unique. */
 enum { LONGEST_PART = 28, LONGEST_VALUE = 60 };
@@ -81,6 +82,43 @@ static void set_range(const ect_build_entry_t *entry, ect_signal_t *signal)
     ECT_ASSERT(signal->minimum <= signal->maximum);
 }
 
+/* Objects of CiA 401 and CiA 404 whose units are in another object, at the same sub-index. */
+static const struct {
+    uint16_t profile, value, unit, digits; /* digits 0: none, else the object with the decimal digits of the value */
+} unit_objects[] = {
+    {401, 0x6401, 0x6430, 0},      {401, 0x6402, 0x6430, 0},      {401, 0x6403, 0x6430, 0},
+    {404, 0x6130, 0x6131, 0},      {404, 0x6148, 0x6131, 0},      {404, 0x6149, 0x6131, 0},
+    {404, 0x7130, 0x6131, 0x6132}, {404, 0x7148, 0x6131, 0x6132}, {404, 0x7149, 0x6131, 0x6132},
+    {404, 0x9130, 0x6131, 0x6132}, {404, 0x9148, 0x6131, 0x6132}, {404, 0x9149, 0x6131, 0x6132},
+};
+
+static uint32_t default_of(const ect_build_t *build, uint16_t index, uint8_t subindex)
+{
+    const ect_build_object_t *object = ect_build_find(build, index);
+    const ect_build_entry_t *entry = object != NULL ? ect_build_entry(object, subindex) : NULL;
+    return entry != NULL ? (uint32_t)ect_build_number(entry) : 0;
+}
+
+/* @return a unit of ETG.1004: that of the entry, else that of the profile; 0: none */
+static uint32_t unit_of(const ect_build_t *build, uint16_t index, const ect_build_entry_t *entry)
+{
+    uint32_t unit = (uint32_t)entry->unit << 16 | (uint32_t)entry->per << 8;
+    for (size_t i = 0; unit == 0 && i < sizeof unit_objects / sizeof unit_objects[0]; i++) {
+        if (unit_objects[i].value != index || unit_objects[i].profile != (build->model->profile & UINT16_MAX))
+            continue;
+        unit = default_of(build, unit_objects[i].unit, entry->subindex);
+        if (unit != 0 && unit_objects[i].digits != 0)
+            unit -= default_of(build, unit_objects[i].digits, entry->subindex) << 24; /* of the power of ten */
+    }
+    return unit;
+}
+
+static const char *unit_name(ect_build_t *build, uint32_t unit)
+{
+    char text[ECT_BUILD_TEXT];
+    return ect_esi_unit_text(unit, text, sizeof text) != NULL ? ect_arena_print(build->arena, "%s", text) : NULL;
+}
+
 /* A group under construction. */
 typedef struct list {
     ect_build_t *build;
@@ -107,7 +145,8 @@ static const char *unique_name(const list_t *list, const char *name)
 }
 
 /* @param name  not in the list */
-static void add_signal(list_t *list, const ect_build_entry_t *entry, const char *name, const char *meaning)
+static void add_signal(list_t *list, uint16_t index, const ect_build_entry_t *entry, const char *name,
+                       const char *meaning)
 {
     ect_build_t *build = list->build;
     bool bytes = entry->data_type == ECT_TYPE_VISIBLE_STRING || entry->data_type == ECT_TYPE_OCTET_STRING;
@@ -118,6 +157,7 @@ static void add_signal(list_t *list, const ect_build_entry_t *entry, const char 
     ect_signal_t *signal = &list->signals[list->count++];
     signal->name = name;
     signal->meaning = ect_build_text(build, meaning, ECT_BUILD_TEXT);
+    signal->unit = unit_name(build, unit_of(build, index, entry));
     signal->type = type_of(entry);
     const bool own = (entry->access & ECT_ACCESS_RXPDO) != 0 || ect_build_is_toggle(build, entry);
     signal->access = own ? ECT_SIGNAL_READ : ECT_SIGNAL_WRITE;
@@ -173,7 +213,7 @@ static void add_pdo(ect_build_t *build, ect_plant_t *plant, const ect_build_pdo_
         const ect_build_entry_t *entry = ect_build_entry(ect_build_find(build, index), model->subindex);
         const char *otherwise =
             ect_arena_print(build->arena, "n%04x_%02x", (unsigned int)index, (unsigned int)model->subindex);
-        add_signal(&list, entry, unique_name(&list, plain_name(build, model->name, otherwise)),
+        add_signal(&list, index, entry, unique_name(&list, plain_name(build, model->name, otherwise)),
                    meaning_of(build, pdo, model, index));
     }
     const char *otherwise = ect_arena_print(build->arena, "pdo_%04x", (unsigned int)pdo->index);
@@ -217,7 +257,7 @@ static void add_objects(ect_build_t *build, ect_plant_t *plant, const bool *seen
             const char *name =
                 ect_arena_print(build->arena, "%04x_%02x", (unsigned int)object->index, (unsigned int)entry->subindex);
             add_signal(
-                &list, entry, name,
+                &list, object->index, entry, name,
                 ect_arena_print(build->arena, "%s%s%s", object->name, *entry->name != '\0' ? ", " : "", entry->name));
         }
     }

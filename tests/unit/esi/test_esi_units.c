@@ -20,7 +20,7 @@ static void names(void **state)
         {"m", 0x00010000},    {"mm", 0xFD010000},   {"um", 0xFA010000},   {"nm", 0xF7010000},    {"km", 0x03010000},
         {"MHz", 0x06200000},  {"s", 0x00030000},    {"ms", 0xFD030000},   {"A", 0x00040000},     {"K", 0x00050000},
         {"rad", 0x00100000},  {"N", 0x00210000},    {"kPa", 0x03220000},  {"kW", 0x03240000},    {"mV", 0xFD260000},
-        {"kOhm", 0x03280000}, {"degC", 0x002D0000}, {"mm/s", 0xFD010300}, {"rad/s", 0x00100300},
+        {"kOhm", 0x03280000}, {"degC", 0x002D0000}, {"mm/s", 0xFD010300}, {"rad/s", 0x00100300}, {"mbar", 0xFD4E0000},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
