@@ -109,6 +109,15 @@ static uint32_t kind_of(uint16_t code)
     return ect_build_is_signed(code) ? ECT_SOE_SIGNED : ECT_SOE_UNSIGNED;
 }
 
+/* A type with parts is a list, which begins with its length, or a number with names for its bits. */
+static bool is_list_type(const ect_esi_object_t *object, const ect_esi_type_t *type)
+{
+    enum { LENGTH_BITS = 16 };
+    if (object->flags.attribute.given)
+        return (object->flags.attribute.value & ECT_SOE_LIST) != 0;
+    return type->items[0].bits >= LENGTH_BITS;
+}
+
 /* @return false: its length is not known */
 static bool shape_of(const ect_esi_dictionary_t *dictionary, const ect_esi_object_t *object, shape_t *shape)
 {
@@ -117,7 +126,12 @@ static bool shape_of(const ect_esi_dictionary_t *dictionary, const ect_esi_objec
     ect_esi_basic_t basic;
     *shape = (shape_t){.list = true, .head = true, .kind = ECT_SOE_BINARY};
     if (type != NULL && type->item_count > 0) {
-        const uint32_t bytes = (type->bits > object->bits ? type->bits : object->bits) / 8;
+        const uint32_t bits = type->bits > object->bits ? type->bits : object->bits;
+        const uint32_t bytes = bits / 8;
+        if (bits <= 64 && !is_list_type(object, type)) {
+            *shape = (shape_t){.kind = ECT_SOE_BINARY, .bits = bits};
+            return true;
+        }
         shape->bits = element_bits(dictionary, type);
         shape->bytes = bytes > LIST_HEAD ? bytes - LIST_HEAD : 0;
         return true;

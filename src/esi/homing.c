@@ -28,6 +28,9 @@ enum {
     WITHOUT_MARKER = 0x0040,
 };
 
+/* S-0-0403: the feedback in use, feedback 1. */
+enum { ALL_HOMED = 0x0003 };
+
 /* Bits 13 to 15 of S-0-0134: without one of them a run ends. */
 enum { ALL_ENABLED = 0xE000 };
 
@@ -169,5 +172,5 @@ void ect_esi_homing_out(const ect_esi_dialect_t *dialect, void *instance, const 
     if (!dialect->homes)
         return;
     ect_402_store(instance, &dialect->home_switch, d->axis.level[ECT_402_HOME]);
-    ect_402_store(instance, &dialect->homed, d->axis.homed);
+    ect_402_store(instance, &dialect->homed, d->axis.homed ? ALL_HOMED : 0);
 }

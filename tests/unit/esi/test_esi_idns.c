@@ -4,6 +4,9 @@
 #include "seams/soe.h"
 
 #define TYPE(name, bits) "<DataType><Name>" name "</Name><BitSize>" bits "</BitSize></DataType>"
+#define BITS(name, bits)                                                                                               \
+    "<DataType><Name>" name "</Name><BitSize>" bits "</BitSize>"                                                       \
+    "<SubItem><Name>Bit0</Name><Type>BIT</Type><BitSize>1</BitSize><BitOffs>0</BitOffs></SubItem></DataType>"
 #define TYPES                                                                                                          \
     "<DataTypes>" TYPE("USINT", "8") TYPE("UINT", "16") TYPE("DINT", "32") TYPE("LINT", "64") TYPE("REAL", "32")       \
         TYPE("LREAL", "64") TYPE(                                                                                      \
@@ -16,7 +19,16 @@
                   "<SubItem><Name>Max</Name><Type>UINT</Type><BitSize>16</BitSize><BitOffs>16</BitOffs></SubItem>"     \
                   "<SubItem><Name>Values</Name><Type>ARRAY2</Type><BitSize>64</BitSize><BitOffs>32</BitOffs></"        \
                   "SubItem>"                                                                                           \
-                  "</DataType></DataTypes>"
+                  "</DataType>" BITS("BITS16", "16")                                                                   \
+                      BITS("BITS64", "64") "<DataType><Name>SHORT</Name>"                                              \
+                                           "<BitSize>64</BitSize>"                                                     \
+                                           "<SubItem><Name>Act</Name><Type>UINT</Type><BitSize>16</"                   \
+                                           "BitSize><BitOffs>0</BitOffs></SubItem>"                                    \
+                                           "<SubItem><Name>Max</Name><Type>UINT</Type><BitSize>16</"                   \
+                                           "BitSize><BitOffs>16</BitOffs></SubItem>"                                   \
+                                           "<SubItem><Name>Value</Name><Type>UDINT</Type><BitSize>32</"                \
+                                           "BitSize><BitOffs>32</BitOffs></SubItem>"                                   \
+                                           "</DataType></DataTypes>"
 #define OBJECT(type, bits, rest)                                                                                       \
     "<Object><Index>#x8001</Index><Name>N</Name><Type>" type "</Type><BitSize>" bits "</BitSize>" rest "</Object>"
 #define INFO(body)       "<Info>" body "</Info>"
@@ -70,6 +82,10 @@ static void shapes(void **state)
          OBJECT("UINT", "16", "<Flags><Access WriteRestrictions='PreOP_OP'>rw</Access></Flags>"),
          ECT_SOE_16 | ECT_SOE_UNSIGNED | ECT_SOE_LOCK_SAFEOP | 1, 0, 0, NULL},
         {"its own attribute, but for the width", OBJECT("DINT", "32", ATTRIBUTE("20310002")), 0x20320002, 0, 0, NULL},
+        {"bits with names", OBJECT("BITS16", "16", ""), ECT_SOE_16 | ECT_SOE_READ_ONLY | 1, 0, 0, NULL},
+        {"64 bits with names", OBJECT("BITS64", "64", ATTRIBUTE("60030001")), 0x60030001, 0, 0, NULL},
+        {"a short list", OBJECT("SHORT", "64", ""), ECT_SOE_16 | ECT_SOE_LIST | ECT_SOE_READ_ONLY | 1, 4, 0, NULL},
+        {"a short list by its attribute", OBJECT("BITS64", "64", ATTRIBUTE("60050001")), 0x60050001, 4, 0, NULL},
         {"a command", OBJECT("DINT", "32", ATTRIBUTE("000A0001")), 0x00090001, 0, 0, NULL},
         {"a text", OBJECT("STRING(4)", "32", INFO("<DefaultString>AB</DefaultString>")),
          ECT_SOE_8 | ECT_SOE_LIST | ECT_SOE_TEXT | ECT_SOE_READ_ONLY | 1, 4, 2, "AB"},

@@ -129,7 +129,7 @@ static void each_setting(void **state)
             cycles(200);
             expect_near(what, (double)(rows[i].home - start), 2, signal_of("axis1.machine_position"));
             expect_near(what, REFERENCE, 2, actual(0));
-            assert_int_equal(number_of(0, HOMED_IDN, VALUE), 1);
+            assert_int_equal(number_of(0, HOMED_IDN, VALUE), 3);
             assert_int_equal((int)signal_of("axis1.homed"), 1);
             close_drive(state);
         }
@@ -156,7 +156,7 @@ static void until_cleared(void **state)
     }
     cycles(200);
     expect_near("follows", REFERENCE + 2000, 20, actual(0));
-    assert_int_equal(number_of(0, HOMED_IDN, VALUE), 1);
+    assert_int_equal(number_of(0, HOMED_IDN, VALUE), 3);
     assert_int_equal(write_word(0, HOMING, 3), 0);
     cycles(20);
     assert_int_equal(number_of(0, HOMED_IDN, VALUE), 0);
