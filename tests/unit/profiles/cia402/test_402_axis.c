@@ -246,6 +246,25 @@ static void demands(void **state)
     }
 }
 
+/* The second target is within the window of the first one: bit 10 is 0 until it is reached itself. */
+static void queued(void **state)
+{
+    (void)state;
+    set_point(0, 1000);
+    set_point(0, 1005);
+    assert_true(axis.next.valid);
+    while (axis.next.valid && steps < 5000 * STEPS_A_MS)
+        step();
+    expect_near("DRV-210, the first target", 1000, 1, axis.reference.position);
+    assert_true(axis.task);
+    assert_false(axis.task_reached);
+    assert_false(ect_402_reached(&axis));
+    while (ect_402_task_active(&axis) && steps < 5000 * STEPS_A_MS)
+        step();
+    expect_near("the second target", 1005, 1e-9, axis.reference.position);
+    assert_true(axis.task_reached);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -256,6 +275,7 @@ int main(int argc, char **argv)
         {"DRV-408 DRV-409: a new target at once, or after the first one", changed, setup, NULL, NULL},
         {"DRV-410: two set-points with and without a stop between them", blended, NULL, NULL, NULL},
         {"DRV-219 DRV-404: 6082h, the speed at the target", end_speed, setup, NULL, NULL},
+        {"DRV-210 DRV-218: bit 10 between two targets", queued, setup, NULL, NULL},
         {"DRV-222: the first demand of a set-point", demands, setup, NULL, NULL},
         {"DRV-411: relative set-points add up", relative, setup, NULL, NULL},
     };

@@ -485,6 +485,40 @@ static void defaults(void **unused)
     }
 }
 
+/* The default of 6081h, 10 485 760, in entries of each width. */
+static void default_widths(void **unused)
+{
+    static const struct {
+        const char *what;
+        uint8_t bytes;
+        bool is_signed, is_real;
+        int64_t number;
+    } rows[] = {
+        {"8 bits with a sign", 1, true, false, 127},
+        {"8 bits", 1, false, false, 255},
+        {"16 bits with a sign", 2, true, false, 32767},
+        {"16 bits", 2, false, false, 65535},
+        {"32 bits", 4, false, false, 10485760},
+        {"64 bits with a sign", 8, true, false, 10485760},
+        {"64 bits", 8, false, false, 10485760},
+        {"REAL32", 4, true, true, 10485760},
+        {"REAL64", 8, true, true, 10485760},
+    };
+    (void)unused;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        prepare();
+        ect_402_link_t *link = &r.links[ECT_402_V_TASK_SPEED];
+        r.links[ECT_402_V_END_SPEED].bytes = 0; /* in its place */
+        link->bytes = rows[i].bytes;
+        link->is_signed = rows[i].is_signed;
+        link->is_real = rows[i].is_real;
+        power_on();
+        int64_t got = ect_402_load(r.value, link);
+        if (got != rows[i].number)
+            fail_msg("DRV-042, %s: expected %lld, got %lld", rows[i].what, (long long)rows[i].number, (long long)got);
+    }
+}
+
 /* Actual values of a motion in csv: 120 turns a minute against 1 Nm, a third of the rated torque. */
 static void actual_values(void **unused)
 {
@@ -1192,6 +1226,7 @@ int main(void)
         {"DRV-151: edges count from the first control word in OP", first_word_in_op, NULL, NULL, NULL},
         {"The machine at first power-on, and at the next", first_surroundings, NULL, NULL, NULL},
         {"Writes and the end of OP come after the steps up to them", steps_before, NULL, NULL, NULL},
+        {"DRV-042: a default is at most what its entry holds", default_widths, NULL, NULL, NULL},
         {"DRV-030: the motor by its rated torque", rated_torques, NULL, NULL, NULL},
         {"Options, modes and methods that do not exist are refused", refused_values, NULL, NULL, NULL},
     };
