@@ -42,7 +42,7 @@ install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR}
 # Modes are not those of the sources, which depend on the umask of the clone.
 install(DIRECTORY docs examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT doc
   PATTERN Doxyfile EXCLUDE PATTERN __pycache__ EXCLUDE
-  REGEX "/(machine\\.sh|tank\\.sh|tank\\.py|plot\\.py|ten_lines_chain\\.py)$" PERMISSIONS
+  REGEX "/(machine\\.sh|tank\\.sh|tank\\.py|tank_fmu\\.py|plot\\.py|ten_lines_chain\\.py)$" PERMISSIONS
     OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 install(FILES packaging/systemd/ectwin@.service DESTINATION lib/systemd/system COMPONENT doc)
 foreach(row "ectwin.bash bash-completion/completions ectwin" "_ectwin zsh/vendor-completions _ectwin"

@@ -9,11 +9,11 @@
 #   bench run, and what tools/dev/bench/run.py measures with: valgrind, iproute2, util-linux
 #   package run, and what tools/package.sh builds packages with
 #   test  all but what measures, and what the tests need: CMocka, clang for the fuzz targets, gcovr, iperf3, and from PyPI
-#         pymodbus, and the sources of SOEM for examples/fuzz-master; Chromium with its driver, which the panel's page is tested in
+#         pymodbus, FMPy, and the sources of SOEM for examples/fuzz-master; Chromium with its driver, which the panel's page is tested in
 #
 # Debian and Ubuntu packages, as root or through sudo. SOEM: one that is installed (find_package) is taken when our programs
 # compile with it; else the source package pyecm 0.0.3 from PyPI, which carries SOEM 1.4.0, is fetched by pip against a pinned
-# hash and built below ~/.cache/ectwin, where pymodbus is put as well. Safe to run again; does nothing when nothing is missing.
+# hash and built below ~/.cache/ectwin, where pymodbus and FMPy are put as well. Safe to run again; does nothing when nothing is missing.
 set -eu
 
 run_packages="gcc libc6-dev cmake ninja-build pkg-config libnl-route-3-dev libcjson-dev libseccomp-dev libxml2-dev libmodbus-dev libyaml-dev
@@ -35,6 +35,11 @@ soem_sha256="5dbe908a5a4742be331e7a1a5e858ec39bd8a0e650ecd0ad3421d875a8ae3b9f"
 
 pymodbus_wheel="pymodbus-3.16.1-py3-none-any.whl"
 pymodbus_sha256="bb433f7417280bdea1190d95495aa6fb8e1fa8e0d720c436922b270bc378024c"
+
+fmpy_folder="$HOME/.cache/ectwin/fmpy-0.3.32"
+fmpy_requirements="fmpy==0.3.32 --hash=sha256:b379deb9417b842028003a288d00c1c5f138d1580e1ff12cc6c42a98719cecf0
+attrs==24.2.0 --hash=sha256:81921eb96de3191c8258c199618104dd27ac608d9366f5e35d011eae1867ede2"
+fmpy_libraries="numpy==2.1.3 lxml==5.3.0" # another file for each Python and machine
 
 say() { printf 'bootstrap: %s\n' "$*" >&2; }
 die() { say "$*"; exit 1; }
@@ -155,6 +160,21 @@ install_pymodbus() {
   mv "$work/pip/$pymodbus_wheel" "$HOME/.cache/ectwin/"
 }
 
+# FMPy with what a simulation needs of its requirements: 28 MB, for this Python.
+install_fmpy() {
+  PYTHONPATH="$fmpy_folder" python3 -c 'import fmpy.fmi2, fmpy.fmi3' 2>/dev/null && return 0
+  # shellcheck disable=SC2086
+  install_packages $soem_packages
+  say "fetching FMPy 0.3.32 into $fmpy_folder"
+  echo "$fmpy_requirements" >"$work/requirements.txt"
+  local pip="python3 -m pip install --quiet --disable-pip-version-check --no-deps --only-binary :all: --target $work/fmpy"
+  # shellcheck disable=SC2086
+  { $pip --require-hashes -r "$work/requirements.txt" && $pip $fmpy_libraries; } >"$work/log" 2>&1 || return 1
+  mkdir -p "$HOME/.cache/ectwin"
+  rm -rf "$fmpy_folder"
+  mv "$work/fmpy" "$fmpy_folder"
+}
+
 job=${1:-}
 root=$(cd "$(dirname "$0")/.." && pwd)
 work=$(mktemp -d)
@@ -180,4 +200,5 @@ case "$job" in
 esac
 install_soem
 [ "$job" != test ] || (install_pymodbus) || say "without pymodbus from PyPI the base unit's Modbus side is not tested over the wire"
+[ "$job" != test ] || (install_fmpy) || say "without FMPy from PyPI ectwin-fmu is not tested with models"
 [ "$job" != test ] || (install_soem_sources) || say "without the sources of SOEM from PyPI examples/fuzz-master is not tested"

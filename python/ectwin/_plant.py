@@ -61,6 +61,8 @@ class Plant:
     With `on`, the name of a signal, the function is called at each change of this signal in place of each period. A result that comes more
     than `timeout` seconds later is dropped and counted.
 
+    With `fit`, running twins round each value to the type of its signal and limit it to its range; else they refuse one that does not fit.
+
     The same plant serves a Chain (Chain.attach), where each call is made at its exact time.
     """
 
@@ -74,6 +76,7 @@ class Plant:
         name: str = "plant",
         on: Optional[Name] = None,
         timeout: float = 0.005,
+        fit: bool = False,
     ) -> None:
         self.function = function
         self.reads = list(reads)
@@ -82,6 +85,7 @@ class Plant:
         self.name = name
         self.on = on
         self.timeout = timeout
+        self.fit = fit
         #: Calls so far.
         self.steps = 0
         if not (self.reads or self.writes):
@@ -134,9 +138,9 @@ class Plant:
     def _rhythm(self) -> Dict[str, Any]:
         """The members of a request that start the plant."""
         if self.on is None:
-            return {"period_us": self.period * 1e6}
+            return {"period_us": self.period * 1e6, "fit": self.fit}
         slave, name = split(self.on)
-        return {"slave": slave, "on": name, "timeout_us": self.timeout * 1e6}
+        return {"slave": slave, "on": name, "timeout_us": self.timeout * 1e6, "fit": self.fit}
 
     @staticmethod
     def _reach(path: Optional[str], timeout: float) -> Connection:

@@ -100,16 +100,10 @@ static double value_of(const ect_signal_ref_t *ref)
 
 static double result_of(const ect_connection_t *c, double value)
 {
-    const ect_signal_t *signal = c->target.signal;
-    bool real = signal->type == ECT_SIGNAL_REAL || signal->type == ECT_SIGNAL_REAL32;
     double result = value * c->factor + c->offset;
     if (c->invert)
         result = result == 0;
-    if (!(result >= (double)signal->minimum))
-        result = (double)signal->minimum;
-    if (result > (double)signal->maximum)
-        result = (double)signal->maximum;
-    return real ? result : (double)(int64_t)(result < 0 ? result - 0.5 : result + 0.5);
+    return ect_signal_fit(c->target.signal, result);
 }
 
 /* A plant may refuse a value: the last one stays. @return whether the target was set */

@@ -219,6 +219,19 @@ void ect_signal_range(const ect_signal_t *signal, char *text)
                  unit);
 }
 
+double ect_signal_fit(const ect_signal_t *signal, double value)
+{
+    const double integer = 9007199254740992.0; /* from 2^53 on a number has no fraction */
+    const bool real = signal->type == ECT_SIGNAL_REAL || signal->type == ECT_SIGNAL_REAL32;
+    if (!(value >= (double)signal->minimum))
+        return (double)signal->minimum;
+    if (value > (double)signal->maximum)
+        return (double)signal->maximum;
+    if (real || value >= integer || value <= -integer)
+        return value;
+    return (double)(int64_t)(value < 0 ? value - 0.5 : value + 0.5);
+}
+
 static bool parse_bytes(const char *text, size_t size, uint8_t *bytes)
 {
     if (strlen(text) != 2 * size || strspn(text, "0123456789abcdefABCDEF") != 2 * size)

@@ -78,6 +78,12 @@ bool ect_signal_write(const ect_signal_ref_t *ref, const char *text, uint64_t no
 /** The checks of ::ect_signal_write that need no plant: access and range. Sets nothing. */
 bool ect_signal_check(const ect_signal_ref_t *ref, const char *text, char *message);
 
+/**
+ * Fits a number into a signal that is one: limited to its range, rounded to the nearest integer for an integer.
+ * @param value  not a number: gives the lowest value
+ */
+double ect_signal_fit(const ect_signal_t *signal, double value);
+
 /** Writes the range of a signal's values as text, e.g. "-1000..1000 %". @param[out] text  ECT_SIGNAL_TEXT_ROOM bytes */
 void ect_signal_range(const ect_signal_t *signal, char *text);
 

@@ -17,6 +17,7 @@ struct ect_outside {
     const void *owner;      /* NULL: has ended */
     bool runs;              /* has a period */
     bool waits;             /* the clock stands still during its steps */
+    bool fits;              /* its values are rounded and limited */
     bool pending;           /* no reply to the present step yet */
     bool was_late;          /* reported */
     uint64_t period_ns;     /* from step to step; with `on`: longest time to a reply */
@@ -197,6 +198,7 @@ static const char *start(const ect_outsides_t *all, ect_outside_t *plant, const 
     see(plant);
     plant->runs = true;
     plant->waits = wait;
+    plant->fits = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(request, "fit"));
     return NULL;
 }
 
@@ -387,6 +389,12 @@ void ect_outside_give_up(ect_outsides_t *all, ect_outside_t *plant)
         count_late(all, plant, 1);
 }
 
+/* A finite number of a reply as its signal gets it. */
+static double fitted(const ect_outside_t *plant, size_t index, double value)
+{
+    return plant->fits ? ect_signal_fit(plant->writes[index].ref.signal, value) : value;
+}
+
 /* The texts of the values; NULL for null. @return the reason of a refusal; NULL: done */
 static const char *read_values(const ect_outside_t *plant, const cJSON *request, char texts[][32],
                                const char *values[ECT_OUTSIDE_VALUES])
@@ -402,7 +410,7 @@ static const char *read_values(const ect_outside_t *plant, const cJSON *request,
         if (!number && !cJSON_IsNull(one) && !cJSON_IsBool(one))
             return "a value of a plant is a number, true, false or null";
         const double value = number ? one->valuedouble : cJSON_IsTrue(one) ? 1 : 0;
-        (void)snprintf(texts[count], sizeof texts[count], "%.15g", value);
+        (void)snprintf(texts[count], sizeof texts[count], "%.15g", fitted(plant, count, value));
         values[count] = cJSON_IsNull(one) ? NULL : texts[count];
         count++;
     }
@@ -463,8 +471,11 @@ cJSON *ect_outside_as_set(const ect_outside_t *plant, const cJSON *request, size
     const cJSON *one;
     cJSON_ArrayForEach(one, list)
     {
-        if (i < plant->write_count && plant->writes[i].position == here && !cJSON_IsNull(one))
-            cJSON_AddItemToObject(values, plant->writes[i].ref.name, cJSON_Duplicate(one, false));
+        if (i < plant->write_count && plant->writes[i].position == here && !cJSON_IsNull(one)) {
+            cJSON *value = cJSON_IsNumber(one) ? cJSON_CreateNumber(fitted(plant, i, one->valuedouble))
+                                               : cJSON_Duplicate(one, false);
+            cJSON_AddItemToObject(values, plant->writes[i].ref.name, value);
+        }
         i++;
     }
     return set;

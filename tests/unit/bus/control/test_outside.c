@@ -335,6 +335,40 @@ static void observers_get_replies_as_settings_of_each_twin(void **state)
     close_bench(&b);
 }
 
+static void values_of_a_plant_that_fit_are_rounded_and_limited(void **state)
+{
+    static const struct {
+        const char *sent, *judgement, *data3;
+    } rows[] = {
+        {"[0.6,0.6]", "1", "0.6"},       {"[-0.5,-0.25]", "-1", "-0.25"},         {"[0.49,2]", "0", "2"},
+        {"[7,1e300]", "1", "999999999"}, {"[-1e300,-1e300]", "-1", "-999999999"}, {"[true,false]", "1", "0"},
+        {"[null,5]", "1", "5"},
+    };
+    ect_stats_t stats = {0};
+    char text[128];
+    bench_t b;
+    (void)state;
+    memset(&observed, 0, sizeof observed);
+    open_with_report(&b, 1, &stats);
+    ect_control_observe(b.control, on_change, NULL);
+    const int fd = start_plant(&b, "{\"op\":\"plant\",\"name\":\"t\",\"writes\":[\"judgement\",\"data3\"],"
+                                   "\"period_us\":1000,\"fit\":true}\n");
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        assert_non_null(strstr(pass(&b, fd, MS), "\"values\":[]"));
+        (void)snprintf(text, sizeof text, "{\"op\":\"step\",\"values\":%s}\n", rows[i].sent);
+        assert_string_equal(say(&b, fd, text), "");
+        (void)snprintf(text, sizeof text, "\"value\":%s}\n", rows[i].judgement);
+        expect_part(&b, "{\"op\":\"get\",\"pattern\":\"judgement\"}\n", text);
+        (void)snprintf(text, sizeof text, "\"value\":%s}\n", rows[i].data3);
+        expect_part(&b, "{\"op\":\"get\",\"pattern\":\"data3\"}\n", text);
+    }
+    expect_stats(&b, "\"refused\":0,");
+    assert_string_equal(observed.request[0], "{\"op\":\"set\",\"slave\":1,\"values\":{\"judgement\":1,\"data3\":0.6}}");
+    close(fd);
+    serve(&b);
+    close_bench(&b);
+}
+
 #define CAMERA                                                                                                         \
     "{\"op\":\"plant\",\"name\":\"cam\",\"reads\":[\"scene\"],\"writes\":[\"data1\",\"judgement\"],"                   \
     "\"on\":\"exposures\",\"timeout_us\":4000}\n"
@@ -517,6 +551,8 @@ int main(int argc, char **argv)
         {"Without memory a plant and a reply are refused", without_memory_a_plant_is_refused, NULL, NULL, NULL},
         {"Records get the reply of a plant as a request set for each twin",
          observers_get_replies_as_settings_of_each_twin, NULL, NULL, NULL},
+        {"With `fit`, values are rounded and limited as those of connections are, in records too",
+         values_of_a_plant_that_fit_are_rounded_and_limited, NULL, NULL, NULL},
         {"FZM1: with `on`, a step begins with each image input; a reply behind the timeout is dropped",
          a_step_at_each_change_of_a_signal, NULL, NULL, NULL},
         {"With `on`, the next change ends a step without a reply", the_next_change_ends_a_step, NULL, NULL, NULL},
