@@ -141,8 +141,9 @@ class BesideRunningTwins(unittest.TestCase):
                 process = command(model, "--map", written("fails.map", FAST.replace("500", "0") + lines), twin.path)
                 messages = process.communicate(timeout=PATIENCE)[1].splitlines()
                 self.assertEqual(process.returncode, 1)
-                self.assertEqual(len(messages), 2, messages)
-                self.assertEqual(messages[1], f"ectwin-fmu: tank.fmu has failed at 0 s of its time: {function} failed with status 3 (error).")
+                messages = [line for line in messages[1:] if "was too late for" not in line]  # which it may be on a busy machine
+                self.assertEqual(len(messages), 1, messages)
+                self.assertEqual(messages[0], f"ectwin-fmu: tank.fmu has failed at 0 s of its time: {function} failed with status 3 (error).")
                 twin.wait("data1", 3, timeout=PATIENCE, slave=2)
                 while twin.stats()["plants"]["tank"]["connected"]:
                     pass
