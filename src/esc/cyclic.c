@@ -113,7 +113,7 @@ bool ect_esc_cyclic(const ect_esc_t *esc, uint8_t command, uint32_t logical, uin
     const uint8_t *m = esc->memory;
     bool read = false, written = false;
     *effect = (ect_esc_cyclic_t){0};
-    if (!esc->fmmus_plain || esc->sms_overlap || !esc->sii_valid || command < ECT_LRD || command > ECT_LRW ||
+    if (!esc->fmmus_whole || esc->sms_overlap || !esc->sii_valid || command < ECT_LRD || command > ECT_LRW ||
         (m[ECT_REG_WRITE_PROTECTION] | m[ECT_REG_ESC_WRITE_PROTECTION]) != 0 ||
         (esc->config.personality->features & ECT_FEATURE_NO_LRW) != 0)
         return false;

@@ -39,7 +39,8 @@ bool ect_esc_steady(const ect_esc_t *esc);
  * Finds the effect of LRD, LWR or LRW. It lasts, however often such datagrams pass, until any other access of either
  * side, if ::ect_esc_steady.
  * @return false: not certain. Certain are whole images of SyncManagers with three buffers in RAM, each whole in one
- *         FMMU and in the datagram, without ECAT events, sequential mode, write protection or overlaps
+ *         FMMU and in the datagram, without ECAT events, sequential mode or write protection, where neither
+ *         SyncManagers nor FMMUs of one direction overlap
  */
 bool ect_esc_cyclic(const ect_esc_t *esc, uint8_t command, uint32_t logical, uint16_t length, ect_esc_cyclic_t *effect);
 

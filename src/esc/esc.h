@@ -149,6 +149,7 @@ typedef struct ect_esc {
     uint8_t fmmu_reads;  /* bit n: FMMU n is active and maps reads */
     uint8_t fmmu_writes; /* likewise, writes */
     bool fmmus_plain;    /* all FMMUs map whole bytes, and no byte belongs to two of them */
+    bool fmmus_whole;    /* they map whole bytes, and no byte belongs to two of them in one direction */
     bool sms_overlap;    /* two enabled SyncManagers share a byte: the lower number decides */
     uint8_t sm_changed;  /* bit n: the PDI has yet to read the changed activate register of SyncManager n */
     uint32_t activity;

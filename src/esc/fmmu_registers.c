@@ -26,17 +26,23 @@ static bool share_a_byte(const uint8_t *fmmu, const uint8_t *other)
            others_first < first + ect_load_le16(fmmu + ECT_FMMU_LENGTH);
 }
 
-static bool are_plain(const ect_esc_t *esc)
+/* A read and a write may share bytes: reads replace data of the frame, and writes take the data that came. */
+static void find_overlaps(ect_esc_t *esc)
 {
     unsigned int active = (unsigned int)esc->fmmu_reads | esc->fmmu_writes;
-    bool plain = true;
+    bool whole = true, apart = true, sorted = true;
     for (unsigned int n = 0; active >> n != 0; n++) {
-        plain &= (active >> n & 1u) == 0 || is_plain(ect_esc_fmmu_registers(esc, n));
-        for (unsigned int m = n + 1; (active >> n & 1u) != 0 && active >> m != 0; m++)
-            plain &= (active >> m & 1u) == 0 ||
-                     !share_a_byte(ect_esc_fmmu_registers(esc, n), ect_esc_fmmu_registers(esc, m));
+        const uint8_t *fmmu = ect_esc_fmmu_registers(esc, n);
+        whole &= (active >> n & 1u) == 0 || is_plain(fmmu);
+        for (unsigned int m = n + 1; (active >> n & 1u) != 0 && active >> m != 0; m++) {
+            const uint8_t *other = ect_esc_fmmu_registers(esc, m);
+            bool shares = (active >> m & 1u) != 0 && share_a_byte(fmmu, other);
+            apart &= !shares;
+            sorted &= !shares || fmmu[ECT_FMMU_TYPE] != other[ECT_FMMU_TYPE];
+        }
     }
-    return plain;
+    esc->fmmus_plain = whole && apart;
+    esc->fmmus_whole = whole && sorted;
 }
 
 /* Determines which FMMUs a datagram must be compared with, and how. */
@@ -48,7 +54,7 @@ static void sort(ect_esc_t *esc)
         esc->fmmu_reads |= (uint8_t)(is_active(fmmu, ECT_FMMU_TYPE_READ) ? 1u << n : 0u);
         esc->fmmu_writes |= (uint8_t)(is_active(fmmu, ECT_FMMU_TYPE_WRITE) ? 1u << n : 0u);
     }
-    esc->fmmus_plain = are_plain(esc);
+    find_overlaps(esc);
 }
 
 static const uint8_t writable[ECT_FMMU_SIZE] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x07, 0x07,

@@ -224,6 +224,8 @@ const char *ect_chain_fault(ect_chain_t *chain, const ect_fault_t *fault, uint64
     (void)ect_esc_tick(&chain->twins[i].esc, now_ns);
     if (ect_twin_fault(&chain->twins[i], fault, now_ns, &why))
         restarted(chain, i);
+    ect_fast_refresh(chain->fast, i); /* frames may come before the next poll */
+    ect_deadlines_set(chain->deadlines, i, now_ns);
     ect_chain_wake(chain, i);
     return why;
 }

@@ -188,6 +188,7 @@ static void set_fmmus(rig_t *r, size_t i)
     const ect_device_t *device = device_of(r, i);
     uint16_t end = 0;
     uint8_t n = 0;
+    const bool shared = r->plans && one_in(r, 4); /* outputs and inputs have the same logical addresses */
     for (unsigned int sm = 0; sm < device->sm_count; sm++) {
         uint8_t fmmu[16] = {0};
         uint16_t bytes = ect_device_sm_bytes(device, sm);
@@ -195,7 +196,7 @@ static void set_fmmus(rig_t *r, size_t i)
             continue;
         bool bits = one_in(r, r->plans ? 60 : 6);
         uint32_t logical = r->plans && !one_in(r, 20) ? (uint32_t)(i * 300 + end) : (uint32_t)(i * 40 + below(r, 40));
-        end += bytes;
+        end = (uint16_t)(end + (shared ? 0 : bytes));
         ect_store_le32(fmmu, logical);
         ect_store_le16(fmmu + 4, bytes);
         fmmu[6] = bits ? (uint8_t)below(r, 8) : 0;
@@ -598,6 +599,21 @@ static void disturb(rig_t *r)
     }
 }
 
+/* Plans cover neither a clock with a rate of its own nor a watchdog of the PDI, which guards a microcontroller that has
+ * stopped. Half the time all is plain again. */
+static void disturb_plans(rig_t *r)
+{
+    const size_t i = below(r, (uint32_t)r->count);
+    const bool plain = one_in(r, 2);
+    const ect_fault_t fault = {.kind = plain ? ECT_FAULT_RESUME : ECT_FAULT_HANG, .slave = (uint16_t)(i + 1)};
+    if (one_in(r, 2)) {
+        set_both(r, i, "ecat.drift", plain ? "0" : "90000");
+        return;
+    }
+    assert_null(ect_chain_fault(r->fast, &fault, r->now_ns));
+    assert_null(ect_chain_fault(r->slow, &fault, r->now_ns));
+}
+
 static void pass_time(rig_t *r)
 {
     static const uint32_t steps[] = {0, 1, 1000, 20000, 500000, 1000000, 1000000, 5000000};
@@ -656,6 +672,8 @@ static void act(rig_t *r)
         poll(r);
     if (one_in(r, 150))
         disturb(r);
+    if (r->plans && one_in(r, 100))
+        disturb_plans(r);
     if (r->frame_number % BETWEEN_LOOKS == 0)
         compare(r);
     if (r->plans)

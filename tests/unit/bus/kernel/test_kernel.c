@@ -68,11 +68,19 @@ static void build(rig_t *r)
         r->w.frame[12 + below(r, 12)] ^= (uint8_t)(1u << below(r, 8));
 }
 
+/* With the microcontroller its watchdog of the PDI starts, and ends. */
+static void stop_microcontroller(rig_t *r, size_t i)
+{
+    const ect_fault_t fault = {.kind = below(r, 6) == 0 ? ECT_FAULT_HANG : ECT_FAULT_RESUME,
+                               .slave = (uint16_t)(i + 1)};
+    assert_null(ect_chain_fault(r->w.chain, &fault, r->w.now_ns));
+}
+
 /* Each change that a plan may rest on. */
 static void change(rig_t *r)
 {
     size_t i = below(r, SLAVES);
-    switch (below(r, 6)) {
+    switch (below(r, 8)) {
     case 0:
         (void)wire_write16(&r->w, i, ECT_REG_FMMU + 16, (uint16_t)(0x103 + 6 * i + below(r, 2)));
         return;
@@ -84,6 +92,12 @@ static void change(rig_t *r)
         return;
     case 3:
         (void)wire_write16(&r->w, i, ECT_REG_AL_CONTROL, below(r, 2) == 0 ? 4 : 8);
+        return;
+    case 4: /* inputs at the addresses of outputs, or behind these */
+        (void)wire_write16(&r->w, i, ECT_REG_FMMU + 16, (uint16_t)(0x100 + 6 * i + 3 * below(r, 2)));
+        return;
+    case 5:
+        stop_microcontroller(r, i);
         return;
     default:
         wire_poll(&r->w);
