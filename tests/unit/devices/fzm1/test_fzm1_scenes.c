@@ -126,6 +126,22 @@ static void prepared(void **state)
     assert_int_equal(measured(1), 7500);
 }
 
+/* The results of the scene before are none of the new one. */
+static void unmeasured(void **state)
+{
+    static const uint32_t switches[] = {FZM1_SWITCH_SCENE, FZM1_SWITCH_GROUP};
+    (void)state;
+    for (size_t i = 0; i < sizeof switches / sizeof switches[0]; i++) {
+        int32_t data = 0;
+        (void)measured(1);
+        assert_int_equal(sensor_command(&s, FZM1_GET_UNIT_DATA, 0, 0, 0, &data), 0);
+        assert_int_equal(data, 1000);
+        command(switches[i], 2);
+        assert_int_equal(sensor_command(&s, FZM1_GET_UNIT_DATA, 0, 0, 0, &data), 0);
+        assert_int_equal(data, 0);
+    }
+}
+
 /* The scene that is current now: what is changed through `edit` counts for the next measurement. */
 static void current_scene(void **state)
 {
@@ -270,6 +286,7 @@ int main(int argc, char **argv)
         TEST("FZM-030 FZM-035: values set together with a scene, in any order, are of that scene", set_together),
         TEST("FZM-030: 2500h has the comments of the current scene", comments_by_sdo),
         TEST("FZM-030 FZM-058: any scene of any group is prepared before it is switched to, and stays so", prepared),
+        TEST("FZM-030 FZM-058: a switch of scene or group makes unit data unmeasured", unmeasured),
         TEST("FZM-030: the current scene is changed at once", current_scene),
         TEST("FZM-056 FZM-058: a scene that was saved is seen, changed, and saved with its group", saved_scenes),
         TEST("FZM-058: prepared scenes are forgotten by hand", forgotten),
