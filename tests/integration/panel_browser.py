@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 
-from panel_page import ECTWIN, MASTER, SHOTS, accessible, becomes, bus, check, panel, reaches, run, until, value
+from panel_page import BEYOND, ECTWIN, MASTER, SHOTS, accessible, becomes, bus, check, panel, reaches, run, until, value
 
 def with_a_master(browser, url):
     browser.open(url)
@@ -184,14 +184,6 @@ def drives(browser):
     check("a camera shows its measurement", True, browser.wait("return document.querySelector('.camera-picture')?.ariaLabel.includes('OK')"))
     becomes(browser, "its timing chart", 6, "return document.querySelectorAll('.camera .lane').length")
     check("another device has no drive", True, browser.wait("return document.querySelector('.states') === null"))
-
-
-# Elements beyond the right edge that no ancestor scrolls or clips, each with its edge.
-BEYOND = """return [...document.querySelectorAll('body *')].filter((e) => {
-  if (e.getBoundingClientRect().right <= innerWidth) return false;
-  for (let a = e.parentElement; a && a !== document.body; a = a.parentElement) if (getComputedStyle(a).overflowX !== 'visible') return false;
-  return true;
-}).map((e) => `${e.tagName}.${e.className} ${Math.round(e.getBoundingClientRect().right)}: ${e.textContent.slice(0, 80)}`)"""
 
 
 # The response times of a machine that stood still: a column for each upper edge, as wide as the widest label.

@@ -167,6 +167,14 @@ def until(condition, seconds=120):
     return result
 
 
+# Elements beyond the right edge that no ancestor scrolls or clips, each with its edge.
+BEYOND = """return [...document.querySelectorAll('body *')].filter((e) => {
+  if (e.getBoundingClientRect().right <= innerWidth) return false;
+  for (let a = e.parentElement; a && a !== document.body; a = a.parentElement) if (getComputedStyle(a).overflowX !== 'visible') return false;
+  return true;
+}).map((e) => `${e.tagName}.${e.className} ${Math.round(e.getBoundingClientRect().right)}: ${e.textContent.slice(0, 80)}`)"""
+
+
 # Rules of WCAG 2.1 and ARIA that a script can check, each with the elements that break it.
 RULES = {
     "4.1.2 a control has a name": "[...document.querySelectorAll('button, input, select, a, [role=slider]')].filter((e) => !(e.getAttribute('aria-label') || "
