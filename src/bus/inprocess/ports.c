@@ -30,7 +30,7 @@ enum {
 typedef struct waiting {
     struct waiting *next;
     size_t length;
-    uint8_t frame[];
+    uint8_t frame[ECTWIN_FRAME_MAX];
 } waiting_t;
 
 struct ect_port {
@@ -42,6 +42,7 @@ struct ect_port {
     uint64_t timeout_ns;
     bool nonblocking;
     waiting_t *first, **last;
+    waiting_t *spare; /* memory of received frames for the next ones: a master exchanges millions */
     size_t count;
     bool fresh; /* a frame has arrived since the last write to the eventfd */
     bool shown; /* the eventfd is readable */
@@ -90,6 +91,15 @@ void ect_port_copied(int fd, int copy)
     ect_time_unlock();
 }
 
+static void free_list(waiting_t *first)
+{
+    while (first) {
+        waiting_t *next = first->next;
+        free(first);
+        first = next;
+    }
+}
+
 static void forget(ect_port_t *port)
 {
     for (ect_port_t **at = &bound; *at; at = &(*at)->next) {
@@ -98,11 +108,8 @@ static void forget(ect_port_t *port)
             break;
         }
     }
-    while (port->first) {
-        waiting_t *next = port->first->next;
-        free(port->first);
-        port->first = next;
-    }
+    free_list(port->first);
+    free_list(port->spare);
     free(port);
 }
 
@@ -162,6 +169,16 @@ static size_t without_tag(const uint8_t *frame, size_t length, size_t *tag)
     return length - *tag;
 }
 
+/* @return memory for a frame; NULL: none is left */
+static waiting_t *make_waiting(ect_port_t *port)
+{
+    waiting_t *one = port->spare;
+    if (!one)
+        return malloc(sizeof *one);
+    port->spare = one->next;
+    return one;
+}
+
 static void deliver(unsigned int end, const uint8_t *frame, size_t length)
 {
     size_t tag;
@@ -172,7 +189,7 @@ static void deliver(unsigned int end, const uint8_t *frame, size_t length)
         if (port->end != (int)end || (port->protocol != protocol && port->protocol != htons(ETH_P_ALL)) ||
             port->count >= WAITING_MOST)
             continue;
-        waiting_t *one = malloc(sizeof *one + left);
+        waiting_t *one = make_waiting(port);
         if (!one)
             continue;
         one->next = NULL;
@@ -349,7 +366,8 @@ static void take(ect_port_t *port)
     port->count--;
     if (!ect_time_is_virtual)
         show(port);
-    free(one);
+    one->next = port->spare;
+    port->spare = one;
 }
 
 static size_t scatter(const waiting_t *one, const struct iovec *pieces, size_t count)
