@@ -156,6 +156,154 @@ static void pieces_that_are_sent(void **state)
     close(fd);
 }
 
+/* Calls with a buffer, a list or a value at address 0; the socket has a waiting frame. */
+typedef ssize_t bad_call_t(int fd, void *nowhere);
+
+static ssize_t bad_send(int fd, void *nowhere)
+{
+    return send(fd, nowhere, FRAME, 0);
+}
+
+static ssize_t bad_write(int fd, void *nowhere)
+{
+    return write(fd, nowhere, FRAME);
+}
+
+static ssize_t bad_writev(int fd, void *nowhere)
+{
+    return writev(fd, nowhere, 2);
+}
+
+static ssize_t bad_piece(int fd, void *nowhere)
+{
+    uint8_t frame[FRAME];
+    const struct iovec pieces[] = {{frame, 20}, {nowhere, FRAME - 20}};
+    frame_of(frame, 1);
+    return writev(fd, pieces, 2);
+}
+
+static ssize_t bad_sendmsg(int fd, void *nowhere)
+{
+    return sendmsg(fd, nowhere, 0);
+}
+
+static ssize_t bad_sendmmsg(int fd, void *nowhere)
+{
+    return sendmmsg(fd, nowhere, 1, 0);
+}
+
+static ssize_t bad_list_of_message(int fd, void *nowhere)
+{
+    const struct msghdr message = {.msg_iov = nowhere, .msg_iovlen = 1};
+    return sendmsg(fd, &message, 0);
+}
+
+static ssize_t bad_recv(int fd, void *nowhere)
+{
+    return recv(fd, nowhere, FRAME, MSG_DONTWAIT);
+}
+
+static ssize_t bad_read(int fd, void *nowhere)
+{
+    return read(fd, nowhere, FRAME);
+}
+
+static ssize_t bad_readv(int fd, void *nowhere)
+{
+    uint8_t frame[FRAME];
+    const struct iovec pieces[] = {{frame, 20}, {nowhere, FRAME - 20}};
+    return readv(fd, pieces, 2);
+}
+
+static ssize_t bad_recvmsg(int fd, void *nowhere)
+{
+    return recvmsg(fd, nowhere, MSG_DONTWAIT);
+}
+
+static ssize_t bad_recvmmsg(int fd, void *nowhere)
+{
+    return recvmmsg(fd, nowhere, 1, MSG_DONTWAIT, NULL);
+}
+
+static ssize_t bad_bind(int fd, void *nowhere)
+{
+    return bind(fd, nowhere, sizeof(struct sockaddr_ll));
+}
+
+static ssize_t bad_name(int fd, void *nowhere)
+{
+    socklen_t length = sizeof(struct sockaddr_ll);
+    return getsockname(fd, nowhere, &length);
+}
+
+static ssize_t bad_setsockopt(int fd, void *nowhere)
+{
+    return setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, nowhere, sizeof(struct timeval));
+}
+
+static ssize_t bad_getsockopt(int fd, void *nowhere)
+{
+    socklen_t length = sizeof(int);
+    return getsockopt(fd, SOL_SOCKET, SO_TYPE, nowhere, &length);
+}
+
+static ssize_t bad_length(int fd, void *nowhere)
+{
+    int type;
+    return getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, nowhere);
+}
+
+static ssize_t bad_ioctl(int fd, void *nowhere)
+{
+    return ioctl(fd, FIONBIO, nowhere);
+}
+
+static ssize_t bad_poll(int fd, void *nowhere)
+{
+    (void)fd;
+    return poll(nowhere, 1, 0);
+}
+
+static void an_address_of_0_is_refused(void **state)
+{
+    static const struct {
+        const char *title;
+        bad_call_t *call;
+        bool loses; /* the waiting frame is lost, as with a kernel */
+    } rows[] = {{"send", bad_send, false},
+                {"write", bad_write, false},
+                {"writev", bad_writev, false},
+                {"a piece of writev", bad_piece, false},
+                {"sendmsg", bad_sendmsg, false},
+                {"sendmmsg", bad_sendmmsg, false},
+                {"the list of sendmsg", bad_list_of_message, false},
+                {"recv", bad_recv, true},
+                {"read", bad_read, true},
+                {"a piece of readv", bad_readv, true},
+                {"recvmsg", bad_recvmsg, false},
+                {"recvmmsg", bad_recvmmsg, false},
+                {"bind", bad_bind, false},
+                {"getsockname", bad_name, false},
+                {"setsockopt", bad_setsockopt, false},
+                {"getsockopt", bad_getsockopt, false},
+                {"the length of getsockopt", bad_length, false},
+                {"FIONBIO", bad_ioctl, false},
+                {"poll", bad_poll, false}};
+    void *volatile nowhere = NULL;
+    int fd = open_socket(0);
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        send_one(fd, 1);
+        errno = 0;
+        ssize_t result = rows[i].call(fd, nowhere);
+        if (result != -1 || errno != EFAULT)
+            fail_msg("%s: got %zd, %s", rows[i].title, result, strerror(errno));
+        if (receives(fd) == rows[i].loses || receives(fd))
+            fail_msg("%s: the waiting frame", rows[i].title);
+    }
+    close(fd);
+}
+
 /* An address names the interface of a socket that is not bound, or another one than its own. */
 static void sent_to_an_address(void **state)
 {
@@ -571,6 +719,8 @@ int main(int argc, char **argv)
         {"bind: a short address, another family, a foreign interface: the kernel's errors", binding, NULL, NULL, NULL},
         {"A socket receives frames of the type of socket or bind, or all", types_of_frames, NULL, NULL, NULL},
         {"A socket that is bound twice receives a frame once", bound_twice, NULL, NULL, NULL},
+        {"A buffer, a list or a value at address 0 is refused with EFAULT", an_address_of_0_is_refused, NULL, NULL,
+         NULL},
         {"A frame has 14 to 1518 bytes", lengths_of_frames, NULL, NULL, NULL},
         {"The pieces of writev and sendmsg are one frame", pieces_that_are_sent, NULL, NULL, NULL},
         {"An address selects the interface, for a socket that is not bound too", sent_to_an_address, NULL, NULL, NULL},

@@ -85,6 +85,10 @@ static int poll_until(struct pollfd *fds, nfds_t count, const char *call, uint64
 {
     polling_t p = {.fds = fds, .count = count};
     ect_wait_t wait;
+    if (!fds && count > 0) {
+        errno = EFAULT;
+        return -1;
+    }
     if (!are_ports(fds, count) && !poll_now(&p) && has_pipe(fds, count))
         wait = ect_virtual_wait_for_process(poll_now, &p, call, until_ns);
     else

@@ -162,6 +162,21 @@ static int fail(int error)
     return -1;
 }
 
+/* A buffer at address 0, as the kernel refuses it, is checked; another bad address is the program's own fault, because
+ * a check of it would cost a system call each frame. */
+static bool is_there(const void *address, size_t length)
+{
+    return address != NULL || length == 0;
+}
+
+static bool are_there(const struct iovec *pieces, size_t count)
+{
+    size_t i = 0;
+    while (pieces && i < count && is_there(pieces[i].iov_base, pieces[i].iov_len))
+        i++;
+    return i == count;
+}
+
 /* Removes the VLAN tag, as the kernel does before a packet socket gets the frame. */
 static size_t without_tag(const uint8_t *frame, size_t length, size_t *tag)
 {
@@ -233,6 +248,8 @@ void ect_port_take(unsigned int end, bool up)
 int ect_port_bind(ect_port_t *port, const struct sockaddr *address, socklen_t length)
 {
     struct sockaddr_ll to;
+    if (!is_there(address, length))
+        return fail(EFAULT);
     if (length < offsetof(struct sockaddr_ll, sll_addr) || address->sa_family != AF_PACKET)
         return fail(EINVAL);
     memset(&to, 0, sizeof to);
@@ -261,6 +278,8 @@ int ect_port_set(ect_port_t *port, int level, int name, const void *value, sockl
 {
     if (level == SOL_SOCKET && name == SO_RCVTIMEO && length >= sizeof(struct timeval)) {
         struct timeval time;
+        if (!value)
+            return fail(EFAULT);
         memcpy(&time, value, sizeof time);
         ect_time_lock();
         port->timeout_ns = (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_usec * 1000u;
@@ -278,6 +297,8 @@ int ect_port_get(ect_port_t *port, int level, int name, void *value, socklen_t *
     struct timeval time = {.tv_sec = (time_t)(port->timeout_ns / 1000000000u),
                            .tv_usec = (suseconds_t)(port->timeout_ns % 1000000000u / 1000u)};
     int number = 0;
+    if (!length || !is_there(value, *length))
+        return fail(EFAULT);
     const void *from = &number;
     size_t size = sizeof number;
     if (level == SOL_SOCKET && name == SO_RCVTIMEO) {
@@ -310,6 +331,8 @@ static void put_address(const ect_port_t *port, uint16_t protocol, struct sockad
 
 int ect_port_name(ect_port_t *port, struct sockaddr *address, socklen_t *length)
 {
+    if (!length || !is_there(address, *length))
+        return fail(EFAULT);
     put_address(port, port->protocol, address, length);
     return 0;
 }
@@ -330,6 +353,8 @@ static size_t gather(const struct iovec *pieces, size_t count, uint8_t *frame, s
 ssize_t ect_port_send(ect_port_t *port, const struct iovec *pieces, size_t count, const struct sockaddr *to)
 {
     uint8_t frame[LONGEST];
+    if (!are_there(pieces, count))
+        return fail(EFAULT);
     size_t length = gather(pieces, count, frame, sizeof frame);
     int end = port->end;
     if (to && to->sa_family == AF_PACKET)
@@ -408,7 +433,8 @@ ssize_t ect_port_receive(ect_port_t *port, const struct iovec *pieces, size_t co
     }
     const waiting_t *one = port->first;
     size_t length = one->length;
-    size_t done = scatter(one, pieces, count);
+    bool whole = are_there(pieces, count);
+    size_t done = whole ? scatter(one, pieces, count) : 0;
     uint16_t protocol;
     memcpy(&protocol, one->frame + 12, sizeof protocol);
     if (from && from_length)
@@ -416,6 +442,8 @@ ssize_t ect_port_receive(ect_port_t *port, const struct iovec *pieces, size_t co
     if ((flags & MSG_PEEK) == 0)
         take(port);
     ect_time_unlock();
+    if (!whole)
+        return fail(EFAULT); /* the frame is lost, as with a kernel */
     if (result_flags)
         *result_flags = done < length ? MSG_TRUNC : 0;
     return (ssize_t)((flags & MSG_TRUNC) != 0 ? length : done);

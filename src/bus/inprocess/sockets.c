@@ -23,6 +23,12 @@ static ect_port_t *ours(int fd)
     return ect_inside > 0 ? NULL : ect_port_of(fd);
 }
 
+static int bad_address(void)
+{
+    errno = EFAULT;
+    return -1;
+}
+
 REPLACES int socket(int domain, int type, int protocol)
 {
     if (ect_inside > 0 || domain != AF_PACKET || (type & 0xF) != SOCK_RAW)
@@ -60,6 +66,8 @@ REPLACES int getsockname(int fd, __SOCKADDR_ARG address, socklen_t *restrict len
 
 static int on_port(int fd, unsigned long request, void *argument)
 {
+    if (request == FIONBIO && !argument)
+        return bad_address();
     if (request == FIONBIO) {
         int flags = REAL(fcntl)(fd, F_GETFL) & ~O_NONBLOCK;
         ect_port_set_nonblocking(ours(fd), *(const int *)argument != 0);
@@ -109,6 +117,8 @@ REPLACES ssize_t sendto(int fd, const void *data, size_t size, int flags, __CONS
 REPLACES ssize_t sendmsg(int fd, const struct msghdr *message, int flags)
 {
     ect_port_t *port = ours(fd);
+    if (port && !message)
+        return bad_address();
     return port ? ect_port_send(port, message->msg_iov, message->msg_iovlen, message->msg_name)
                 : REAL(sendmsg)(fd, message, flags);
 }
@@ -118,6 +128,8 @@ REPLACES int sendmmsg(int fd, struct mmsghdr *messages, unsigned int count, int 
     ect_port_t *port = ours(fd);
     if (!port)
         return REAL(sendmmsg)(fd, messages, count, flags);
+    if (!messages && count > 0)
+        return bad_address();
     for (unsigned int i = 0; i < count; i++) {
         const struct msghdr *message = &messages[i].msg_hdr;
         ssize_t sent = ect_port_send(port, message->msg_iov, message->msg_iovlen, message->msg_name);
@@ -192,6 +204,8 @@ static ssize_t receive_message(ect_port_t *port, struct msghdr *message, int fla
 REPLACES ssize_t recvmsg(int fd, struct msghdr *message, int flags)
 {
     ect_port_t *port = ours(fd);
+    if (port && !message)
+        return bad_address();
     if (port)
         return receive_message(port, message, flags);
     before("recvmsg()", fd, flags);
@@ -203,6 +217,8 @@ REPLACES int recvmmsg(int fd, struct mmsghdr *messages, unsigned int count, int 
     ect_port_t *port = ours(fd);
     if (!port)
         return REAL(recvmmsg)(fd, messages, count, flags, timeout);
+    if (!messages && count > 0)
+        return bad_address();
     for (unsigned int i = 0; i < count; i++) {
         int how = i > 0 && (flags & MSG_WAITFORONE) != 0 ? flags | MSG_DONTWAIT : flags;
         ssize_t got = receive_message(port, &messages[i].msg_hdr, how);
