@@ -9,7 +9,7 @@
 #include "esi/internal.h"
 #include "wire/bytes.h"
 
-enum { PROFILE_402 = 402, FIRST_OBJECT = 0x6000, ALIGNMENT = 16, MOST_LISTED = 12, RESET = 99 };
+enum { PROFILE_402 = 402, FIRST_OBJECT = 0x6000, RESET = 99 };
 
 typedef struct axis {
     unsigned int number; /* the objects of the axis begin at 6000h + 800h * number */
@@ -274,15 +274,6 @@ static ect_402_drive_t *find(void *instance, uint16_t index, uint8_t subindex, e
     return NULL;
 }
 
-int64_t ect_esi_wire_number(const ect_402_link_t *link, const uint8_t *data, uint16_t size)
-{
-    uint64_t bits = 0;
-    for (unsigned int i = size; i-- > 0;)
-        bits = bits << 8 | data[i];
-    uint64_t sign = size < 8 ? UINT64_C(1) << (8 * size - 1) : 0;
-    return link->is_signed && (bits & sign) != 0 ? (int64_t)(bits | ~(2 * sign - 1)) : (int64_t)bits;
-}
-
 static ect_reason_t sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size)
 {
     ect_402_value_t value;
@@ -364,11 +355,6 @@ static void find_defaults(const ect_build_t *build, axis_t *axis)
         const ect_build_entry_t *entry = found != NULL ? ect_build_entry(found, object->subindex) : NULL;
         axis->links[i].given = entry != NULL && entry->initial.bytes != NULL;
     }
-}
-
-size_t ect_esi_aligned(size_t at)
-{
-    return (at + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
 }
 
 /* Places the words of SoE drives, to which their links lead. @return the end */
@@ -496,23 +482,6 @@ static bool is_simulated(uint16_t index)
             return true;
     }
     return false;
-}
-
-const char *ect_esi_objects_without(ect_esi_twin_t *twin, unsigned int distance, bool (*simulated)(uint16_t index))
-{
-    const char *text = "";
-    size_t count = 0;
-    for (unsigned int i = 0; i < twin->device.object_count; i++) {
-        unsigned int first = FIRST_OBJECT + distance;
-        uint16_t index = twin->device.objects[i].index;
-        if (index < first || index >= first + ECT_402_AXIS_OBJECTS || simulated((uint16_t)(index - distance)))
-            continue;
-        if (++count <= MOST_LISTED)
-            text = ect_arena_print(&twin->arena, "%s %04X", text, (unsigned int)index);
-    }
-    if (count > MOST_LISTED)
-        text = ect_arena_print(&twin->arena, "%s and %zu more", text, count - MOST_LISTED);
-    return text;
 }
 
 /* The objects of the profile's range without a behaviour. */

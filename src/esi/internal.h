@@ -25,6 +25,7 @@
  *   idents.c           lists of the idents of modules
  *   build_pdos.c       PDOs, mappings and assignments
  *   pdo_states.c       parameters of PDOs: exclusions, toggles
+ *   profile.c          parts that every profile needs
  *   servo.c            SoE drives: the tables of the protocol
  *   build_signals.c    signals from PDO entries and objects
  *   inits.c            start-up commands of the description
@@ -32,8 +33,8 @@
  *   twin.c             the description and its behaviour
  *   rack.c             twins, with a description for each set of modules
  *   dialect.c          the words of SoE drives over axes of CiA 402
- *   behaviour.c        drives with objects of CiA 402, or IDNs
  *   encoders.c         encoders with objects of CiA 406
+ *   behaviour.c        drives with objects of CiA 402, or IDNs
  *   network.c          EoE: an IP host; AoE
  *   values.c           the values of a dictionary before the first write
  *   write_xml.c        elements and attributes; the first failure
@@ -495,12 +496,12 @@ struct ect_esi_twin {
     ect_esi_encoders_t *encoders; /* NULL: no encoder */
 };
 
-/** behaviour.c. @return a number in the wire form of an entry */
+/** profile.c. @return a number in the wire form of an entry */
 int64_t ect_esi_wire_number(const ect_link_t *link, const uint8_t *data, uint16_t size);
-/** behaviour.c. @return the next offset in an instance at which a structure may begin */
+/** profile.c. @return the next offset in an instance at which a structure may begin */
 size_t ect_esi_aligned(size_t at);
 /**
- * behaviour.c: the objects of a profile without behaviour, as " 6040 6200".
+ * profile.c: the objects of a profile without behaviour, as " 6040 6200".
  * @param distance   of the profile's first object from 6000h
  * @param simulated  @return whether an object of the profile has a behaviour
  */

@@ -2,12 +2,7 @@
 /* SoE of a twin: the tables of its drives, and their memory in the instance. */
 #include "esi/internal.h"
 
-enum { ALIGNMENT = 8, MOST_MEBIBYTES = 16 /* of the parameters of all drives */ };
-
-static size_t aligned(size_t at)
-{
-    return (at + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
-}
+enum { MOST_MEBIBYTES = 16 /* of the parameters of all drives */ };
 
 const ect_protocol_t *ect_esi_servo(ect_build_t *build, const ect_device_t *device)
 {
@@ -38,7 +33,7 @@ static size_t place(const ect_build_t *build, ect_build_idn_t *idn, size_t at)
         idn->row.offset = ect_build_entry(ect_build_find(build, idn->entry), 0)->offset;
     else if (bytes > 0)
         idn->row.offset = at;
-    return bytes > 0 ? aligned(at + bytes) : at;
+    return bytes > 0 ? ect_esi_aligned(at + bytes) : at;
 }
 
 /* @return the mapping object of a telegram that the lists change; 0: none */
@@ -75,9 +70,9 @@ size_t ect_esi_servo_place(ect_build_t *build, size_t at)
     ect_build_soe_t *soe = build->soe;
     if (soe == NULL || !soe->served)
         return at;
-    at = aligned(at);
+    at = ect_esi_aligned(at);
     soe->servo.offset = at;
-    at = aligned(at + sizeof(ect_soe_state_t));
+    at = ect_esi_aligned(at + sizeof(ect_soe_state_t));
     for (size_t i = 0; i < soe->count; i++)
         at = place(build, &soe->idns[i], at);
     if (at > MOST_MEBIBYTES * 1024 * 1024)
