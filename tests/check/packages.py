@@ -32,15 +32,16 @@ def run(place, *words, stdout=None):
                           check=False)
 
 
-def library_of(program, name):
-    """The file of a library that the program loads."""
+def libraries_of(program, names):
+    """The files of those libraries that the program loads."""
     listed = subprocess.run(["ldd", program], stdout=subprocess.PIPE, text=True, check=True).stdout
-    return pathlib.Path(re.search(rf"{name}\S* => (\S+)", listed)[1]).resolve()
+    return [pathlib.Path(path).resolve() for name in names for path in re.findall(rf"{name}\S* => (\S+)", listed)]
 
 
 def carried_name(path):
-    name, rest = path.name.split(".so", 1)
-    return f"ectwin.libs/{name}-{hashlib.sha256(path.read_bytes()).hexdigest()[:8]}.so{rest}"
+    """As auditwheel names a library: the hash is before the first dot, in libelf-0.188.so before the version."""
+    name, rest = path.name.split(".", 1)
+    return f"ectwin.libs/{name}-{hashlib.sha256(path.read_bytes()).hexdigest()[:8]}.{rest}"
 
 
 def raw_wheel(file, members):
@@ -96,7 +97,7 @@ def main():
         print("left out: no dpkg here")
         return 77
     program = build / "ectwin"
-    libraries = [library_of(program, name) for name in ("libcjson", "libxml2")]
+    libraries = libraries_of(program, ("libcjson", "libxml2", "libelf"))
     results = []
     with tempfile.TemporaryDirectory() as work:
         for number, place in enumerate(PLACES):

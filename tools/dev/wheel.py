@@ -36,8 +36,8 @@ def needed(programs):
 
 
 def origin(member, content_of):
-    """The library that auditwheel has copied to MEMBER: NAME-HASH.so.VERSION, HASH of the file as it was."""
-    name, digest, rest = re.fullmatch(r"(.+)-([0-9a-f]{8})(\.so.*)", pathlib.PurePath(member).name).groups()
+    """The library that auditwheel has copied to MEMBER: NAME-HASH.REST, REST from the first dot on, HASH of the file as it was."""
+    name, digest, rest = re.fullmatch(r"(.+)-([0-9a-f]{8})(\..+)", pathlib.PurePath(member).name).groups()
     for path, content in content_of.items():
         if path.name == name + rest and hashlib.sha256(content).hexdigest().startswith(digest):
             return path
