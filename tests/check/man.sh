@@ -6,8 +6,9 @@ command -v mandoc >/dev/null || { echo "mandoc is not installed (apt-get install
 build=$1
 cd "$build/share/man/man1"
 status=0
-panel=$([ ! -x "$build/ectwin-panel" ] || echo "$build/ectwin-panel") # where libwebsockets is
-for program in "$build"/ectwin $panel "$build"/ectwin-{board,conform,controller,demo-master,eoe,motion,plc,probe}; do
+programs=$(grep -rhoE 'TYPE EXECUTABLE FILES "[^"]+"' --include=cmake_install.cmake "$build" | sed -E 's/.*"(.*)"/\1/')
+[ -n "$programs" ] || { echo "FAILED $build installs no program"; status=1; }
+for program in $programs; do
   [ -s "$(basename "$program").1" ] || { echo "FAILED $(basename "$program") has no manual page"; status=1; }
 done
 mandoc -T lint ./*.1 || status=1 # in this folder, in which references to other pages are found
