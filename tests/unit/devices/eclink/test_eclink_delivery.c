@@ -99,6 +99,20 @@ static void waiting_for_room_when_it_leaves(void **state)
     wire_close(&r.w);
 }
 
+/* Sixteen commands from the remote are still to be carried by C-Link when it leaves. */
+static void back_within_an_update(void **state)
+{
+    (void)state;
+    bu_rig_t r;
+    wait_for_remote_1(&r, 0);
+    bu_set_number(&r, "ru1.on", 0);
+    bu_set_number(&r, "ru1.on", 1);
+    command(&r, 1);
+    bu_update(&r);
+    assert_int_equal(bu_number(&r, "ru1.received_count"), 1);
+    wire_close(&r.w);
+}
+
 /* The unit's last CCO, the first one of a controller that starts or comes back, and what becomes of it. */
 static const struct start {
     const char *what;
@@ -210,6 +224,8 @@ int main(int argc, char **argv)
              queued_for_one_that_leaves),
         TEST("ECL-025: the command that waits for room when its remote leaves counts as unreached",
              waiting_for_room_when_it_leaves),
+        TEST("ECL-025 ECL-063: a remote that leaves and returns within an update takes a command at once on C-Link",
+             back_within_an_update),
         TEST(
             "ECL-050: a CCO in the first outputs that is a start and no command is counted in bu.cco_resyncs; at 255 a "
             "controller that begins at 0 sends a phantom",
