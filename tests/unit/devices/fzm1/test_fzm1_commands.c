@@ -452,6 +452,47 @@ static void scene_by_hand(void **state)
     assert_non_null(strstr(message, "BUSY"));
 }
 
+/* An image that was taken and waits for its processing: READY is on, and so is BUSY. */
+static void by_hand_with_an_image(void **state)
+{
+    static const char *const switches[] = {"scene", "scene_group"};
+    (void)state;
+    for (size_t i = 0; i < sizeof switches / sizeof switches[0]; i++) {
+        char message[ECT_SIGNAL_MESSAGE] = "";
+        sensor_step(&s);
+        sensor_wait(&s, 5 * MS);
+        sensor_expect(&s, "the image is taken", FZM1_BUSY | FZM1_READY, FZM1_BUSY | FZM1_READY);
+        assert_int_equal(signal_number(&s.w, "images"), 1);
+        assert_false(signal_try_set(&s.w, switches[i], "1", message));
+        assert_non_null(strstr(message, "BUSY"));
+        (void)sensor_until(&s, FZM1_BUSY, 0);
+        signal_set(&s.w, switches[i], "1");
+        assert_int_equal(signal_number(&s.w, switches[i]), 1);
+        (void)sensor_until(&s, FZM1_BUSY, 0);
+    }
+}
+
+static void levels_as_signals(void **state)
+{
+    static const struct {
+        uint32_t level;
+        const char *signal;
+    } rows[] = {{FZM1_EXE, "exe"}, {FZM1_STEP, "step"}, {FZM1_DSA, "dsa"}};
+    const size_t many = sizeof rows / sizeof rows[0];
+    (void)state;
+    for (size_t i = 0; i < many; i++) {
+        for (unsigned int change = 0; change < 2; change++) {
+            bool on = change == 0;
+            sensor_set(&s, rows[i].level, on);
+            for (size_t n = 0; n < many; n++) {
+                if (signal_number(&s.w, rows[n].signal) != (n == i && on))
+                    fail_msg("%s from the master is %u: %s is %lld", rows[i].signal, on, rows[n].signal,
+                             signal_number(&s.w, rows[n].signal));
+            }
+        }
+    }
+}
+
 #define TEST(title, function) {title, function, setup, teardown, NULL}
 
 int main(int argc, char **argv)
@@ -482,6 +523,10 @@ int main(int argc, char **argv)
         TEST("FZM-044 FZM-057 FZM-058 FZM-059: a scene switched by hand is the current one, with data of its own; BUSY "
              "while it is switched",
              scene_by_hand),
+        TEST("FZM-044 FZM-057 FZM-058: no switch by hand while one image waits for its processing",
+             by_hand_with_an_image),
+        TEST("FZM-040 FZM-041 FZM-042: exe, step and dsa show the levels from the master, each its own",
+             levels_as_signals),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
