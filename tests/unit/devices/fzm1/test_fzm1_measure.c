@@ -296,6 +296,27 @@ static void very_late_poll(void **state)
     assert_in_range(signal_number(&s.w, "outputs"), 100, 110);
 }
 
+/* The limit of events falls on an image that is taken, or on one that is processed: what is under way is put off. */
+static void put_off(void **state)
+{
+    enum { IMAGE = 1, PROCESSING = 2 };
+    unsigned int seen = 0;
+    for (unsigned int n = 0; n < 4; n++) {
+        teardown(state);
+        setup(state);
+        signal_set(&s.w, "image_input", "100");
+        signal_set(&s.w, "processing", "100");
+        assert_int_equal(sensor_command(&s, FZM1_START_CONTINUOUS, 0, 0, 0, NULL), 0);
+        sensor_wait(&s, n * MS / 10);
+        s.w.now_ns += 10000 * MS;
+        wire_poll(&s.w);
+        assert_in_range(measurements(), 1000, 4096);
+        assert_int_equal(signal_number(&s.w, "exposures"), measurements() + 1);
+        seen |= sensor_instance(&s)->image_due_ns != ECT_NEVER ? PROCESSING : IMAGE; /* the other one is next */
+    }
+    assert_int_equal(seen, IMAGE | PROCESSING);
+}
+
 static void overall_judgement(void **state)
 {
     static const struct {
@@ -698,6 +719,8 @@ int main(int argc, char **argv)
         TEST("FZM-053: a continuous measurement that finds an image already there", continuous_after_step),
         TEST("FZM-066 FZM-073: a late poll loses no measurement, and no GATE", late_polls),
         TEST("FZM-053: a day without a poll is no endless work", very_late_poll),
+        TEST("FZM-053: after ten seconds without a poll each image of a continuous measurement is still measured once",
+             put_off),
         TEST("FZM-047: OR follows the overall judgement of each measurement", overall_judgement),
         TEST("FZM-033 FZM-047: `judgement`, by hand or in the table, is that of all units; 0: each its own",
              judgement_of_all),
