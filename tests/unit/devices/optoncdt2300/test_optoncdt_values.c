@@ -572,6 +572,32 @@ static void synchronised(void **state)
     assert_in_range(ranger_instance(&r)->taken - before, 9999, 10001);
 }
 
+/* Its own rate is faster than SYNC0: the last record of SAFEOP is younger than the last pulse. */
+static void sync0_takes_over(void **state)
+{
+    enum { PULSE_NS = 1333334 };
+    unsigned int younger = 0;
+    (void)state;
+    ranger_write(&r, 0x2250, 1, 49140, 4);
+    ranger_select(&r, 1 << OPTO_COUNTER | 1 << OPTO_TIMESTAMP, 1);
+    ranger_sync0(&r, PULSE_NS);
+    ranger_go(&r, SAFEOP);
+    wire_advance(&r.w, 20 * MS);
+    for (unsigned int i = 0; i < 10; i++) {
+        ranger_wait(&r, 5 * MS + i * 100000);
+        opto_t *u = ranger_instance(&r);
+        opto_advance(u, r.w.now_ns);
+        uint64_t before = u->taken, last_ns = u->next_ns - 20350;
+        younger += last_ns > u->sync.sync0_ns;
+        assert_int_equal(wire_al(&r.w, 0, OP, NULL), OP);
+        if (u->taken != before && u->next_ns - PULSE_NS <= last_ns)
+            fail_msg("phase %u: a record of %llu ns follows one of %llu ns", i,
+                     (unsigned long long)(u->next_ns - PULSE_NS), (unsigned long long)last_ns);
+        assert_int_equal(wire_al(&r.w, 0, SAFEOP, NULL), SAFEOP);
+    }
+    assert_true(younger > 0);
+}
+
 /* It has no outputs that could be missing: SYNC0 alone keeps it in OP. Without SYNC0 it leaves. */
 static void sync0_without_outputs(void **state)
 {
@@ -616,6 +642,8 @@ int main(void)
         T("OPT-006: oversampling, after an absence", many_after_away),
         T("SYNC0 has the period of a measuring rate, or twice that (public manual, p. 182)", cycles),
         T("a record at each SYNC0 (public manual, p. 182)", synchronised),
+        T("OPT-006: records keep their order when SYNC0 takes over from a faster rate (public manual, p. 182)",
+          sync0_takes_over),
         T("SYNC0 without outputs, and without SYNC0", sync0_without_outputs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
