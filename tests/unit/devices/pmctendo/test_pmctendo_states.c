@@ -138,6 +138,21 @@ static void cycle_times(void **state)
         one_cycle_time(i);
 }
 
+/* Frames with outputs every millisecond between the pulses of SYNC0, every four. */
+static void outputs_are_no_rhythm(void **state)
+{
+    enum { PULSE_MS = 4, FIRST_MS = PULSE_MS / 2, PULSES = 5 }; /* the first one, and four that follow it in time */
+    (void)state;
+    d.dc_ns = PULSE_MS * MS;
+    assert_int_equal(drive_write(&d, 0x60C2, 1, PULSE_MS, 1), 0);
+    assert_int_equal(drive_write(&d, 0x60C2, 2, (uint8_t)-3, 1), 0);
+    drive_safeop(&d, 0x1701, 0x1B01);
+    drive_cycles(&d, FIRST_MS + (PULSES - 1) * PULSE_MS - 1);
+    expect_display("before the fifth pulse", "n17");
+    drive_cycles(&d, 2);
+    expect_display("after the fifth pulse", "");
+}
+
 static void shorter_than_allowed(void **state)
 {
     uint16_t code = 0;
@@ -272,6 +287,41 @@ static void faults(void **state)
     drive_close(&d);
 }
 
+/* The signal alone: no tick, no exchange follows it. */
+static void write_alone(const char *name, const char *value)
+{
+    char message[ECT_SIGNAL_MESSAGE] = "";
+    ect_signal_ref_t ref;
+    signal_find(&d.w, name, &ref);
+    if (!ect_signal_write(&ref, value, d.w.now_ns, message))
+        fail_msg("%s := %s: %s", name, value, message);
+}
+
+static void faults_at_once(void **state)
+{
+    static const struct {
+        const char *signal, *value, *display, *shown;
+    } rows[] = {{"provoke", "28", "F28", "fault reaction active"},
+                {"sto", "1", "F27", "fault"},
+                {"power", "0", "F05", "fault"},
+                {"enable", "0", "", "switch on disabled"}};
+    (void)state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        char text[ECT_SIGNAL_TEXT_ROOM];
+        drive_open(&d);
+        drive_operational(&d, 0x1702, 0x1B01);
+        drive_enable(&d);
+        drive_set(&d, 20 * PMC_TURN);
+        drive_cycles(&d, 100);
+        write_alone(rows[i].signal, rows[i].value);
+        signal_get(&d.w, "state", text);
+        if (strcmp(text, rows[i].shown) != 0)
+            fail_msg("%s := %s: expected state '%s', got '%s'", rows[i].signal, rows[i].value, rows[i].shown, text);
+        expect_display(rows[i].signal, rows[i].display);
+        drive_close(&d);
+    }
+}
+
 /* --- what is open, what locked ------------------------------------------------------------------------------------ */
 
 /* No state of the bus and no control word below OP moves anything, and none at all but the whole sequence. */
@@ -399,11 +449,15 @@ int main(int argc, char **argv)
         {"PLZ-017 PLZ-020: n17 until the bus has a rhythm, and again below SAFEOP", no_sync, setup, teardown, NULL},
         {"PLZ-017 PLZ-025: SYNC0 at 60C2h's cycle, 0.25 ms and more: OP; at another one n17, then F28 and 001Ah",
          cycle_times, NULL, NULL, NULL},
+        {"PLZ-017: with SYNC0 frames with outputs are no part of the rhythm that ends n17", outputs_are_no_rhythm,
+         setup, teardown, NULL},
         {"PLZ-025: a SYNC0 below 0.25 ms is refused", shorter_than_allowed, setup, teardown, NULL},
         {"PLZ-017: sync_tolerance: the master's frames within 1000 ppm", tolerance, NULL, NULL, NULL},
         {"PLZ-017 PLZ-020: a rhythm that is lost in OP: F28, the drive brakes and is off", sync_lost, NULL, NULL, NULL},
         {"PLZ-020: every fault sends an emergency; PREOP to SAFEOP clears those that need no restart", faults, NULL,
          NULL, NULL},
+        {"PLZ-017 PLZ-020: state and display show a signal's fault before the next tick", faults_at_once, NULL, NULL,
+         NULL},
         {"PLZ-031 PLZ-021: nothing moves without the whole sequence in OP", no_motion_without_enable, setup, teardown,
          NULL},
         {"PLZ-019 PLZ-020: set values count in OP alone; SAFEOP stops and keeps the shaft", locks, setup, teardown,
