@@ -197,6 +197,27 @@ static void blended(void **state)
     }
 }
 
+/* The second target lies beyond the first one, or before it, on both sides of 0. */
+static void through_on_both_sides(void **state)
+{
+    static const struct {
+        const char *what;
+        int32_t start, first, second;
+        double ms;
+    } rows[] = {{"up to 0", -300000, -200000, -100000, 6250},        {"down to 0", 300000, 200000, 100000, 6250},
+                {"down from 0", 0, -100000, -200000, 6250},          {"through 0", -100000, 0, 100000, 6250},
+                {"a turn below 0", -200000, -100000, -200000, 6750}, {"a turn above 0", 200000, 100000, 200000, 6750}};
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        setup(state);
+        plant.position = axis.reference.position = rows[i].start;
+        set_point(0, rows[i].first);
+        axis.task_speed = 25000;
+        set_point(ECT_402_THROUGH, rows[i].second);
+        expect_end(rows[i].what, rows[i].ms, 5);
+        expect_near(rows[i].what, rows[i].second, 1, axis.reference.position);
+    }
+}
+
 static void relative(void **state)
 {
     (void)state;
@@ -274,6 +295,8 @@ int main(int argc, char **argv)
         {"DRV-407: quick stop on 6085h, 605Ah 6", quick_stop, setup, NULL, NULL},
         {"DRV-408 DRV-409: a new target at once, or after the first one", changed, setup, NULL, NULL},
         {"DRV-410: two set-points with and without a stop between them", blended, NULL, NULL, NULL},
+        {"DRV-410: bit 9 passes a first target that lies before the second, on both sides of 0", through_on_both_sides,
+         NULL, NULL, NULL},
         {"DRV-219 DRV-404: 6082h, the speed at the target", end_speed, setup, NULL, NULL},
         {"DRV-210 DRV-218: bit 10 between two targets", queued, setup, NULL, NULL},
         {"DRV-222: the first demand of a set-point", demands, setup, NULL, NULL},

@@ -105,6 +105,25 @@ static void one_step(void **state)
     }
 }
 
+/* Speeds of less than a count a second exceed a limit of 0 in both directions. */
+static void slow_torque(void **state)
+{
+    static const struct {
+        double speed, torque, want;
+        bool held;
+    } rows[] = {{0.5, 1, -0.0025, true}, {-0.5, -1, 0.0025, true}, {0.5, -1, -1, false}, {-0.5, 1, 1, false}};
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        prepare(state);
+        axis.speed_limit = 0;
+        axis.reference = (ect_402_reference_t){.loop = TORQUE, .torque = rows[i].torque};
+        plant.speed = rows[i].speed;
+        ect_402_control(&axis);
+        if (!near(rows[i].want, axis.torque_now) || axis.held != rows[i].held)
+            fail_msg("%.0f Nm at %.1f counts/s: expected %.4f, bit 11 at %d; got %.4f, %d", rows[i].torque,
+                     rows[i].speed, rows[i].want, rows[i].held, axis.torque_now, axis.held);
+    }
+}
+
 static void torque_limits(void **state)
 {
     static const struct {
@@ -455,6 +474,8 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"A step of each controller, by reference and actual value", one_step, NULL, NULL, NULL},
+        {"DRV-113: a torque at a speed limit of 0 brakes a shaft that turns its way, however slowly", slow_torque, NULL,
+         NULL, NULL},
         {"DRV-239: 6072h, 6073h, 60E0h, 60E1h and the motor limit the torque", torque_limits, NULL, NULL, NULL},
         {"DRV-238: a limit switch stops a speed on 6085h", at_a_switch, NULL, NULL, NULL},
         {"DRV-238: a torque into a limit switch stops, and back is free", switch_and_torque, NULL, NULL, NULL},
