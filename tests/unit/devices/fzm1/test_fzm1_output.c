@@ -427,6 +427,22 @@ static void control_stays(void **state)
     assert_int_equal(sensor_data(&s, 1), 2000);
 }
 
+/* DSA goes on without handshaking: it has been on since before the first result of the handshake. */
+static void dsa_from_before(void **state)
+{
+    (void)state;
+    signal_set(&s.w, "output_control", "0");
+    sensor_set(&s, FZM1_DSA, true);
+    signal_set(&s.w, "output_control", "1");
+    measure(1);
+    sensor_expect(&s, "the level is no request", FZM1_GATE, 0);
+    assert_int_equal(signal_number(&s.w, "pending"), 1);
+    sensor_set(&s, FZM1_DSA, false);
+    sensor_set(&s, FZM1_DSA, true);
+    sensor_expect(&s, "the edge is", FZM1_GATE, FZM1_GATE);
+    assert_int_equal(sensor_data(&s, 1), 1000);
+}
+
 static void format_of_the_measurement(void **state)
 {
     (void)state;
@@ -615,6 +631,7 @@ int main(int argc, char **argv)
         HANDSHAKING("FZM-072: DSA that does not fall is a timeout too", dsa_does_not_fall),
         HANDSHAKING("FZM-048: ERR is cleared by Clear, by 2401h and by hand", error_is_cleared),
         HANDSHAKING("FZM-026 FZM-071: setting the output control to what it is changes nothing", control_stays),
+        HANDSHAKING("FZM-026 FZM-071: DSA that went on before the handshake was chosen is no request", dsa_from_before),
         HANDSHAKING("FZM-031: a result is output in the format that it was measured with", format_of_the_measurement),
         HANDSHAKING("FZM-055 FZM-072: Clear takes back what waits to be output", clear_takes_back),
         HANDSHAKING("FZM-048: each error is ended by its own answer", errors_apart),
