@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Phase run-up of the PMCtendo (manual §4.2, §4.3, §4.7, §4.8): functions of each AL state, n17 and F28. */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -268,7 +269,10 @@ static void faults(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         uint8_t number = (uint8_t)atoi(rows[i].fault);
         drive_open(&d);
+        char display[8];
+        snprintf(display, sizeof display, "F%02u", number);
         signal_set(&d.w, "provoke", rows[i].fault);
+        expect_display("provoked", display);
         expect_emergency(rows[i].code, rows[i].error_register, number);
         assert_int_equal(drive_read(&d, 0x603F, 0), rows[i].code);
         assert_int_equal(drive_read(&d, 0x2000, 1), number);
@@ -454,8 +458,9 @@ int main(int argc, char **argv)
         {"PLZ-025: a SYNC0 below 0.25 ms is refused", shorter_than_allowed, setup, teardown, NULL},
         {"PLZ-017: sync_tolerance: the master's frames within 1000 ppm", tolerance, NULL, NULL, NULL},
         {"PLZ-017 PLZ-020: a rhythm that is lost in OP: F28, the drive brakes and is off", sync_lost, NULL, NULL, NULL},
-        {"PLZ-020: every fault sends an emergency; PREOP to SAFEOP clears those that need no restart", faults, NULL,
-         NULL, NULL},
+        {"PLZ-020: every fault shows its number and sends an emergency; PREOP to SAFEOP clears those that need no "
+         "restart",
+         faults, NULL, NULL, NULL},
         {"PLZ-017 PLZ-020: state and display show a signal's fault before the next tick", faults_at_once, NULL, NULL,
          NULL},
         {"PLZ-031 PLZ-021: nothing moves without the whole sequence in OP", no_motion_without_enable, setup, teardown,
