@@ -156,6 +156,25 @@ static void current_scene(void **state)
     expect_text("edit.data1", "5");
 }
 
+/* The current scene, others of its group, and those of another group: each has its own values when it is opened. */
+static void opened(void **state)
+{
+    static const struct {
+        const char *group, *scene, *data;
+    } rows[] = {{"0", "3", "3"}, {"0", "0", "1"}, {"0", "7", "0"}, {"5", "0", "0"}, {"5", "3", "0"}, {"0", "3", "3"}};
+    (void)state;
+    command(FZM1_SWITCH_SCENE, 3);
+    signal_set(&s.w, "data1", "3");
+    command(FZM1_SWITCH_SCENE, 0);
+    signal_set(&s.w, "data1", "1");
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        signal_set(&s.w, "edit.group", rows[i].group);
+        signal_set(&s.w, "edit.scene", rows[i].scene);
+        expect_text("edit.data1", rows[i].data);
+    }
+    expect_text("edit.prepared", "0");
+}
+
 /* Saved scenes are shown, changed in one value, and saved with their group. */
 static void saved_scenes(void **state)
 {
@@ -288,6 +307,7 @@ int main(int argc, char **argv)
         TEST("FZM-030 FZM-058: any scene of any group is prepared before it is switched to, and stays so", prepared),
         TEST("FZM-030 FZM-058: a switch of scene or group makes unit data unmeasured", unmeasured),
         TEST("FZM-030: the current scene is changed at once", current_scene),
+        TEST("FZM-030 FZM-058: `edit` shows the values of the scene that it opens", opened),
         TEST("FZM-056 FZM-058: a scene that was saved is seen, changed, and saved with its group", saved_scenes),
         TEST("FZM-058: prepared scenes are forgotten by hand", forgotten),
         TEST("FZM-058: as many scenes are prepared as there is room for", as_many_as_fit),
