@@ -427,6 +427,37 @@ static void control_stays(void **state)
     assert_int_equal(sensor_data(&s, 1), 2000);
 }
 
+/* The handshake is chosen during a pulse of 5 ms: the end of that pulse is none of the handshake's. */
+static void pulse_from_before(void **state)
+{
+    (void)state;
+    signal_set(&s.w, "image_input", "100");
+    signal_set(&s.w, "processing", "100");
+    signal_set(&s.w, "output_control", "0");
+    measure(1);
+    (void)sensor_until(&s, FZM1_GATE, FZM1_GATE);
+    signal_set(&s.w, "output_control", "1");
+    measure(2);
+    sensor_set(&s, FZM1_DSA, true);
+    assert_int_equal(sensor_data(&s, 1), 2000);
+    for (unsigned int ms = 0; ms < 20; ms++) {
+        sensor_expect(&s, "DSA is on", FZM1_GATE, FZM1_GATE);
+        sensor_wait(&s, MS);
+    }
+}
+
+/* A result waits when the handshake is chosen, and no outputs follow. */
+static void time_out_begins_with_handshake(void **state)
+{
+    (void)state;
+    signal_set(&s.w, "output_period", "50000");
+    signal_set(&s.w, "output_control", "0");
+    measure(1);
+    assert_int_equal(signal_number(&s.w, "pending"), 1);
+    signal_set(&s.w, "output_control", "1");
+    assert_int_equal(sensor_until(&s, FZM1_ERR, FZM1_ERR), 10000 * MS);
+}
+
 /* DSA goes on without handshaking: it has been on since before the first result of the handshake. */
 static void dsa_from_before(void **state)
 {
@@ -632,6 +663,9 @@ int main(int argc, char **argv)
         HANDSHAKING("FZM-048: ERR is cleared by Clear, by 2401h and by hand", error_is_cleared),
         HANDSHAKING("FZM-026 FZM-071: setting the output control to what it is changes nothing", control_stays),
         HANDSHAKING("FZM-026 FZM-071: DSA that went on before the handshake was chosen is no request", dsa_from_before),
+        HANDSHAKING("FZM-026 FZM-045: GATE of a handshake outlasts the pulse that it cut short", pulse_from_before),
+        HANDSHAKING("FZM-026 FZM-072: the timeout of DSA begins when the handshake is chosen",
+                    time_out_begins_with_handshake),
         HANDSHAKING("FZM-031: a result is output in the format that it was measured with", format_of_the_measurement),
         HANDSHAKING("FZM-055 FZM-072: Clear takes back what waits to be output", clear_takes_back),
         HANDSHAKING("FZM-048: each error is ended by its own answer", errors_apart),
