@@ -154,6 +154,23 @@ static void outputs_are_no_rhythm(void **state)
     expect_display("after the fifth pulse", "");
 }
 
+/* 60C2h is 0.3 ms, no multiple of 250 us: without a clock any frames are a rhythm, within a tolerance none are. */
+static void tolerance_in_safeop(void **state)
+{
+    (void)state;
+    assert_int_equal(drive_write(&d, 0x60C2, 1, 3, 1), 0);
+    assert_int_equal(drive_write(&d, 0x60C2, 2, (uint8_t)-4, 1), 0);
+    drive_safeop(&d, 0x1701, 0x1B01);
+    drive_cycles(&d, 3);
+    expect_display("any frames", "");
+    signal_set(&d.w, "sync_tolerance", "1000");
+    drive_cycles(&d, 2);
+    expect_display("within 1000 ppm of 60C2h", "n17");
+    signal_set(&d.w, "sync_tolerance", "0");
+    drive_cycles(&d, 2);
+    expect_display("any frames again", "");
+}
+
 static void shorter_than_allowed(void **state)
 {
     uint16_t code = 0;
@@ -454,6 +471,8 @@ int main(int argc, char **argv)
         {"PLZ-017 PLZ-025: SYNC0 at 60C2h's cycle, 0.25 ms and more: OP; at another one n17, then F28 and 001Ah",
          cycle_times, NULL, NULL, NULL},
         {"PLZ-017: with SYNC0 frames with outputs are no part of the rhythm that ends n17", outputs_are_no_rhythm,
+         setup, teardown, NULL},
+        {"PLZ-017: sync_tolerance that is set in SAFEOP ends a rhythm that 60C2h cannot have", tolerance_in_safeop,
          setup, teardown, NULL},
         {"PLZ-025: a SYNC0 below 0.25 ms is refused", shorter_than_allowed, setup, teardown, NULL},
         {"PLZ-017: sync_tolerance: the master's frames within 1000 ppm", tolerance, NULL, NULL, NULL},
