@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Latch control and status word of the PMCtendo (manual §4.9), on the virtual clock. */
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "support/drive.h"
@@ -161,6 +162,32 @@ static void by_mailbox(void **state)
     assert_int_equal(drive_read(&d, 0x20A5, 0), 0xB101);
 }
 
+/* The shaft passes the mark between two ticks; the latch is armed before, or after that and before the next tick. */
+static void armed_between_ticks(void **state)
+{
+    enum { STEPS = 3, ARM = 0x0001 };
+    (void)state;
+    for (unsigned int late = 0; late < 2; late++) {
+        char at[16];
+        drive_open(&d);
+        drive_operational(&d, 0x1702, 0x1B25);
+        drive_enable(&d);
+        drive_set(&d, 10 * PMC_TURN);
+        drive_cycles(&d, 100);
+        double way = drive_instance(&d)->plant.machine.speed / ECT_402_STEPS_PER_S * 1.5;
+        snprintf(at, sizeof at, "%.0f", drive_instance(&d)->plant.machine.position + way);
+        signal_set(&d.w, "probe_width", "1000000");
+        signal_set(&d.w, "probe_at", at);
+        if (!late)
+            assert_int_equal(drive_write(&d, 0x20A4, 0, ARM, 2), 0);
+        wire_advance(&d.w, STEPS * PMC_STEP_NS);
+        if (late)
+            assert_int_equal(drive_write(&d, 0x20A4, 0, ARM, 2), 0);
+        expect(late ? "armed behind the mark" : "armed before the mark", VALID, late ? 0 : ARM);
+        drive_close(&d);
+    }
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -171,6 +198,8 @@ int main(int argc, char **argv)
          every_latch, NULL, NULL, NULL},
         {"PLZ-001 PLZ-002 PLZ-004: edges of inputs that are switched by hand", by_hand, setup, teardown, NULL},
         {"PLZ-006: a code without a value is not acknowledged", codes, setup, teardown, NULL},
+        {"PLZ-004 PLZ-006: a latch that is armed by mailbox catches no edge from before", armed_between_ticks, NULL,
+         NULL, NULL},
         {"PLZ-004 PLZ-006: the latch words by mailbox", by_mailbox, setup, teardown, NULL},
     };
     if (argc > 1)
