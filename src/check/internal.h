@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Interfaces between the files of check/.
+ * Interfaces between the files of check/. From the lowest to the highest; each file uses only files above it in this
+ * list (tests/check/order.py):
  *
  *   report.c   the line
  *   chip.c     ESC, SyncManagers, FMMUs, mailboxes

@@ -3,9 +3,21 @@
  * @file
  * Declarations that the files of eni/ share. No other room includes this header.
  *
- * From the lowest to the highest: read_command.c (datagrams and mails), read_slave.c (a slave), read.c (a file),
- * bus.c (the tree), device.c (the device model of a slave), check.c (contradictions). The player (player.h) and the
- * writer (write_slave.h) have their own orders.
+ * From the lowest to the highest; each file uses only files above it in this list (tests/check/order.py):
+ *
+ *   read_command.c  datagrams and mails
+ *   read_slave.c    a slave
+ *   read.c          a file
+ *   bus.c           the tree
+ *   device.c        the device model of a slave
+ *   check.c         contradictions
+ *   play_wire.c     datagrams, cyclic frames
+ *   play_mail.c     mails of AoE and EoE
+ *   play_coe.c      SDO transfers
+ *   play_soe.c      IDNs of drives
+ *   play.c          transitions
+ *   write_slave.c   a slave
+ *   write.c         a file
  */
 #ifndef ECT_ENI_INTERNAL_H
 #define ECT_ENI_INTERNAL_H

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Declarations that the files of the player share: play_wire.c (datagrams, cyclic frames), play_mail.c (mails of AoE
- * and EoE), play_coe.c (SDO transfers), play_soe.c (IDNs of drives), play.c (transitions).
+ * Declarations that the files of the player share: play_*.c and play.c (internal.h).
  */
 #ifndef ECT_ENI_PLAYER_H
 #define ECT_ENI_PLAYER_H

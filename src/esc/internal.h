@@ -5,6 +5,8 @@
  *
  * The files from the lowest to the highest; each knows only those above it in this list (tests/check/order.py):
  *
+ *   personality.c     types of chips
+ *   fmmu_registers.c  registers of the FMMUs
  *   memory.c     bytes of an access, event words, counters
  *   postpone.c   effects of a frame that wait for its end
  *   led.c        RUN and ERR LEDs
@@ -20,9 +22,9 @@
  *   registers.c  the registers, with their reset values, access rights and effects
  *   access.c     one access to the address space, from either side: registers or RAM
  *   fmmu.c       logical addresses
+ *   esc.c        reset, time, the PDI side
  *   route.c      properties of a controller that affect passing frames
  *   cyclic.c     the part of a controller in the exchange of process data, known in advance
- *   esc.c        reset, time, the PDI side
  *   frame.c      datagrams: addressing, working counter
  */
 #ifndef ECT_ESC_INTERNAL_H

@@ -8,6 +8,7 @@
  *   arena.c            memory freed together
  *   number.c, units.c, types.c  numbers, units and data types
  *   xml.c              documents and elements; the first mistake
+ *   leaves.c           elements and attributes, as texts
  *   read_dictionary.c  types and objects of a file
  *   dictionary_file.c  a dictionary in a file of its own
  *   read_device.c      the model of a device
@@ -30,14 +31,17 @@
  *   build_signals.c    signals from PDO entries and objects
  *   inits.c            start-up commands of the description
  *   change.c           modules that change while the twin runs
+ *   network.c          EoE: an IP host; AoE
  *   twin.c             the description and its behaviour
  *   rack.c             twins, with a description for each set of modules
  *   dialect.c          the words of SoE drives over axes of CiA 402
  *   encoders.c         encoders with objects of CiA 406
+ *   homing.c           the homing procedure of SoE drives
+ *   reports.c          notifications and emergencies of SoE drives
  *   behaviour.c        drives with objects of CiA 402, or IDNs
- *   network.c          EoE: an IP host; AoE
  *   values.c           the values of a dictionary before the first write
  *   write_xml.c        elements and attributes; the first failure
+ *   write_fields.c     names of values and bits
  *   write_dictionary.c  data types and objects
  *   write_slots.c      slots
  *   write_device.c     a device

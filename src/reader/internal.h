@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Interfaces between the files of reader/, from the lowest to the highest:
+ * Interfaces between the files of reader/, from the lowest to the highest (tests/check/order.py):
  *
+ *   packet.c      frames of a packet socket
  *   report.c      result, text and limit
  *   datagram.c    one datagram, there and back
  *   mailbox.c     mails through SyncManagers 0 and 1

@@ -11,11 +11,12 @@
  *   host.c       requests of the device: recorded, executed later
  *   syncman.c    SyncManagers: comparison with the description, on and off
  *   pdo.c        process image: mapping, outputs, inputs
+ *   rhythm.c     the rhythm of the bus, for the device
  *   cycle.c      the cyclic exchange, from an interrupt or from the poll
  *   mailbox.c    counters, repeat, error replies, dispatch to the protocols that the device names
  *   coe.c        the CoE header
- *   sdo.c sdo_info.c emergency.c foe.c eoe.c soe.c     protocols, linked when a device names them
- *   aoe.c        another, which reads and writes the dictionary through sdo.c
+ *   sdo.c sdo_info.c emergency.c foe.c eoe.c soe.c aoe.c     protocols, linked when a device names them
+ *   local.c      the dictionary, for the program that runs the slave
  *   pdo_config.c diagnosis.c store.c sync.c      object services, likewise
  *   machine.c    AL control, the checks of the transitions, watchdog, drops
  *   slave.c      initialisation and the poll: the sequence of all steps

@@ -8,8 +8,9 @@
  *
  *   state.c                         variables, time
  *   describe.c                      the description of an application
+ *   esc_coe.c                       dictionary
  *   esc.c                           registers, and leaving a state
- *   esc_coe.c esc_eep.c             dictionary, emulated EEPROM
+ *   esc_eep.c                       emulated EEPROM
  *   esc_foe.c esc_eoe.c             files, Ethernet frames
  *   application.c                   a slave out of SDOobjects and the hooks
  *   ecat_slv.c                      the loop

@@ -5,6 +5,8 @@ A file knows another when its object uses a symbol that the other's defines, or 
 of a program know each other by their files; its own folder, which holds the main function, is one of them. The folders of src
 have a table of their own (layers.py). Read from the objects of a build; --graph prints each room, and each program, from the
 lowest to the highest, with what each knows.
+
+The comment of a room's internal.h lists all files of the room from the lowest to the highest: a file knows only files before it.
 """
 import json
 import pathlib
@@ -113,6 +115,27 @@ def loop(left):
     return path[path.index(name):] + [name]
 
 
+def listed(header):
+    """The files (stems) that the first comment of an internal.h lists; None: no list."""
+    comment = header.read_text().partition("@file")[2].partition("*/")[0]
+    before, _, names = comment.partition("rom the lowest to the highest")
+    return re.findall(r"\b(\w+)\.c\b", names) if before != comment else None
+
+
+def mistakes_of_list(names, graph):
+    """Differences between the list of an internal.h and the files of its room."""
+    if names is None:
+        return ["no list of the files from the lowest to the highest"]
+    found = [f"{name}.c is not in the list" for name in sorted(graph.keys() - set(names))]
+    found += [f"{name}.c is not in the room" for name in sorted(set(names) - graph.keys())]
+    found += [f"{name}.c is in the list twice" for name in sorted(set(names)) if names.count(name) > 1]
+    place = {name: number for number, name in enumerate(names)}
+    for name, others in sorted(graph.items()):
+        found += [f"{name}.c uses {other}.c ({shown}), which the list has behind it" for other, shown in sorted(others.items())
+                  if place.get(other, -1) > place.get(name, len(names))]
+    return found
+
+
 def main():
     build = pathlib.Path(sys.argv[1]).resolve()
     rooms = {}
@@ -135,6 +158,10 @@ def main():
             path = loop(left)
             steps = [f"{a} -> {b} ({graph[a][b]})" for a, b in zip(path, path[1:])]
             print(f"{room}: a loop: {', '.join(steps)}")
+        header = ROOT / room / "internal.h"
+        for mistake in mistakes_of_list(listed(header), graph) if header.exists() else ():
+            failed = True
+            print(f"{room}/internal.h: {mistake}")
     return 1 if failed else 0
 
 
