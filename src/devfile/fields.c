@@ -96,10 +96,10 @@ static void take_value(list_t *list, const char *key, ect_word_t name)
 static void limit(const list_t *list, size_t line, ect_draft_entry_t *entry)
 {
     const int64_t lowest = list->values[0].value, highest = list->values[list->count - 1].value;
-    const int64_t most = entry->bits < 63 ? (INT64_C(1) << entry->bits) - 1 : INT64_MAX;
-    const int64_t least = entry->bits < 63 ? -(INT64_C(1) << (entry->bits - 1)) : INT64_MIN;
+    int64_t least, most;
+    ect_draft_range(entry, &least, &most);
     if (lowest < least || highest > most)
-        ect_mistake(&list->d->mistake, line, "'values' has one that the entry has no room for: choose a longer 'type'");
+        ect_mistake(&list->d->mistake, line, "'values' has one that the entry has no room for: choose another 'type'");
     if (!entry->limited) {
         entry->minimum = lowest;
         entry->maximum = highest;

@@ -137,8 +137,7 @@ bool ect_draft_is_integer(const ect_draft_entry_t *entry)
            entry->type != ECT_TYPE_OCTET_STRING;
 }
 
-/* The range of an integer; of one with 64 bits and no sign the lower half. */
-static void range_of(const ect_draft_entry_t *entry, int64_t *minimum, int64_t *maximum)
+void ect_draft_range(const ect_draft_entry_t *entry, int64_t *minimum, int64_t *maximum)
 {
     ECT_ASSERT(entry->bits > 0 && entry->bits <= 64);
     unsigned int magnitude = entry->bits - (is_signed(entry) ? 1u : 0u);
@@ -158,7 +157,7 @@ static ect_esi_bytes_t wire_of(ect_draft_t *d, uint64_t number, size_t length)
 static uint64_t integer_of(ect_draft_t *d, const char *key, const ect_draft_entry_t *entry, ect_word_t word)
 {
     int64_t minimum, maximum, value = 0;
-    range_of(entry, &minimum, &maximum);
+    ect_draft_range(entry, &minimum, &maximum);
     if (entry->bits == 1 && (strcmp(word.text, "true") == 0 || strcmp(word.text, "false") == 0))
         return *word.text == 't';
     bool whole = entry->type == ECT_TYPE_UNSIGNED64 && *word.text != '-'; /* also above INT64_MAX */
@@ -227,7 +226,7 @@ static void take_limits(ect_draft_t *d, ect_draft_entry_t *entry, const ect_word
         ect_mistake(&d->mistake, line, "'min' and 'max' are for integers: leave them out");
         return;
     }
-    range_of(entry, &entry->minimum, &entry->maximum);
+    ect_draft_range(entry, &entry->minimum, &entry->maximum);
     int64_t lowest = entry->minimum, highest = entry->maximum;
     entry->limited = true;
     if (min.text != NULL)

@@ -125,6 +125,15 @@ static void limits_and_units_are_details(void **state)
         {"type: USINT, values: {0: OFF, 1: ON, 7: BOTH}", 0, 7, 0, 0},
         {"type: SINT, values: {-1: BACK, 0: HALT, 1: FORTH}", -1, 1, 0, 0},
         {"type: USINT, max: 3, values: {0: OFF, 1: ON}", 0, 3, 0, 0},
+        {"type: BIT2, default: 1, values: {1: A, 3: B}", 1, 3, 0, 0},
+        {"type: BIT2, values: {0: A, 3: B}", 0, 3, 0, 0},
+        {"type: SINT, values: {-128: A, 127: B}", -128, 127, 0, 0},
+        {"type: USINT, values: {0: A, 255: B}", 0, 255, 0, 0},
+        {"type: LINT, values: {-9223372036854775808: A, 0: B, 9223372036854775807: C}", INT64_MIN, INT64_MAX, 0, 0},
+        {"type: SINT, min: -128, max: 127", -128, 127, 0, 0},
+        {"type: SINT, default: -5, max: -5", -128, -5, 0, 0},
+        {"type: USINT, default: 4, min: 4, max: 5", 4, 5, 0, 0},
+        {"type: USINT, default: 5, min: 4, max: 5", 4, 5, 0, 0},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -370,6 +379,12 @@ static void a_wrong_file_is_refused_with_its_line_and_a_cure(void **state)
         {OBJECTS("  0x1000: {name: A, type: INT}\n"),
          P(7, "object 1000 is left out here: the key 'profile' has the d")},
         {OBJECTS("  0x1001: {name: A, type: INT}\n"), P(7, "object 1001 is left out here: the twin itself keeps")},
+        {OBJECTS("  0x0FFF: {name: A, type: INT}\n"), P(7, "'0x0FFF' is no index of an object")},
+        {OBJECTS("  0x1600: {name: A, type: INT}\n"), P(7, "object 1600 is left out here: the keys 'inputs', 'outpu")},
+        {OBJECTS("  0x17FF: {name: A, type: INT}\n"), P(7, "object 17FF is left out here: the keys 'inputs', 'outpu")},
+        {OBJECTS("  0x1BFF: {name: A, type: INT}\n"), P(7, "object 1BFF is left out here: the keys 'inputs', 'outpu")},
+        {OBJECTS("  0x1C00: {name: A, type: INT}\n"), P(7, "object 1C00 is left out here: the keys 'inputs', 'outpu")},
+        {OBJECTS("  0x1C2F: {name: A, type: INT}\n"), P(7, "object 1C2F is left out here: the keys 'inputs', 'outpu")},
         {OBJECTS("  0x1018: {name: A, type: INT}\n"), P(7, "object 1018 is left out here: the keys 'vendor', 'produ")},
         {OBJECTS("  0x1A00: {name: A, type: INT}\n"), P(7, "object 1A00 is left out here: the keys 'inputs', 'outpu")},
         {OBJECTS("  0x2000: {name: A, type: INT}\n  0x2000: {name: B, type: INT}\n"),
@@ -380,6 +395,12 @@ static void a_wrong_file_is_refused_with_its_line_and_a_cure(void **state)
         {ONE("type: BIT3x"), P(7, "'type: BIT3x' is none")},
         {ONE("type: STRING(0)"), P(7, "'type: STRING(0)' is none")},
         {ONE("type: STRING(9999)"), P(7, "'type: STRING(9999)' is none")},
+        {ONE("type: STRING(8192)"), P(7, "'type: STRING(8192)' is none")},
+        {ONE("type: BYTES(8192)"), P(7, "'type: BYTES(8192)' is none")},
+        {ONE("type: STRING(00001)"), P(7, "'type: STRING(00001)' is none")},
+        {ONE("type: BYTES(1"), P(7, "'type: BYTES(1' is none")},
+        {ONE("type: 'ARRAY [0..1] OF INT'"), P(7, "'type: ARRAY [0..1] OF INT' is none")},
+        {ONE("type: STRING, default: ''"), P(7, "'type: STRING' takes its length from 'default'")},
         {ONE("type: STRING"), P(7, "'type: STRING' takes its length from 'default'; else write STRING(20)")},
         {ONE("type: INT, colour: 1"), P(7, "'colour' is no key of an object: name, type, access")},
         {ONE("type: INT, subindex: 1"), P(7, "'subindex' is no key of an object")},
@@ -413,6 +434,13 @@ static void a_wrong_file_is_refused_with_its_line_and_a_cure(void **state)
         {ONE("type: INT, values: {0: A}"), P(7, "'values' takes at least two: {0: OFF, 1: ON}")},
         {ONE("type: INT, values: {1: A, 0: B}"), P(7, "'values' ascend, each is there once: move 0")},
         {ONE("type: BIT2, values: {1: A, 4: B}"), P(7, "'values' has one that the entry has no room for")},
+        {ONE("type: SINT, values: {0: A, 128: B}"), P(7, "'values' has one that the entry has no room for: choose an")},
+        {ONE("type: SINT, values: {-129: A, 0: B}"), P(7, "'values' has one that the entry has no room for")},
+        {ONE("type: USINT, values: {-1: A, 0: B}"), P(7, "'values' has one that the entry has no room for")},
+        {ONE("type: USINT, values: {0: A, 256: B}"), P(7, "'values' has one that the entry has no room for")},
+        {ONE("type: USINT, values: {0: A, 0: B}"), P(7, "'values' ascend, each is there once: move 0")},
+        {ONE("type: USINT, default: 6, min: 4, max: 5"), P(7, "the default 6 of 2000:0 is not within its limits 4 to")},
+        {ONE("type: SINT, default: -6, min: -5"), P(7, "the default -6 of 2000:0 is not within its limits -5 to 127")},
         {ONE("type: INT, values: {x: A, 4: B}"), P(7, "'values' takes a number from")},
         {ONE("type: INT, array: 0"), P(7, "'array' takes a number from 1 to 254, not '0'")},
         {ONE("type: INT, array: 2, default: [1]"),
@@ -431,6 +459,15 @@ static void a_wrong_file_is_refused_with_its_line_and_a_cure(void **state)
         {DEVICE("outputs: 5\n"), P(6, "'outputs' takes a list: entries")},
         {DEVICE("inputs: [0x6000]\n"), P(6, "there is no 0x6000 among the 'objects': add it, or correct the index")},
         {DEVICE("inputs: [speed]\n"), P(6, "'speed' is no entry of a PDO: 0x6000, all of an object; 0x6000:1")},
+        {DEVICE("inputs: [gap 256]\n"), P(6, "'gap 256' is no entry of a PDO")},
+        {DEVICE("inputs: [gap]\n"), P(6, "'gap' is no entry of a PDO")},
+        {DEVICE("inputs: [0x0FFF]\n"), P(6, "'0x0FFF' is no entry of a PDO")},
+        {DEVICE("inputs: [0x10000]\n"), P(6, "'0x10000' is no entry of a PDO")},
+        {DEVICE("inputs: ['0x6000:256']\n"), P(6, "'0x6000:256' is no entry of a PDO")},
+        {DEVICE("inputs: ['0x6000:-1']\n"), P(6, "'0x6000:-1' is no entry of a PDO")},
+        {DEVICE("inputs: ['0x00000000000000000000006000']\n"), P(6, "'0x00000000000000000000006000' is no entry of a")},
+        {ONE("type: INT") "inputs: ['0x2000:1']\n", P(8, "there is no 0x2000:1 among the 'objects'")},
+        {ONE("type: STRING(32)") "inputs: [0x2000]\n", P(8, "2000:0 has 256 bits; a PDO maps at most 255 of an entry")},
         {DEVICE("inputs: [gap 0]\n"), P(6, "'gap 0' is no entry of a PDO")},
         {DEVICE("inputs: [0x6000:x]\n"), P(6, "'0x6000:x' is no entry of a PDO")},
         {DEVICE("inputs: [{pdo: 0x1A00}]\n"), P(6, "a PDO without 'entries: [0x6000]'")},
@@ -445,6 +482,8 @@ static void a_wrong_file_is_refused_with_its_line_and_a_cure(void **state)
         {ONE("type: INT, array: 254") "inputs: [0x2000, gap 8]\n",
          P(8, "PDO 1A00 has more than 254 entries: divide it")},
         {DEVICE("mailbox: full\n"), P(6, "'mailbox' other than 'none': 'key: value' lines are missing")},
+        {DEVICE("mailbox: {size: 33}\n"), P(6, "'size' takes a number from 34 to 1486, not '33'")},
+        {DEVICE("mailbox: {size: 1487}\n"), P(6, "'size' takes a number from 34 to 1486, not '1487'")},
         {DEVICE("mailbox: {size: 20}\n"), P(6, "'size' takes a number from 34 to 1486, not '20'")},
         {DEVICE("mailbox: {colour: 20}\n"), P(6, "'colour' is no key of 'mailbox': size, protocols")},
         {DEVICE("mailbox: {protocols: coe}\n"), P(6, "'protocols' takes a list, as [coe, foe]")},
@@ -463,6 +502,18 @@ static void a_wrong_file_is_refused_with_its_line_and_a_cure(void **state)
         {DEVICE("dc: [{name: A, speed: 1}]\n"), P(6, "'speed' is no key of a clock mode: name, description")},
         {DEVICE("dc: [{name: A, cycle0: -1}]\n"), P(6, "'cycle0' takes a number from 0 to 2147483647, not '-1'")},
         {DEVICE("eeprom: {size: 1}\n"), P(6, "'size' takes a number from 128 to 32768, not '1'")},
+        {DEVICE("eeprom: {size: 127}\n"), P(6, "'size' takes a number from 128 to 32768, not '127'")},
+        {DEVICE("eeprom: {size: 32769}\n"), P(6, "'size' takes a number from 128 to 32768, not '32769'")},
+        {DEVICE("eeprom: {config: 000102030405060708090A0B0C0D0E}\n"), P(6, "'config' takes at most 14 bytes")},
+        {DEVICE("eeprom: {config: 00 0}\n"), P(6, "'config' takes at most 14 bytes")},
+        {DEVICE("eeprom: [1]\n"), P(6, "eeprom: 'key: value' lines are missing")},
+        {DEVICE("dc: [{name: A, cycle1: 2147483648}]\n"), P(6, "'cycle1' takes a number from 0 to 2147483647")},
+        {DEVICE("dc: [{name: A, shift0: -2147483649}]\n"), P(6, "'shift0' takes a number from -2147483648 to")},
+        {DEVICE("dc: [{name: A, shift1: 2147483648}]\n"),
+         P(6, "'shift1' takes a number from -2147483648 to 2147483647")},
+        {DEVICE("dc: [{name: A, factor0: 32768}]\n"), P(6, "'factor0' takes a number from -32768 to 32767")},
+        {DEVICE("dc: [{name: A, factor1: -32769}]\n"), P(6, "'factor1' takes a number from -32768 to 32767")},
+        {DEVICE("dc: [{name: A, activate: 65536}]\n"), P(6, "'activate' takes a number from 0 to 65535")},
         {DEVICE("eeprom: {config: 0}\n"), P(6, "'config' takes at most 14 bytes as pairs of hexadecimal digits")},
         {DEVICE("eeprom: {colour: 0}\n"), P(6, "'colour' is no key of 'eeprom': size, config")},
     };
@@ -470,6 +521,50 @@ static void a_wrong_file_is_refused_with_its_line_and_a_cure(void **state)
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         made_t m = try_text(rows[i].yaml);
         if (m.twin != NULL || strncmp(m.why, rows[i].why, strlen(rows[i].why)) != 0)
+            fail_msg("row %zu:\n%s\nexpected \"%s\", got \"%s\"", i, rows[i].yaml, rows[i].why, m.why);
+        drop(&m);
+    }
+}
+
+static void values_at_the_end_of_their_range_are_taken(void **state)
+{
+#define GAP4  "gap 4, gap 4, gap 4, gap 4"
+#define GAP16 GAP4 ", " GAP4 ", " GAP4 ", " GAP4
+#define SYNC4 "sync0, sync0, sync0, sync0"
+    static const struct {
+        const char *yaml, *why; /* NULL: taken */
+    } rows[] = {
+        {OBJECTS("  0xFFFF: {name: A, type: INT}\n  0x1002: {name: B, type: INT}\n"), NULL},
+        {OBJECTS("  0x1C30: {name: A, type: INT}\n"), NULL},
+        {ONE("type: STRING(8191)"), NULL},
+        {ONE("type: BYTES(8191)"), NULL},
+        {ONE("type: INT, array: 254"), NULL},
+        {ONE("type: INT, array: 1"), NULL},
+        {ONE("type: INT, array: 255"), P(7, "'array' takes a number from 1 to 254, not '255'")},
+        {ONE("entries: [{name: X, type: INT, subindex: 254}]"), NULL},
+        {ONE("type: STRING(31)") "inputs: [0x2000]\n", NULL},
+        {ONE("type: INT") "inputs: ['0x2000:0']\n", NULL},
+        {DEVICE("inputs: [gap 255, gap 1]\n"), NULL},
+        {DEVICE("inputs: [" GAP16 "]\n"), NULL},
+        {DEVICE("inputs: [{pdo: 0x1BFF, entries: [gap 8]}]\n"), NULL},
+        {DEVICE("outputs: [{pdo: 0x17FF, entries: [gap 8]}]\n"), NULL},
+        {DEVICE("outputs: [{pdo: 0x1800, entries: [gap 8]}]\n"), P(6, "'pdo' takes a number from 5632 to 6143")},
+        {DEVICE("inputs: [{pdo: 0x1C00, entries: [gap 8]}]\n"), P(6, "'pdo' takes a number from 6656 to 7167")},
+        {DEVICE("mailbox: {size: 34}\n"), NULL},
+        {DEVICE("mailbox: {size: 1486}\n"), NULL},
+        {DEVICE("eeprom: {size: 32768}\n"), NULL},
+        {DEVICE("eeprom: {config: 05 06 03 44 64 00 00 00 00 00 00 00 00 00}\n"), NULL},
+        {DEVICE("dc: [" SYNC4 ", " SYNC4 ", " SYNC4 ", " SYNC4 "]\n"), NULL},
+        {DEVICE("dc: [" SYNC4 ", " SYNC4 ", " SYNC4 ", " SYNC4 ", sync0]\n"), P(6, "'dc' takes a list of at most 16")},
+        {DEVICE("dc: [{name: A, cycle0: 2147483647, shift0: -2147483648, shift1: 2147483647, factor0: -32768, "
+                "factor1: 32767, activate: 65535}]\n"),
+         NULL},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        made_t m = try_text(rows[i].yaml);
+        if ((m.twin != NULL) != (rows[i].why == NULL) ||
+            (rows[i].why != NULL && strncmp(m.why, rows[i].why, strlen(rows[i].why)) != 0))
             fail_msg("row %zu:\n%s\nexpected \"%s\", got \"%s\"", i, rows[i].yaml, rows[i].why, m.why);
         drop(&m);
     }
@@ -535,6 +630,7 @@ int main(void)
         cmocka_unit_test(mailbox_clocks_and_eeprom_are_described),
         cmocka_unit_test(a_twin_of_the_esi_file_is_the_same_device),
         cmocka_unit_test(a_wrong_file_is_refused_with_its_line_and_a_cure),
+        cmocka_unit_test(values_at_the_end_of_their_range_are_taken),
         cmocka_unit_test(a_device_that_no_controller_can_be_is_refused),
         cmocka_unit_test(a_small_file_cannot_become_a_large_device),
         cmocka_unit_test(a_file_that_cannot_be_read_is_a_line),

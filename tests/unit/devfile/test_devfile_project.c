@@ -28,11 +28,12 @@ static void the_form_is_identity_and_layout(void **state)
 {
     static const uint8_t config[14] = {0x80, 0x06, 0x03, 0x44, 0x64};
     (void)state;
-    made_t m =
-        make(FORM(", \"ESC\": \"LAN9252\", \"CoeDetailsEnableSDOInfo\": true, "
-                  "\"CoeDetailsEnableSDOCompleteAccess\": \"on\", \"CoeDetailsEnablePDOAssign\": false") //
-             "\"od\": {}, \"dc\": [{\"Name\": \"DC\", \"Description\": \"SYNC0\", \"AssignActivate\": \"#x300\", "
-             "\"Sync0cycleTime\": \"0\", \"Sync0shiftTime\": \"50\"}]}");
+    made_t m = make(
+        FORM(", \"ESC\": \"LAN9252\", \"CoeDetailsEnableSDOInfo\": true, "
+             "\"CoeDetailsEnableSDOCompleteAccess\": \"on\", \"CoeDetailsEnablePDOAssign\": false") //
+        "\"od\": {}, \"dc\": [{\"Name\": \"DC\", \"Description\": \"SYNC0\", \"AssignActivate\": \"#x300\", "
+        "\"Sync0cycleTime\": \"0\", \"Sync0shiftTime\": \"50\"}, {\"Name\": \"DC2\", \"AssignActivate\": \"#x700\", "
+        "\"Sync0cycleTime\": \"1000\", \"Sync1cycleTime\": \"2000\", \"Sync1shiftTime\": \"30\"}]}");
     const ect_device_t *d = device_of(&m);
     assert_int_equal(d->identity.vendor_id, 0xE57);
     assert_int_equal(d->identity.product_code, 0xAB123);
@@ -48,13 +49,130 @@ static void the_form_is_identity_and_layout(void **state)
     assert_true(d->sm[2].start == 0x1400 && d->sm[3].start == 0x1A00 && d->sm[3].control == 0x20);
     assert_int_equal(d->coe_details, ECT_COE_SDO | ECT_COE_SDO_INFO | ECT_COE_COMPLETE_ACCESS);
     assert_memory_equal(d->esc_config, config, sizeof config);
-    assert_int_equal(d->dc_mode_count, 1);
+    assert_int_equal(d->dc_mode_count, 2);
+    assert_string_equal(d->dc_modes[0].name, "DC");
+    assert_string_equal(d->dc_modes[0].description, "SYNC0");
+    assert_int_equal(d->dc_modes[0].cycle_sync0_ns, 0);
+    assert_string_equal(d->dc_modes[1].name, "DC2");
+    assert_int_equal(d->dc_modes[1].assign_activate, 0x700);
+    assert_int_equal(d->dc_modes[1].cycle_sync0_ns, 1000);
+    assert_int_equal(d->dc_modes[1].shift_sync0_ns, 0);
+    assert_int_equal((int)m.model->dcs[1].cycle_sync1_ns, 2000);
+    assert_int_equal(d->dc_modes[1].shift_sync1_ns, 30);
     assert_int_equal(d->dc_modes[0].assign_activate, 0x300);
     assert_int_equal(d->dc_modes[0].shift_sync0_ns, 50);
     assert_int_equal(object_of(&m, 0x1008)->entries[0].bit_length, 56);
     assert_int_equal(object_of(&m, 0x1009)->entries[0].bit_length, 24);
     assert_int_equal(object_of(&m, 0x100A)->entries[0].value, 0x332E32);
     drop(&m);
+}
+
+static void the_chip_determines_the_first_words_of_the_eeprom(void **state)
+{
+    static const struct {
+        const char *form;
+        uint8_t config[14];
+    } rows[] = {
+        {", \"ESC\": \"ET1100\"", {0x05, 0x06, 0x03, 0x44, 0x64}},
+        {", \"ESC\": \"AX58100\"", {0x05, 0x06, 0x03, 0x44, 0x64, 0, 0, 0, 0, 0, 0x1A, 0}},
+        {", \"ESC\": \"LAN9252\"", {0x80, 0x06, 0x03, 0x44, 0x64}},
+        {", \"ESC\": \"LAN9253 Beckhoff\"", {0x05, 0x06, 0x03, 0x44, 0x64, 0, 0, 0, 0, 0, 0x40, 0xC0}},
+        {", \"ESC\": \"LAN9253 Direct\"", {0x82, 0x06, 0x03, 0x44, 0x64, 0, 0, 0, 0, 0, 0x40, 0xC0}},
+        {", \"ESC\": \"LAN9253 Indirect\"", {0x80, 0x06, 0x03, 0x44, 0x64, 0, 0, 0, 0, 0, 0x40, 0xC0}},
+        {", \"ESC\": \"another\"", {0x05, 0x06, 0x03, 0x44, 0x64}},
+        {"", {0x05, 0x06, 0x03, 0x44, 0x64}},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char json[2000];
+        (void)snprintf(json, sizeof json, FORM("%s") "\"od\": {}}", rows[i].form);
+        made_t m = make(json);
+        assert_memory_equal(device_of(&m)->esc_config, rows[i].config, sizeof rows[i].config);
+        drop(&m);
+    }
+}
+
+static void each_box_of_the_form_is_one_feature(void **state)
+{
+    static const struct {
+        const char *form, *checked;
+    } rows[] = {
+        {"", ""},
+        {", \"DetailsEnableUseFoE\": true", "foe "},
+        {", \"DetailsEnableUseFoE\": false", ""},
+        {", \"CoeDetailsEnableSDOInfo\": \"on\"", "info "},
+        {", \"CoeDetailsEnableSDOInfo\": \"off\"", ""},
+        {", \"CoeDetailsEnablePDOAssign\": true", "assign "},
+        {", \"CoeDetailsEnablePDOConfiguration\": true", "config "},
+        {", \"CoeDetailsEnableUploadAtStartup\": true", "upload "},
+        {", \"CoeDetailsEnableSDOCompleteAccess\": true", "complete "},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char json[2000], checked[100];
+        (void)snprintf(json, sizeof json, FORM("%s") "\"od\": {}}", rows[i].form);
+        made_t m = try_text(json);
+        const ect_esi_mailbox_t *b = &m.model->mailbox;
+        assert_true(b->given && b->coe && b->data_link_layer);
+        (void)snprintf(checked, sizeof checked, "%s%s%s%s%s%s", b->foe ? "foe " : "", b->sdo_info ? "info " : "",
+                       b->pdo_assign ? "assign " : "", b->pdo_config ? "config " : "", b->pdo_upload ? "upload " : "",
+                       b->complete_access ? "complete " : "");
+        assert_string_equal(checked, rows[i].checked);
+        drop(&m);
+    }
+}
+
+#define STRING(keys) "\"sdo\": {\"2000\": {\"otype\": \"VAR\", \"dtype\": \"VISIBLE_STRING\", \"name\": \"S\"" keys "}}"
+
+static void a_text_is_as_long_as_its_size_or_its_value(void **state)
+{
+    static const struct {
+        const char *od;
+        uint16_t bits, access;
+    } rows[] = {
+        {STRING(""), 8, ECT_ACCESS_RO},
+        {STRING(", \"value\": \"\""), 8, ECT_ACCESS_RO},
+        {STRING(", \"value\": \"abc\", \"access\": \"RO\""), 24, ECT_ACCESS_RO},
+        {STRING(", \"value\": \"abc\", \"size\": 0, \"access\": \"RW\""), 24, ECT_ACCESS_RW},
+        {STRING(", \"value\": \"abc\", \"size\": 7, \"access\": \"RWpre\""), 56, ECT_ACCESS_RW_PREOP},
+        {STRING(", \"size\": 12, \"access\": \"WO\""), 96, ECT_ACCESS_WO},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char json[2000];
+        (void)snprintf(json, sizeof json, PROJECT("%s"), rows[i].od);
+        made_t m = make(json);
+        assert_int_equal(object_of(&m, 0x2000)->entries[0].bit_length, rows[i].bits);
+        assert_int_equal(object_of(&m, 0x2000)->entries[0].access, rows[i].access);
+        drop(&m);
+    }
+}
+
+static void the_lowest_index_and_the_most_items_are_taken(void **state)
+{
+    enum { ROOM = 20000 };
+    char *json = malloc(ROOM);
+    assert_non_null(json);
+    (void)state;
+    for (unsigned int count = 255; count <= 256; count++) {
+        char *at = json + sprintf(json, "%s",
+                                  FORM("") "\"od\": {\"sdo\": {\"0FFF\": 5, \"1002\": {\"otype\": \"ARRAY\", "
+                                           "\"dtype\": \"UNSIGNED8\", \"name\": \"Row\", \"items\": [{}");
+        for (unsigned int i = 1; i < count; i++)
+            at += sprintf(at, ", {\"name\": \"a\"}");
+        (void)sprintf(at, "]}}}}");
+        made_t m = try_text(json);
+        if (count <= 255) {
+            m = whole("most items", m);
+            assert_int_equal(entry_of(&m, 0x1002, 0)->value, 254);
+            assert_non_null(entry_of(&m, 0x1002, 254));
+        } else {
+            assert_null(m.twin);
+            assert_non_null(strstr(m.why, "'items' takes 2 to 255 of them"));
+        }
+        drop(&m);
+    }
+    free(json);
 }
 
 static void each_object_of_process_data_is_a_pdo(void **state)
@@ -128,6 +246,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_form_is_identity_and_layout),
+        cmocka_unit_test(the_chip_determines_the_first_words_of_the_eeprom),
+        cmocka_unit_test(each_box_of_the_form_is_one_feature),
+        cmocka_unit_test(a_text_is_as_long_as_its_size_or_its_value),
+        cmocka_unit_test(the_lowest_index_and_the_most_items_are_taken),
         cmocka_unit_test(each_object_of_process_data_is_a_pdo),
         cmocka_unit_test(a_wrong_project_is_refused_with_its_line),
     };
