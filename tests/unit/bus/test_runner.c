@@ -697,6 +697,63 @@ static void devices_between(void **state)
     close_bench(&b);
 }
 
+/* --- signals ------------------------------------------------------------------------------------------------------ */
+
+static struct {
+    int write_fd;
+    unsigned int calls;
+    int number;
+    bool from_terminal;
+} signals;
+
+static bool note_signal(void *ctx, int signal_number, bool from_terminal)
+{
+    (void)ctx;
+    signals.calls++;
+    signals.number = signal_number;
+    signals.from_terminal = from_terminal;
+    return signal_number == SIGHUP;
+}
+
+static void give_signal(const struct signalfd_siginfo *info, size_t size)
+{
+    assert_int_equal(write(signals.write_fd, info, size), size);
+}
+
+/* Half a signal, one after which the loop goes on, and one that ends it. */
+static void three_signals(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    const struct signalfd_siginfo on = {.ssi_signo = SIGHUP, .ssi_code = SI_USER};
+    const struct signalfd_siginfo end = {.ssi_signo = SIGINT, .ssi_code = SI_KERNEL};
+    (void)b, (void)limit;
+    assert_int_equal(signals.calls, n < 2 ? 0 : n - 1);
+    assert_true(n < 3);
+    if (n == 0)
+        give_signal(&on, sizeof on / 2);
+    else
+        give_signal(n == 1 ? &on : &end, sizeof on);
+}
+
+static void ends_at_a_signal(void **state)
+{
+    bench_t b;
+    int ends[2];
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    assert_int_equal(pipe2(ends, O_NONBLOCK | O_CLOEXEC), 0);
+    assert_int_equal(close(b.runner.signal_fd), 0);
+    memset(&signals, 0, sizeof signals);
+    signals.write_fd = ends[1];
+    b.runner.signal_fd = ends[0];
+    b.runner.on_signal = note_signal;
+    run(&b, three_signals);
+    assert_int_equal(signals.calls, 2);
+    assert_int_equal(signals.number, SIGINT);
+    assert_true(signals.from_terminal);
+    assert_int_equal(close(ends[1]), 0);
+    close_bench(&b);
+}
+
 /* --- results of the wire ------------------------------------------------------------------------------------------ */
 
 static void one_result(bench_t *b, unsigned int n, const struct timespec *limit)
@@ -1065,6 +1122,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"Attack: 100 frames and 640 requests wait: 8 frames are answered before a client is served", frames_first,
          NULL, NULL, NULL},
+        {"half a signal has no effect; the loop ends when a signal is to end it", ends_at_a_signal, NULL, NULL, NULL},
         {"Attack: a client is served once between two frames", once_between_frames, NULL, NULL, NULL},
         {"Attack: clients do not keep the processor busy: there is a rest after each piece of work", rests, NULL, NULL,
          NULL},
