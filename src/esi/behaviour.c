@@ -280,8 +280,10 @@ static ect_reason_t sdo_write(void *instance, uint16_t index, uint8_t subindex, 
     const ect_402_drive_t *d = find(instance, index, subindex, &value);
     if (d == NULL)
         return ect_esi_idents_write(instance, index, subindex, data, size);
-    if (size == 0 || size > 8 || d->links[value].is_real)
+    if (size == 0 || size > 8)
         return ECT_OK;
+    if (d->links[value].is_real)
+        return ect_esi_wire_finite(&d->links[value], data, size) ? ECT_OK : ECT_REASON_RANGE;
     return ect_402_drive_check(d, value, ect_esi_wire_number(&d->links[value], data, size));
 }
 

@@ -84,6 +84,8 @@ static ect_reason_t sdo_write(void *instance, uint16_t index, uint8_t subindex, 
 {
     ect_encoder_value_t value;
     const ect_encoder_t *e = find(instance, index, subindex, &value);
+    if (e != NULL && !ect_esi_wire_finite(&e->links[value], data, size))
+        return ECT_REASON_RANGE;
     if (e != NULL && size > 0 && size <= sizeof(uint64_t) && !e->links[value].is_real)
         return ect_encoder_check(e, value, ect_esi_wire_number(&e->links[value], data, size));
     const ect_esi_encoders_t *encoders = encoders_of(instance);

@@ -502,6 +502,8 @@ struct ect_esi_twin {
 
 /** profile.c. @return a number in the wire form of an entry */
 int64_t ect_esi_wire_number(const ect_link_t *link, const uint8_t *data, uint16_t size);
+/** profile.c. @return false: an infinity or a NaN, in the wire form of an entry */
+bool ect_esi_wire_finite(const ect_link_t *link, const uint8_t *data, uint16_t size);
 /** profile.c. @return the next offset in an instance at which a structure may begin */
 size_t ect_esi_aligned(size_t at);
 /**

@@ -13,6 +13,15 @@ int64_t ect_esi_wire_number(const ect_link_t *link, const uint8_t *data, uint16_
     return link->is_signed && (bits & sign) != 0 ? (int64_t)(bits | ~(2 * sign - 1)) : (int64_t)bits;
 }
 
+bool ect_esi_wire_finite(const ect_link_t *link, const uint8_t *data, uint16_t size)
+{
+    if (!link->is_real || size != link->bytes)
+        return true;
+    const uint64_t bits = (uint64_t)ect_esi_wire_number(link, data, size);
+    const uint64_t infinite = size == sizeof(float) ? UINT32_C(0x7F800000) : UINT64_C(0x7FF0000000000000);
+    return (bits & infinite) != infinite;
+}
+
 size_t ect_esi_aligned(size_t at)
 {
     return (at + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;

@@ -62,11 +62,14 @@ static int64_t bounded(int64_t x)
     return x > MOST ? MOST : x < -MOST ? -MOST : x;
 }
 
+/* No conversion of an infinity or a NaN: it is undefined. */
 static int64_t whole(double x)
 {
-    if (x >= -(double)MOST && x <= (double)MOST)
-        return (int64_t)(x < 0 ? x - 0.5 : x + 0.5);
-    return 0;
+    if (x >= (double)MOST)
+        return MOST;
+    if (x <= -(double)MOST)
+        return -MOST;
+    return x < 0 ? (int64_t)(x - 0.5) : x >= 0 ? (int64_t)(x + 0.5) : 0;
 }
 
 static int64_t load_real(const uint8_t *at, unsigned int bytes)

@@ -31,7 +31,10 @@ typedef struct ect_link {
  */
 ect_link_t ect_link_to(const ect_od_t *od, uint16_t index, uint8_t subindex);
 
-/** The value in the instance, floating point rounded, within 2^53; 0 for an entry that the dictionary lacks. */
+/**
+ * The value in the instance: floating point rounded, numbers and infinities limited to 2^53 and -2^53, a NaN as 0; 0
+ * for an entry that the dictionary lacks.
+ */
 int64_t ect_link_load(const void *instance, const ect_link_t *link);
 
 /** Stores a value, at the limits of the entry's type when it is beyond them. */

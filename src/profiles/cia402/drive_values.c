@@ -217,14 +217,14 @@ static void take_positions(ect_402_drive_t *d)
     int64_t upper = d->value[ECT_402_V_LIMIT_MAX];
     bool none = lower >= upper || (lower <= INT32_MIN && upper >= INT32_MAX);
     bool turned = ((unsigned int)d->value[ECT_402_V_POLARITY] & POSITION_TURNED) != 0;
-    a->home_offset = (int32_t)(turned ? offset : -offset);
+    a->home_offset = ect_402_saturated((double)(turned ? offset : -offset));
     a->limit[0] = none ? 0 : ect_402_saturated((double)(turned ? offset - upper : lower - offset));
     a->limit[1] = none ? 0 : ect_402_saturated((double)(turned ? offset - lower : upper - offset));
     int64_t lowest = d->value[ECT_402_V_RANGE_MIN];
     int64_t highest = d->value[ECT_402_V_RANGE_MAX];
     bool endless = lowest >= highest || (lowest <= INT32_MIN && highest >= INT32_MAX);
-    a->range[0] = endless ? 0 : (int32_t)lowest;
-    a->range[1] = endless ? 0 : (int32_t)highest;
+    a->range[0] = endless ? 0 : ect_402_saturated((double)lowest);
+    a->range[1] = endless ? 0 : ect_402_saturated((double)highest);
     a->options = (uint16_t)d->value[ECT_402_V_POSITIONING];
     a->home_method = (int8_t)d->value[ECT_402_V_HOME_METHOD];
     bool op = d->al == ECT_STATE_OP; /* outside of it the outputs are 0 (DRV-312) */
@@ -361,18 +361,25 @@ static void take_mode(ect_402_drive_t *d)
         d->axis.mode = (int8_t)mode;
 }
 
+/* Integers wrap, as positions count; a number in floating point has no such neighbour beyond 32 bits. */
+static int64_t set_position(const ect_402_drive_t *d, ect_402_value_t value)
+{
+    int64_t position = sign_of(d, POSITION_TURNED) * d->value[value];
+    return d->links[value].is_real ? ect_402_saturated((double)position) : position;
+}
+
 void ect_402_drive_set_values(ect_402_drive_t *d)
 {
     ect_402_axis_t *a = &d->axis;
-    int64_t position = sign_of(d, POSITION_TURNED) * d->value[ECT_402_V_TARGET_POSITION];
+    int64_t position = set_position(d, ECT_402_V_TARGET_POSITION);
     double speed = sign_of(d, SPEED_TURNED) * (double)d->value[ECT_402_V_TARGET_SPEED];
     double torque = (double)d->value[ECT_402_V_TARGET_TORQUE];
     take_mode(d);
     a->target = (int32_t)(uint32_t)position;
     if (a->mode == ECT_402_CSP)
-        position += sign_of(d, POSITION_TURNED) * d->value[ECT_402_V_POSITION_OFFSET];
+        position += set_position(d, ECT_402_V_POSITION_OFFSET);
     if (a->mode == ECT_402_IP)
-        position = sign_of(d, POSITION_TURNED) * d->value[ECT_402_V_RECORD];
+        position = set_position(d, ECT_402_V_RECORD);
     if (a->mode == ECT_402_CSV)
         speed += sign_of(d, SPEED_TURNED) * (double)d->value[ECT_402_V_SPEED_OFFSET];
     if (a->mode == ECT_402_CST)

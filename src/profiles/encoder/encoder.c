@@ -5,11 +5,12 @@
 #define MS_NS         UINT64_C(1000000)
 #define NS_A_S        1e9
 #define S_A_MIN       60.0
-#define NM_A_MM       1e6                 /* 6005h:1 counts nm */
-#define LINEAR_SPEEDS 100.0               /* 6005h:2 counts 0.01 mm/s */
-#define FARTHEST      536870912.0         /* turns: with 2^32 units a turn, a position has 61 bits */
-#define WIDEST        (INT64_C(1) << 62u) /* range without limit */
-#define FASTEST       1e18                /* units a second */
+#define NM_A_MM       1e6                   /* 6005h:1 counts nm */
+#define LINEAR_SPEEDS 100.0                 /* 6005h:2 counts 0.01 mm/s */
+#define FARTHEST      536870912.0           /* turns: with 2^32 units a turn, a position has 61 bits */
+#define MOST_COUNTS   2305843009213693952.0 /* 2^61: the sum with a preset has 63 bits */
+#define WIDEST        (INT64_C(1) << 62u)   /* range without limit */
+#define FASTEST       1e18                  /* units a second */
 enum { USUAL_ROTARY = 65536, USUAL_LINEAR = 1000, LONGEST_RANGE = 62 };
 
 typedef enum kind { VAR, MEMBER, FIRST, EACH } kind_t;
@@ -204,7 +205,7 @@ static int64_t wrapped(int64_t x, int64_t range)
 static int64_t counted(const ect_encoder_t *e, double units_a_turn)
 {
     double at = within(e->shaft->position, FARTHEST);
-    return floored((is_reversed(e) ? -at : at) * units_a_turn);
+    return floored(within((is_reversed(e) ? -at : at) * units_a_turn, MOST_COUNTS));
 }
 
 static int64_t position_of(const ect_encoder_t *e, ect_encoder_value_t value)

@@ -189,6 +189,86 @@ static void empty_pdos(void **state)
 }
 
 /* The service is there exactly where something can be written; without it the twin is made none the less. */
+static uint32_t write_number(wire_t *w, uint16_t index, uint8_t subindex, uint32_t value, size_t size)
+{
+    uint8_t bytes[4];
+    ect_store_le32(bytes, value);
+    return wire_sdo_download(w, 0, index, subindex, false, bytes, size);
+}
+
+/* MaxSize is optional: the mapping of a master is longer than any of the file. */
+static void mapping_without_max_size(void **state)
+{
+#define PART(sub, bits, type) IN_7000("<SubIndex>" sub "</SubIndex><BitLen>" bits "</BitLen>", type)
+#define IN_7000(inner, type)  "<Entry><Index>#x7000</Index>" inner "<Name>O</Name><DataType>" type "</DataType></Entry>"
+    wire_t w;
+    (void)state;
+    made_t m = make_text(
+        "own mapping",
+        CHANGEABLE(ESI_MAILBOX_SMS ESI_PROCESS_SMS OUT_PDO(PART("1", "8", "USINT") PART(
+            "2", "8",
+            "USINT")) "<RxPdo><Index>#x1601</Index><Exclude>#x1600</Exclude><Name>P</Name>" PART("3", "32",
+                                                                                                 "UDINT") "</RxPdo>"));
+    power_on(&w, m.twin);
+    wire_go(&w, 0, PREOP);
+    assert_int_equal(write_number(&w, 0x1C12, 0, 0, 1), 0);
+    assert_int_equal(write_number(&w, 0x1600, 0, 0, 1), 0);
+    assert_int_equal(write_number(&w, 0x1600, 1, 0x70000320, 4), 0);
+    assert_int_equal(write_number(&w, 0x1600, 2, 0x70000320, 4), 0);
+    assert_int_equal(write_number(&w, 0x1600, 0, 2, 1), 0);
+    assert_int_equal(write_number(&w, 0x1C12, 1, 0x1600, 2), 0);
+    assert_int_equal(write_number(&w, 0x1C12, 0, 1, 1), 0);
+    wire_close(&w);
+    free_made(&m);
+}
+
+/* An infinite speed is the motor's own limit, one that is no number is none; neither is accepted by SDO. */
+static void infinite_set_values(void **state)
+{
+#define WORD(index, bits, type)                                                                                        \
+    "<Entry><Index>" index "</Index><SubIndex>0</SubIndex><BitLen>" bits "</BitLen><Name>V</Name><DataType>" type      \
+    "</DataType></Entry>"
+#define REAL_SPEED                                                                                                     \
+    "<Profile><ProfileNo>402</ProfileNo><Dictionary><DataTypes><DataType><Name>REAL</Name><BitSize>32</BitSize>"       \
+    "</DataType></DataTypes><Objects><Object><Index>#x60FF</Index><Name>V</Name><Type>REAL</Type><BitSize>32"          \
+    "</BitSize><Flags><Access>rw</Access><PdoMapping>R</PdoMapping></Flags></Object></Objects></Dictionary></Profile>"
+    static const struct {
+        uint32_t bits;
+        int sign;
+    } rows[] = {{0x7F800000, 1}, {0xFF800000, -1}, {0x7FC00000, 0}, {0x7F7FFFFF, 1}, {0xFF800001, 0}};
+    static const uint8_t commands[] = {0x06, 0x07, 0x0F};
+    wire_t w;
+    uint8_t out[6] = {0}, in[6];
+    char why[300] = "";
+    (void)state;
+    made_t m =
+        make_text("a speed in floating point",
+                  CHANGEABLE(REAL_SPEED ESI_MAILBOX_SMS ESI_PROCESS_SMS OUT_PDO(WORD("#x6040", "16", "UINT") WORD(
+                      "#x60FF", "32", "REAL")) "<TxPdo Sm='3'><Index>#x1A00"
+                                               "</Index><Name>I</Name>" WORD("#x6041", "16", "UINT")
+                                                   WORD("#x606C", "32", "DINT") "</TxPdo>"));
+    assert_true(ect_esi_twin_behave(m.twin, ECT_BEHAVIOUR_CIA402, why, sizeof why));
+    power_on(&w, m.twin);
+    wire_go(&w, 0, PREOP);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        assert_int_equal(write_number(&w, 0x60FF, 0, rows[i].bits, 4), rows[i].bits == 0x7F7FFFFF ? 0 : 0x06090030);
+    wire_go(&w, 0, OP);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0] * 400; i++) {
+        out[0] = commands[i < 2 ? i : 2];
+        ect_store_le32(out + 2, i < 3 ? 0 : rows[i / 400].bits);
+        (void)wire_write(&w, 0, device_of(&m)->sm[2].start, out, sizeof out);
+        wire_advance(&w, 1000000);
+        assert_int_equal(wire_read(&w, 0, device_of(&m)->sm[3].start, in, sizeof in), 1);
+        const int32_t speed = (int32_t)ect_load_le32(in + 2), least = 1048576;
+        const bool fits = rows[i / 400].sign == 0 ? abs(speed) < least : rows[i / 400].sign * (int64_t)speed > least;
+        if (i % 400 == 399 && !fits)
+            fail_msg("%08X in 60FFh: got the speed %d, status word %04X", (unsigned int)rows[i / 400].bits, (int)speed,
+                     ect_load_le16(in));
+    }
+    wire_close(&w);
+    free_made(&m);
+}
+
 static void services(void **state)
 {
     static const struct {
@@ -823,6 +903,8 @@ int main(void)
         {"a PDO that maps a mapping object gets a gap, with a note", mapped_mapping, NULL, NULL, NULL},
         {"MinData and MaxData are read by the sign of the type", limits_by_sign, NULL, NULL, NULL},
         {"PDOs without entries, and entries without bits, are a note", empty_pdos, NULL, NULL, NULL},
+        {"a mapping of a master has room in a SyncManager without MaxSize", mapping_without_max_size, NULL, NULL, NULL},
+        {"a set value in floating point that is infinite or no number", infinite_set_values, NULL, NULL, NULL},
         {"PDO configuration is a service only where something can be written", services, NULL, NULL, NULL},
         {"1C00h has the names of the file", name_of_1c00, NULL, NULL, NULL},
         {"a note of one kind appears once, with the number of those like it", notes_are_counted, NULL, NULL, NULL},

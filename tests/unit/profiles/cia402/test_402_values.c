@@ -113,8 +113,8 @@ static void widths(void **unused)
         {"64 bits, bounded below", 8, false, false, INT64_MIN, -9007199254740992},
         {"REAL32", 4, true, true, -1024, -1024},
         {"REAL64", 8, true, true, 123456789012, 123456789012},
-        {"REAL64 beyond 2^53", 8, true, true, INT64_MAX, 0},
-        {"REAL64 below -2^53", 8, true, true, INT64_MIN, 0},
+        {"REAL64 beyond 2^53", 8, true, true, INT64_MAX, 9007199254740992},
+        {"REAL64 below -2^53", 8, true, true, INT64_MIN, -9007199254740992},
     };
     (void)unused;
     for (size_t i = 0; i < COUNT(rows); i++) {
@@ -132,7 +132,16 @@ static void fractions(void **unused)
     static const struct {
         double number;
         int64_t loaded;
-    } rows[] = {{0.4, 0}, {0.5, 1}, {-0.4, 0}, {-0.5, -1}, {1e300, 0}, {-1e300, 0}};
+    } rows[] = {{0.4, 0},
+                {0.5, 1},
+                {-0.4, 0},
+                {-0.5, -1},
+                {4503599627370495.0, 4503599627370495},
+                {1e300, 9007199254740992},
+                {-1e300, -9007199254740992},
+                {(double)INFINITY, 9007199254740992},
+                {(double)-INFINITY, -9007199254740992},
+                {(double)NAN, 0}};
     (void)unused;
     for (size_t i = 0; i < COUNT(rows); i++) {
         ect_402_link_t link = {.bytes = 8, .is_real = true};
