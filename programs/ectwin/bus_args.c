@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bus_place.h"
 #include "buses/bus_file.h"
 
 /* Words of the command line until the program ends: options point into them. */
@@ -19,6 +20,8 @@ __attribute__((destructor)) static void free_given(void)
     ect_bus_file_free(&given.file);
     free(given.words);
 }
+
+/* --- options ------------------------------------------------------------------------------------------------------ */
 
 /* Finds an option by its long name, or by the beginning of the name. @return NULL: none */
 static const struct argp_option *find_begun(const struct argp *argp, const char *name)
@@ -75,6 +78,22 @@ const char *bus_option_path(const struct argp_option *option, const char *text)
     return named ? text + strlen(socket_prefix) : NULL;
 }
 
+/* Every path is one of output but these. */
+static bool is_input(const struct argp_option *option)
+{
+    static const char *const names[] = {"faults", "scenario", "play", "esi-dir"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (strcmp(names[i], option->name) == 0)
+            return true;
+    }
+    return false;
+}
+
+bool bus_option_writes(const struct argp_option *option)
+{
+    return (is_path(option) || is_socket(option)) && !is_input(option);
+}
+
 static unsigned int kind_of(void *ctx, const char *name)
 {
     const struct argp *argp = ctx;
@@ -88,6 +107,8 @@ static unsigned int kind_of(void *ctx, const char *name)
         kind |= ECT_BUS_OPTION_PATH;
     if (is_socket(o))
         kind |= ECT_BUS_OPTION_SOCKET;
+    if (bus_option_writes(o))
+        kind |= ECT_BUS_OPTION_OUTPUT;
     if (strncmp(o->arg, "[N:]", 4) == 0)
         kind |= ECT_BUS_OPTION_OF_TWIN;
     return kind;
@@ -126,7 +147,7 @@ void bus_args_expand(const struct argp *argp, int *argc, char ***argv)
         return;
     bool fine = ect_bus_file_read(&given.file, (*argv)[operand], &options, text, sizeof text);
     given.words = fine ? calloc((size_t)*argc + given.file.count + 1, sizeof *given.words) : NULL;
-    if (!given.words) {
+    if (!given.words || !bus_place_open((*argv)[operand], &given.file)) {
         fprintf(stderr, "%s: %s\n", (*argv)[0], fine ? "no memory left" : text);
         exit(EXIT_OPEN);
     }

@@ -27,6 +27,9 @@ void bus_args_expand(const struct argp *argp, int *argc, char ***argv);
  */
 const char *bus_option_path(const struct argp_option *option, const char *text);
 
+/** @return whether the option has a path that a run writes; a bus file names only one below its folder for this */
+bool bus_option_writes(const struct argp_option *option);
+
 /** The bus that is the operand of a command. */
 typedef struct bus_operand {
     twin_args_t twins;

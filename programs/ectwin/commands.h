@@ -65,8 +65,9 @@ enum { TWIN_MESSAGE = 1280 };
 
 /** "[N:]VALUE" of an identity option. */
 typedef struct identity_setting {
-    int key;     /**< of the option */
-    size_t twin; /**< from 1; 0: all */
+    int key;          /**< of the option */
+    const char *text; /**< its argument */
+    size_t twin;      /**< from 1; 0: all */
     uint32_t value;
 } identity_setting_t;
 
@@ -86,6 +87,7 @@ typedef struct twin_behaviour {
 typedef struct twin_later {
     int key;
     const char *text;
+    size_t steps; /**< of the scenario, with its own */
 } twin_later_t;
 
 /** The twins of a command line: devices and their options. */
@@ -105,6 +107,7 @@ typedef struct twin_args {
     uint8_t drop_percent, delay_percent;
     uint32_t delay_us;
     ect_scenario_t scenario; /* --fault, --faults, --drop, --delay, and faults set at run time */
+    const char *farthest;    /* the fault with the highest slave number */
     defect_t defect;         /* --break */
     ect_filter_t filter;
     int realtime;        /* real-time priority; 0: normal scheduling */
@@ -149,6 +152,11 @@ extern const struct argp twin_argp;
 /** Reports the reason of a failed power-on to args->message, or as a line to standard error. */
 void twin_args_report(const twin_args_t *args, const char *who, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+/** The same for an option. @param option  its argument; of a bus file, the line begins with its place. NULL: no place
+ */
+void twin_args_report_option(const twin_args_t *args, const char *who, const char *option, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
 
 /** Parses "[NAME=]DEVICE[*N][,...]". An unknown device ends the program with a line that lists the known ones. */
 void twin_args_devices(twin_args_t *args, const struct argp_state *state, const char *list);

@@ -94,7 +94,7 @@ static bool read_connection(const ect_chain_t *chain, const char *text, ect_conn
     return check(c, message);
 }
 
-bool connect_args_apply(ect_chain_t *chain, const char *const *texts, size_t count, char *message)
+bool connect_args_apply(ect_chain_t *chain, const char *const *texts, size_t count, size_t *wrong, char *message)
 {
     char why[MESSAGE] = "out of memory";
     ect_connection_t *list = calloc(count + 1, sizeof *list);
@@ -110,6 +110,7 @@ bool connect_args_apply(ect_chain_t *chain, const char *const *texts, size_t cou
     }
     if (good && count > 0)
         good = ect_chain_connect(chain, list, count);
+    *wrong = done < count ? done : 0;
     if (!good)
         (void)snprintf(message, CONNECT_MESSAGE, "--connect %.120s: %s", done < count ? texts[done] : "", why);
     free(list);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bus_place.h"
 #include "grow.h"
 #include "text/number.h"
 #include "twin_names.h"
@@ -42,9 +43,10 @@ static void add(eoe_args_t *args, const struct argp_state *state, const char *te
 
 static error_t parse(int key, char *text, struct argp_state *state)
 {
+    bus_place_t place;
     if (key != KEY_EOE)
         return ARGP_ERR_UNKNOWN;
-    add(state->input, state, text);
+    add(state->input, bus_place_at(&place, state, text), text);
     return 0;
 }
 
@@ -134,6 +136,7 @@ bool eoe_args_join(eoe_args_t *args, const ect_names_t *names, ect_twin_config_t
 {
     const char *host = eoe_args_host(args);
     if (host && !args->has_hosts) {
+        args->wrong = host;
         snprintf(message, EOE_MESSAGE,
                  "--eoe %.80s needs a process of the twins' own: 'ectwin run', or 'ectwin with' without --in-process",
                  host);
@@ -143,8 +146,10 @@ bool eoe_args_join(eoe_args_t *args, const ect_names_t *names, ect_twin_config_t
     args->networks = calloc(count, sizeof(ect_network_t *));
     args->network_count = args->networks ? count : 0;
     bool done = args->networks != NULL;
-    for (size_t i = 0; done && i < args->count; i++)
+    for (size_t i = 0; done && i < args->count; i++) {
+        args->wrong = args->settings[i].text;
         done = take_twin(names, &args->settings[i], message) && join_one(args, &args->settings[i], twins, message);
+    }
     return done && join_rest(args, twins);
 }
 

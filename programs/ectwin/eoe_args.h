@@ -25,6 +25,7 @@ typedef struct eoe_setting {
 typedef struct eoe_args {
     eoe_setting_t *settings;
     size_t count;
+    const char *wrong;        /**< the option for which ::eoe_args_join has failed; NULL: none */
     bool has_hosts;           /**< whether the command supports TAPs and sockets */
     ect_network_t **networks; /**< one for each twin, NULL without EoE */
     size_t network_count;

@@ -9,6 +9,7 @@
 
 #include "bus/chain/settings.h"
 #include "bus_args.h"
+#include "buses/bus_file.h"
 #include "commands.h"
 #include "connection.h"
 #include "grow.h"
@@ -437,26 +438,42 @@ static bool is_kept(const struct argp_option *option)
     return !is_in(with_options, option) && !is_in(run_options, option);
 }
 
-/* Writes each key once, with all values. */
+/* @return whether a bus file may have the option: what a run writes lies below the folder of the file */
+static bool is_below(const save_t *s, const saved_option_t *o)
+{
+    return !o->has_path || !bus_option_writes(o->option) || ect_bus_file_below(relative(s, o->text + o->path));
+}
+
+/* The next value of an option that the file has, from n on. @return the number of options: none */
+static size_t next_value(const save_t *s, size_t n, const struct argp_option *option)
+{
+    while (n < s->option_count && (s->options[n].option != option || !is_below(s, &s->options[n])))
+        n++;
+    return n;
+}
+
+/* Writes a key with all values; a flag that is given again is one. */
+static void put_option(const save_t *s, FILE *file, size_t first)
+{
+    const struct argp_option *option = s->options[first].option;
+    const bool list = s->options[first].text && next_value(s, first + 1, option) < s->option_count;
+    fprintf(file, "%s:%s", option->name, list ? "\n" : " ");
+    for (size_t n = first; n < s->option_count; n = next_value(s, n + 1, option)) {
+        if (!list && n > first)
+            return;
+        fputs(list ? "  - " : "", file);
+        put_value(s, file, &s->options[n]);
+        fputc('\n', file);
+    }
+}
+
+/* Writes each key once. */
 static void put_options(const save_t *s, FILE *file)
 {
     for (size_t i = 0; i < s->option_count; i++) {
         const struct argp_option *option = s->options[i].option;
-        size_t first = 0, count = 0;
-        while (s->options[first].option != option)
-            first++;
-        if (first < i || !is_kept(option))
-            continue;
-        for (size_t n = i; n < s->option_count; n++)
-            count += s->options[n].option == option;
-        fprintf(file, "%s:%s", option->name, count > 1 ? "\n" : " ");
-        for (size_t n = i; n < s->option_count; n++) {
-            if (s->options[n].option != option || (!s->options[n].text && n > i))
-                continue;
-            fputs(count > 1 && s->options[n].text ? "  - " : "", file);
-            put_value(s, file, &s->options[n]);
-            fputc('\n', file);
-        }
+        if (is_kept(option) && next_value(s, 0, option) == i)
+            put_option(s, file, i);
     }
 }
 
@@ -651,6 +668,16 @@ static void find_paths(save_t *s)
 static int report_refused(const save_t *s)
 {
     int status = EXIT_CLEAN;
+    for (size_t i = 0; i < s->option_count; i++) {
+        const saved_option_t *o = &s->options[i];
+        if (!is_kept(o->option) || is_below(s, o))
+            continue;
+        fprintf(stderr,
+                "%s: '--%s=%s' is left out, a bus file writes only below its own folder: give it on the command line, "
+                "or the file a place above it by -o FILE\n",
+                s->who, o->option->name, o->text);
+        status = EXIT_RUN;
+    }
     for (size_t i = 0; i < s->signal_count; i++) {
         const saved_signal_t *one = &s->signals[i];
         if (one->why[0] == 0)

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
 #include <errno.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "bus/chain/settings.h"
 #include "bus/net/rights.h"
+#include "bus_place.h"
 #include "commands.h"
 #include "connect_args.h"
 #include "grow.h"
@@ -16,9 +15,9 @@
 #include "panel_args.h"
 #include "play_args.h"
 #include "products.h"
-#include "sii_file.h"
 #include "text/argument.h"
 #include "twin_names.h"
+#include "twin_storage.h"
 #include "wire/bytes.h"
 #include "wire/sii.h"
 
@@ -288,7 +287,7 @@ static void add_identity(twin_args_t *args, const struct argp_state *state, int 
     const char *value = text;
     args->identities = grow(state, args->identities, args->identity_count, sizeof *args->identities);
     identity_setting_t *setting = &args->identities[args->identity_count++];
-    *setting = (identity_setting_t){.key = key, .twin = twin_of(args->names, &value, 0)};
+    *setting = (identity_setting_t){.key = key, .text = text, .twin = twin_of(args->names, &value, 0)};
     if (colon && (value == text || setting->twin == 0)) { /* no such name, or a number outside its range */
         char number[16];
         snprintf(number, sizeof number, "%.*s", (int)(colon - text), text);
@@ -318,11 +317,13 @@ static void apply_identity(const identity_setting_t *setting, ect_twin_config_t 
 }
 
 /* In the order of the command line: later options override earlier ones. */
-static void apply_identities(twin_args_t *args, const struct argp_state *state)
+static void apply_identities(twin_args_t *args, const struct argp_state *parser)
 {
+    bus_place_t place;
     for (size_t w = 0; w < args->identity_count; w++) {
         const identity_setting_t *setting = &args->identities[w];
         const identity_option_t *option = identity_option(setting->key);
+        const struct argp_state *state = bus_place_at(&place, parser, setting->text);
         if (setting->twin > args->count)
             argp_error(state, "%s %zu:…: the chain has %zu twins", option->name, setting->twin, args->count);
         for (size_t i = 0; i < args->count; i++) {
@@ -437,6 +438,19 @@ static void read_later(twin_args_t *args, const struct argp_state *state, const 
     }
 }
 
+static void read_all_later(twin_args_t *args, const struct argp_state *state)
+{
+    bus_place_t place;
+    for (size_t i = 0; i < args->later_count; i++) {
+        twin_later_t *one = &args->later[i];
+        const unsigned int before = ect_scenario_highest_slave(&args->scenario);
+        read_later(args, bus_place_at(&place, state, one->text), one);
+        one->steps = args->scenario.step_count;
+        if (ect_scenario_highest_slave(&args->scenario) > before)
+            args->farthest = one->text;
+    }
+}
+
 static error_t parse_option(int key, char *text, struct argp_state *state)
 {
     twin_args_t *args = state->input;
@@ -534,8 +548,11 @@ static error_t parse_option(int key, char *text, struct argp_state *state)
 /* Keys of options lie between ARGP_KEY_ARG and the keys of argp's events. */
 static error_t parse(int key, char *text, struct argp_state *state)
 {
+    bus_place_t place;
     twin_args_t *args = state->input;
-    error_t error = parse_option(key, text, state);
+    struct argp_state *at = bus_place_at(&place, state, text);
+    error_t error = parse_option(key, text, at);
+    state->next = at->next;
     args->given = args->given || (error == 0 && key > ARGP_KEY_ARG && key < ARGP_KEY_END);
     return error;
 }
@@ -574,10 +591,11 @@ static void keep_image(ect_twin_config_t *twin)
 
 static void add_twin(twin_args_t *args, const struct argp_state *state, const char *name)
 {
+    bus_place_t place;
     char message[PRODUCT_MESSAGE] = "out of memory";
     const ect_product_t *product = find_product(args, name, args->count + 1, message);
     if (!product)
-        argp_failure(state, EXIT_USAGE, 0, "%s", message);
+        argp_failure(bus_place_at_twin(&place, state, args->count + 1), EXIT_USAGE, 0, "%s", message);
     args->twins = grow(state, args->twins, args->count, sizeof *args->twins);
     ect_twin_config_t *twin = &args->twins[args->count++];
     *twin = ect_twin_default(product->device, product->plant);
@@ -588,8 +606,10 @@ static void add_twin(twin_args_t *args, const struct argp_state *state, const ch
 }
 
 /* Adds the twins of a network file. */
-static void add_network(twin_args_t *args, const struct argp_state *state, const char *path)
+static void add_network(twin_args_t *args, const struct argp_state *parser, const char *path)
 {
+    bus_place_t place;
+    const struct argp_state *state = bus_place_at_twin(&place, parser, args->count + 1);
     char message[PRODUCT_MESSAGE];
     network_names_t network;
     size_t first = args->count;
@@ -606,12 +626,12 @@ static void add_network(twin_args_t *args, const struct argp_state *state, const
 
 void twin_args_devices(twin_args_t *args, const struct argp_state *state, const char *list)
 {
+    bus_place_t place;
     listed_device_t one;
     args->about.devices = list;
     args->names = names_of_devices(state, list);
     args->wiring.names = args->scenario.names = args->names;
-    for (size_t i = 0; i < args->later_count; i++)
-        read_later(args, state, &args->later[i]);
+    read_all_later(args, state);
     add_short_faults(args, state);
     char *copy = strdup(list);
     char *rest = copy;
@@ -629,132 +649,12 @@ void twin_args_devices(twin_args_t *args, const struct argp_state *state, const 
     free(copy);
     apply_identities(args, state);
     if (ect_scenario_highest_slave(&args->scenario) > args->count)
-        argp_error(state, "a fault names slave %u, but the chain has %zu", ect_scenario_highest_slave(&args->scenario),
-                   args->count);
+        argp_error(bus_place_at(&place, state, args->farthest), "a fault names slave %u, but the chain has %zu",
+                   ect_scenario_highest_slave(&args->scenario), args->count);
     wiring_args_apply(&args->wiring, state, args->twins, args->count, args->scenario.seed);
 }
 
 /* --- power-on ----------------------------------------------------------------------------------------------------- */
-
-void twin_args_report(const twin_args_t *args, const char *who, const char *format, ...)
-{
-    char text[TWIN_MESSAGE];
-    va_list values;
-    va_start(values, format);
-    (void)vsnprintf(text, sizeof text, format, values);
-    va_end(values);
-    if (args->message)
-        snprintf(args->message, TWIN_MESSAGE, "%s", text);
-    else
-        fprintf(stderr, "%s: %s\n", who, text);
-}
-
-/* Copies the content of the banks for a record, or sets it from a record. */
-static bool exchange_memory(twin_args_t *args, size_t i)
-{
-    const ect_storage_t *storage = ect_memory_storage(args->memories[i]);
-    if (!args->store || !(args->record || args->replayed))
-        return true;
-    uint8_t *data = malloc(storage->bank_size);
-    bool done = data != NULL;
-    for (unsigned int bank = 0; done && bank < 2; bank++) {
-        char name[CONTENT_NAME];
-        content_name_memory(name, i + 1, bank);
-        const content_piece_t *piece = content_find(&args->content, name);
-        if (args->replayed && piece && piece->size <= storage->bank_size)
-            done = storage->write(storage->ctx, bank, 0, piece->data, (uint32_t)piece->size) == 0;
-        else if (!args->replayed)
-            done = storage->read(storage->ctx, bank, 0, data, storage->bank_size) == 0 &&
-                   content_keep(&args->content, name, data, storage->bank_size);
-    }
-    free(data);
-    return done;
-}
-
-static bool open_memories(twin_args_t *args, const char *who)
-{
-    char message[ECT_MEMORY_MESSAGE] = "out of memory";
-    const char *store = args->replayed ? NULL : args->store;
-    args->memories = calloc(args->count, sizeof(ect_memory_t *));
-    if (store)
-        (void)mkdir(store, 0700); /* may exist; a failure is reported when a file is opened */
-    for (size_t i = 0; args->memories && i < args->count; i++) {
-        char path[ECT_MEMORY_PATH];
-        int length = snprintf(path, sizeof path, "%s/%s-%zu", store ? store : "", args->twins[i].device->name, i + 1);
-        if (length < (int)sizeof path)
-            args->memories[i] = ect_memory_open(store ? path : NULL, message);
-        else
-            snprintf(message, sizeof message, "the folder's name is too long");
-        const char *why = !args->memories[i] ? message : exchange_memory(args, i) ? NULL : "out of memory";
-        if (why) {
-            twin_args_report(args, who, "%s", why);
-            return false;
-        }
-        if (*message)
-            fprintf(stderr, "%s: %s\n", who, message);
-        args->twins[i].storage = ect_memory_storage(args->memories[i]);
-    }
-    return args->memories != NULL;
-}
-
-/* Replaces the device of each twin by one with files. */
-static bool open_files(twin_args_t *args, const char *who)
-{
-    char message[ECT_FILES_MESSAGE] = "out of memory";
-    args->opened = calloc(args->count, sizeof(ect_files_t *));
-    bool done = args->opened != NULL;
-    for (size_t i = 0; done && args->files && i < args->count; i++) {
-        args->opened[i] = ect_files_open(args->files, args->twins[i].device, args->files_password, message);
-        done = args->opened[i] != NULL;
-        if (done)
-            args->twins[i].device = ect_files_device(args->opened[i]);
-    }
-    if (!done)
-        twin_args_report(args, who, "--files: %s", message);
-    return done;
-}
-
-static bool open_eeprom(twin_args_t *args, size_t i, char *message)
-{
-    ect_twin_config_t *twin = &args->twins[i];
-    char path[ECT_EEPROM_PATH], name[CONTENT_NAME];
-    uint8_t *factory = sii_file_make(twin->device, &twin->identity, twin->alias, message, ECT_EEPROM_MESSAGE);
-    int length = snprintf(path, sizeof path, "%s/%s-%zu.sii", args->store, twin->device->name, i + 1);
-    if (length >= (int)sizeof path)
-        snprintf(message, ECT_EEPROM_MESSAGE, "the folder's name is too long");
-    else if (factory)
-        args->eeproms[i] = ect_eeprom_open(path, factory, twin->device->sii_size, message);
-    free(factory);
-    if (!args->eeproms[i])
-        return false;
-    twin->sii = ect_eeprom_image(args->eeproms[i]);
-    twin->sii_written = ect_eeprom_write;
-    twin->sii_ctx = args->eeproms[i];
-    content_name_eeprom(name, i + 1);
-    snprintf(message, ECT_EEPROM_MESSAGE, "out of memory");
-    return !args->record || content_keep(&args->content, name, twin->sii, twin->device->sii_size);
-}
-
-/* Sets the EEPROM from a record, padded with zeros to its full size: a record has no zeros at the end. */
-static bool take_eeprom(twin_args_t *args, size_t i)
-{
-    ect_twin_config_t *twin = &args->twins[i];
-    char name[CONTENT_NAME];
-    content_name_eeprom(name, i + 1);
-    return content_pad(&args->content, name, twin->device->sii_size, &twin->sii);
-}
-
-static bool open_eeproms(twin_args_t *args, const char *who)
-{
-    char message[ECT_EEPROM_MESSAGE] = "out of memory";
-    args->eeproms = calloc(args->count, sizeof(ect_eeprom_t *));
-    bool done = args->eeproms != NULL;
-    for (size_t i = 0; done && args->store && i < args->count; i++)
-        done = args->replayed ? take_eeprom(args, i) : open_eeprom(args, i, message);
-    if (!done)
-        twin_args_report(args, who, "%s", message);
-    return done;
-}
 
 static bool outlasts_power(const ect_signal_ref_t *ref)
 {
@@ -785,6 +685,24 @@ static bool is_outside(const ect_chain_t *chain, size_t slave, const char *name)
     return ect_chain_signal(chain, slave - 1, name, &ref) && outlasts_power(&ref);
 }
 
+/* @return the value of the setting that a message is about; its text is that of the option */
+static const char *refused_of(const ect_chain_t *chain, size_t position, const ect_setting_t *settings, size_t count,
+                              const char *message)
+{
+    char why[ECT_SIGNAL_MESSAGE];
+    ect_setting_place_t place;
+    const ect_setting_t *named = &settings[0];
+    for (size_t i = 0; i < count; i++) {
+        const ect_setting_t *one = &settings[i];
+        if (!ect_settings_find(chain, position, one->name, &place, why) ||
+            !ect_signal_check(&place.ref, one->value, why))
+            return one->value;
+        if (strstr(message, one->name))
+            named = one;
+    }
+    return named->value;
+}
+
 /* Applies the settings of one twin: all, or only those of signals that survive a power cycle. @return false: failure */
 static bool apply(const twin_args_t *args, ect_chain_t *chain, size_t slave, bool outside_only, const char *who,
                   uint64_t now_ns)
@@ -801,7 +719,9 @@ static bool apply(const twin_args_t *args, ect_chain_t *chain, size_t slave, boo
     }
     bool done = named && settings && ect_settings_apply(chain, slave - 1, settings, count, now_ns, message);
     if (!done)
-        twin_args_report(args, who, "--set: %s", message);
+        twin_args_report_option(args, who,
+                                settings && count > 0 ? refused_of(chain, slave - 1, settings, count, message) : NULL,
+                                "--set: %s", message);
     free(named);
     free(settings);
     return done;
@@ -813,8 +733,9 @@ static bool all_for_a_twin(const twin_args_t *args, const char *who)
         const char *setting = args->settings[i];
         size_t slave = twin_of(args->names, &setting, 1);
         if (slave < 1 || slave > args->count) {
-            twin_args_report(args, who, "--set %.80s: twins are counted from 1 to the number of devices",
-                             args->settings[i]);
+            twin_args_report_option(args, who, setting,
+                                    "--set %.80s: twins are counted from 1 to the number of devices",
+                                    args->settings[i]);
             return false;
         }
     }
@@ -840,20 +761,47 @@ static bool apply_all(const twin_args_t *args, ect_chain_t *chain, const char *w
 static bool connect_all(const twin_args_t *args, ect_chain_t *chain, const char *who)
 {
     char message[CONNECT_MESSAGE];
-    if (connect_args_apply(chain, args->connections, args->connection_count, message) &&
-        panel_args_check(chain, args->about.panel, message))
+    size_t wrong;
+    if (!connect_args_apply(chain, args->connections, args->connection_count, &wrong, message)) {
+        twin_args_report_option(args, who, args->connection_count > 0 ? args->connections[wrong] : NULL, "%s", message);
+        return false;
+    }
+    if (panel_args_check(chain, args->about.panel, message))
         return true;
-    twin_args_report(args, who, "%s", message);
+    twin_args_report_option(args, who, args->about.panel, "%s", message);
     return false;
 }
 
 static bool name_all(const twin_args_t *args, ect_chain_t *chain, const char *who)
 {
-    char message[ECT_SIGNAL_MESSAGE];
+    char message[ECT_SIGNAL_MESSAGE], place[BUS_PLACE];
     if (ect_chain_set_names(chain, args->names, message))
         return true;
-    twin_args_report(args, who, "%s", message);
+    const char *name = strchr(message, '\'') ? strchr(message, '\'') + 1 : ""; /* the first word in quotes */
+    const size_t twin = ect_names_find(args->names, name, strcspn(name, "'"));
+    twin_args_report(args, who, "%s%s", bus_place_of_twin(place, twin), message);
     return false;
+}
+
+/* @return the option with a step of the script */
+static const char *option_of_step(const twin_args_t *args, const ect_scenario_step_t *step)
+{
+    const size_t index = (size_t)(step - args->scenario.steps);
+    for (size_t i = 0; i < args->later_count; i++) {
+        if (args->later[i].steps > index)
+            return args->later[i].text;
+    }
+    return NULL;
+}
+
+/* @return the n-th --play, from 0 */
+static const char *option_of_table(const twin_args_t *args, size_t n)
+{
+    for (size_t i = 0; i < args->later_count; i++) {
+        if (args->later[i].key == KEY_PLAY && n-- == 0)
+            return args->later[i].text;
+    }
+    return NULL;
 }
 
 /* Reports wrong names and values of a script at power-on, not at the time of the step. */
@@ -862,11 +810,12 @@ static bool check_scenario(const twin_args_t *args, const ect_chain_t *chain, co
     char message[ECT_STEP_MESSAGE];
     const ect_scenario_step_t *step = ect_scenario_check(&args->scenario, chain, message);
     if (step)
-        twin_args_report(args, who, "'%s': %s", step->text, message);
-    for (const ect_table_t *table = args->scenario.tables; table && !step; table = table->next) {
+        twin_args_report_option(args, who, option_of_step(args, step), "'%s': %s", step->text, message);
+    size_t n = 0;
+    for (const ect_table_t *table = args->scenario.tables; table && !step; table = table->next, n++) {
         if (ect_table_check(table, chain, message))
             continue;
-        twin_args_report(args, who, "--play: %s", message);
+        twin_args_report_option(args, who, option_of_table(args, n), "--play: %s", message);
         return false;
     }
     return !step;
@@ -877,10 +826,10 @@ int twin_args_power_on(twin_args_t *args, const char *who, uint64_t now_ns, ect_
     char message[EOE_MESSAGE];
     *chain = NULL;
     args->power_on_ns = now_ns;
-    if (!open_files(args, who) || !open_memories(args, who) || !open_eeproms(args, who))
+    if (!twin_storage_open(args, who))
         return EXIT_OPEN;
     if (!eoe_args_join(&args->eoe, args->names, args->twins, args->count, message)) {
-        twin_args_report(args, who, "%s", message);
+        twin_args_report_option(args, who, args->eoe.wrong, "%s", message);
         return EXIT_USAGE;
     }
     *chain = ect_chain_new(args->twins, args->count, now_ns);

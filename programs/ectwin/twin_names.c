@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bus_place.h"
 #include "commands.h"
 #include "text/number.h"
 
@@ -55,12 +56,14 @@ bool listed_device_next(const struct argp_state *state, char **rest, listed_devi
 /* A single twin is gripper; several twins are gripper1, gripper2, ... */
 static void add_names(ect_names_t *names, const struct argp_state *state, size_t first, const listed_device_t *one)
 {
+    bus_place_t place;
     for (size_t i = 0; one->name && i < one->count; i++) {
         char name[ECT_NAME_ROOM + 24];
         int length = one->count == 1 ? snprintf(name, sizeof name, "%s", one->name)
                                      : snprintf(name, sizeof name, "%s%zu", one->name, i + 1);
         if (length >= ECT_NAME_ROOM)
-            argp_error(state, "the name '%s' is longer than %d characters", name, ECT_NAME_ROOM - 1);
+            argp_error(bus_place_at_twin(&place, state, first + i + 1), "the name '%s' is longer than %d characters",
+                       name, ECT_NAME_ROOM - 1);
         if (!ect_names_add(names, first + i, name))
             argp_error(state, "two twins have the name '%s'", name);
     }

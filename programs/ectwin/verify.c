@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "bus/chain/catalogue.h"
+#include "buses/bus_file.h"
 #include "commands.h"
 #include "facts/facts.h"
 #include "network.h"
@@ -173,7 +174,7 @@ static bool add(verify_t *v, const char *operand)
     if (is_esi(operand))
         return add_device(v, operand, ect_arena_print(&v->arena, "esi:%s", operand), true);
     if (ends_with(operand, ".bin") || ends_with(operand, ".hex") ||
-        (ect_catalogue_find(operand) == NULL && access(operand, F_OK) == 0))
+        (ect_catalogue_find(operand) == NULL && !ect_bus_file_is(operand) && access(operand, F_OK) == 0))
         return add_image(v, operand, "", operand);
     return add_device(v, operand, operand, false);
 }

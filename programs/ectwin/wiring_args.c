@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bus_place.h"
 #include "check/check.h"
 #include "commands.h"
 #include "esc/personality.h"
@@ -281,11 +282,24 @@ static void take_twin(const ect_names_t *names, const struct argp_state *state, 
         argp_error(state, "%s: twins are counted from 1", text);
 }
 
-void wiring_args_apply(wiring_args_t *args, const struct argp_state *state, ect_twin_config_t *twins, size_t count,
+/* The place of the last --wire of a twin; without one: of the twin. */
+static const struct argp_state *at_wire(bus_place_t *place, const wiring_args_t *args, const struct argp_state *state,
+                                        size_t twin)
+{
+    for (size_t w = args->count; w-- > 0;) {
+        if (args->settings[w].key == KEY_WIRE && args->settings[w].twin == twin)
+            return bus_place_at(place, state, args->settings[w].text);
+    }
+    return bus_place_at_twin(place, state, twin);
+}
+
+void wiring_args_apply(wiring_args_t *args, const struct argp_state *parser, ect_twin_config_t *twins, size_t count,
                        uint32_t seed)
 {
+    bus_place_t place;
     for (size_t w = 0; w < args->count; w++) {
         wiring_setting_t *setting = &args->settings[w];
+        const struct argp_state *state = bus_place_at(&place, parser, setting->text);
         take_twin(args->names, state, setting);
         if (setting->twin > count || (setting->key == KEY_WIRE && setting->twin == 0))
             argp_error(state, "%zu:%s: twins are counted from 1 to %zu", setting->twin, setting->text, count);
@@ -298,7 +312,7 @@ void wiring_args_apply(wiring_args_t *args, const struct argp_state *state, ect_
         twins[i].slow.seed = seed + (uint32_t)i;
     size_t wrong = ect_chain_check_wires(twins, count);
     if (wrong < count)
-        argp_failure(state, EXIT_USAGE, 0,
+        argp_failure(at_wire(&place, args, parser, wrong + 1), EXIT_USAGE, 0,
                      "twin %zu cannot be connected to port %u of twin %zu: that twin does not come before it, has no "
                      "such port, or "
                      "another twin is connected there (port 1 is for the next twin, unless --wire moves that)",

@@ -55,8 +55,19 @@ __attribute__((format(printf, 2, 3))) static char *print(reader_t *r, const char
     return text;
 }
 
-/* Takes over `word`. The array grows at the powers of two. */
-static void add_word(reader_t *r, char *word)
+/* @return the array with room for one element more: it grows at the powers of two; NULL: it stays, no memory */
+static void *grow(reader_t *r, void *array, size_t count, size_t size)
+{
+    if ((count & (count - 1)) != 0)
+        return array;
+    void *grown = realloc(array, (count > 0 ? 2 * count : 1) * size);
+    if (!grown)
+        fail_memory(r);
+    return grown;
+}
+
+/* Takes over `word`, of `node`. */
+static void add_word(reader_t *r, const yaml_node_t *node, char *word)
 {
     ect_bus_file_t *file = r->file;
     if (file->count == ECT_BUS_FILE_WORDS) {
@@ -64,18 +75,16 @@ static void add_word(reader_t *r, char *word)
         free(word);
         return;
     }
-    if (word && (file->count & (file->count - 1)) == 0) {
-        size_t room = file->count ? 2 * file->count : 1;
-        char **grown = realloc(file->words, room * sizeof *grown);
-        if (!grown) {
-            free(word);
-            fail_memory(r);
-            return;
-        }
-        file->words = grown;
+    char **words = word ? grow(r, file->words, file->count, sizeof *words) : NULL;
+    file->words = words ? words : file->words;
+    size_t *lines = words ? grow(r, file->lines, file->count, sizeof *lines) : NULL;
+    file->lines = lines ? lines : file->lines;
+    if (!lines) {
+        free(word);
+        return;
     }
-    if (word)
-        file->words[file->count++] = word;
+    lines[file->count] = ect_yaml_line(node);
+    words[file->count++] = word;
 }
 
 static void add_device(reader_t *r, const char *name, const char *device, size_t count)
@@ -175,6 +184,14 @@ static void check_fault(reader_t *r, const yaml_node_t *node, const char *text)
 
 /* --- paths -------------------------------------------------------------------------------------------------------- */
 
+bool ect_bus_file_below(const char *path)
+{
+    bool below = *path != '/';
+    for (const char *part = path; below && part; part = strchr(part, '/') ? strchr(part, '/') + 1 : NULL)
+        below = strncmp(part, "..", 2) != 0 || (part[2] != '/' && part[2] != '\0');
+    return below;
+}
+
 static char *path_of(reader_t *r, const char *prefix, const char *path)
 {
     const char *slash = strrchr(r->mistake.path, '/');
@@ -186,6 +203,11 @@ static char *path_of(reader_t *r, const char *prefix, const char *path)
 static char *device_of(reader_t *r, const yaml_node_t *node, const char *device)
 {
     static const char *const prefixes[] = {"esi:", "sii:", "eni:", "yaml:"};
+    if (ect_bus_file_is(device) && !strchr(device, ':'))
+        ect_yaml_fail(&r->yaml, node,
+                      "'device: %.60s' is a file: write 'device: yaml:%.60s' for a device file; a bus file has no "
+                      "other bus files in it: copy their twins",
+                      device, device);
     if (*device == '\0' || strchr(device, ',') || (strchr(device, '*') && !strchr(device, ':')))
         ect_yaml_fail(
             &r->yaml, node,
@@ -208,8 +230,9 @@ static size_t twin_before(const reader_t *r, const char *text)
 }
 
 /* `n`: of the twin that the option is for; 0: of the bus. */
-static char *path_value(reader_t *r, const char *text, unsigned int option, size_t n)
+static char *path_value(reader_t *r, const yaml_node_t *node, const char *key, unsigned int option, size_t n)
 {
+    const char *text = scalar(r, node, key);
     static const char socket[] = "unix:";
     size_t before = n == 0 && (option & ECT_BUS_OPTION_OF_TWIN) != 0 ? twin_before(r, text) : 0;
     if ((option & ECT_BUS_OPTION_SOCKET) != 0) {
@@ -217,6 +240,12 @@ static char *path_value(reader_t *r, const char *text, unsigned int option, size
             return print(r, "%s", text);
         before += strlen(socket);
     }
+    if ((option & ECT_BUS_OPTION_OUTPUT) != 0 && !ect_bus_file_below(text + before))
+        ect_yaml_fail(
+            &r->yaml, node,
+            "'%.60s: %.120s' is written outside the folder of the bus file: take a path below that folder, or "
+            "give --%.60s on the command line",
+            key, text, key);
     char *prefix = print(r, "%.*s", (int)before, text);
     char *path = prefix ? path_of(r, prefix, text + before) : NULL;
     free(prefix);
@@ -232,7 +261,7 @@ static char *value_of(reader_t *r, const yaml_node_t *node, const char *key, uns
         check_connection(r, node, text);
     if (strcmp(key, "fault") == 0)
         check_fault(r, node, text);
-    return (option & (ECT_BUS_OPTION_PATH | ECT_BUS_OPTION_SOCKET)) != 0 ? path_value(r, text, option, n)
+    return (option & (ECT_BUS_OPTION_PATH | ECT_BUS_OPTION_SOCKET)) != 0 ? path_value(r, node, key, option, n)
                                                                          : print(r, "%s", text);
 }
 
@@ -241,7 +270,7 @@ static void add_option(reader_t *r, const yaml_node_t *node, const char *key, un
 {
     char *value = value_of(r, node, key, option, n);
     if (value && !r->mistake.failed)
-        add_word(r, n > 0 ? print(r, "--%s=%zu:%s", key, n, value) : print(r, "--%s=%s", key, value));
+        add_word(r, node, n > 0 ? print(r, "--%s=%zu:%s", key, n, value) : print(r, "--%s=%s", key, value));
     free(value);
 }
 
@@ -251,7 +280,7 @@ static void add_flag(reader_t *r, const yaml_node_t *node, const char *key)
     if (strcmp(value, "true") != 0 && strcmp(value, "false") != 0)
         ect_yaml_fail(&r->yaml, node, "'%.60s' takes true or false", key);
     else if (*value == 't')
-        add_word(r, print(r, "--%s", key));
+        add_word(r, node, print(r, "--%s", key));
 }
 
 /* A value, or a list of values. */
@@ -283,13 +312,13 @@ static void add_twins(reader_t *r, const yaml_node_t *node, const char *key)
 {
     char *word = print(r, "--%s=", key);
     if (node->type != YAML_SEQUENCE_NODE) {
-        add_word(r, append_twins(r, word, node, key, ""));
+        add_word(r, node, append_twins(r, word, node, key, ""));
         return;
     }
     const yaml_node_item_t *first = node->data.sequence.items.start;
     for (const yaml_node_item_t *i = first; i < node->data.sequence.items.top && !r->mistake.failed; i++)
         word = append_twins(r, word, node_of(r, *i), key, i == first ? "" : ",");
-    add_word(r, word);
+    add_word(r, node, word);
 }
 
 /* Alias and serial number count up from one twin to the next, as on the command line. */
@@ -300,7 +329,7 @@ static void add_counted(reader_t *r, const yaml_node_t *node, const char *key, c
     if (!r->mistake.failed && !ect_number(text, 0, UINT32_MAX, &first))
         ect_yaml_fail(&r->yaml, node, "'%.60s' takes a number, not '%.60s'", key, text);
     for (size_t i = 0; i < entry->count && !r->mistake.failed; i++)
-        add_word(r, print(r, "--%s=%zu:%zu", key, entry->first + i, (size_t)first + i));
+        add_word(r, node, print(r, "--%s=%zu:%zu", key, entry->first + i, (size_t)first + i));
 }
 
 /* --- a twin ------------------------------------------------------------------------------------------------------- */
@@ -312,7 +341,7 @@ static void take_setting(void *ctx, const char *key, const yaml_node_t *name, co
     (void)name;
     const char *text = scalar(r, value, key);
     for (size_t i = 0; i < entry->count && !r->mistake.failed; i++)
-        add_word(r, print(r, "--set=%zu:%s=%s", entry->first + i, key, text));
+        add_word(r, value, print(r, "--set=%zu:%s=%s", entry->first + i, key, text));
 }
 
 static void take_module(void *ctx, const char *key, const yaml_node_t *name, const yaml_node_t *value)
@@ -322,7 +351,7 @@ static void take_module(void *ctx, const char *key, const yaml_node_t *name, con
     (void)name;
     const char *text = scalar(r, value, key);
     for (size_t i = 0; i < entry->count && !r->mistake.failed; i++)
-        add_word(r, print(r, "--module=%zu:%s=%s", entry->first + i, key, text));
+        add_word(r, value, print(r, "--module=%zu:%s=%s", entry->first + i, key, text));
 }
 
 static void take_connection(void *ctx, const char *key, const yaml_node_t *name, const yaml_node_t *value)
@@ -334,7 +363,7 @@ static void take_connection(void *ctx, const char *key, const yaml_node_t *name,
     const char *text = scalar(r, value, key);
     check_twin(r, value, text, ".,", &rest);
     for (size_t i = 0; i < entry->count && !r->mistake.failed; i++)
-        add_word(r, print(r, "--connect=%zu.%s=%s", entry->first + i, key, text));
+        add_word(r, value, print(r, "--connect=%zu.%s=%s", entry->first + i, key, text));
 }
 
 static void take_twin_key(void *ctx, const char *key, const yaml_node_t *name, const yaml_node_t *value)
@@ -398,6 +427,15 @@ static void check_whole(reader_t *r, const yaml_node_t *twin, const char *word, 
         ect_yaml_fail(&r->yaml, twin, "'count' is for one device; 'device: eni:FILE' is a bus");
 }
 
+static void add_twin_line(reader_t *r, size_t line)
+{
+    size_t *lines = grow(r, r->file->twin_lines, r->file->twins, sizeof *lines);
+    if (!lines)
+        return;
+    r->file->twin_lines = lines;
+    lines[r->file->twins++] = line;
+}
+
 static void add_entry(reader_t *r, const yaml_node_t *twin)
 {
     if (twin->type != YAML_MAPPING_NODE) {
@@ -415,9 +453,10 @@ static void add_entry(reader_t *r, const yaml_node_t *twin)
         take_name(r, name, &entry);
     char *word = device_of(r, device, scalar(r, device, "device"));
     check_whole(r, twin, word, entry.count);
-    r->file->twins += entry.count;
-    if (r->file->twins > ECT_BUS_FILE_TWINS)
+    if (r->file->twins + entry.count > ECT_BUS_FILE_TWINS)
         ect_yaml_fail(&r->yaml, twin, "more than %d twins", (int)ECT_BUS_FILE_TWINS);
+    for (size_t i = 0; i < entry.count && !r->mistake.failed; i++)
+        add_twin_line(r, ect_yaml_line(device));
     if (word && !r->mistake.failed)
         add_device(r, entry.name, word, entry.count);
     free(word);
@@ -523,6 +562,8 @@ void ect_bus_file_free(ect_bus_file_t *file)
     for (size_t i = 0; i < file->count; i++)
         free(file->words[i]);
     free(file->words);
+    free(file->lines);
+    free(file->twin_lines);
     free(file->devices);
     *file = (ect_bus_file_t){0};
 }

@@ -23,7 +23,8 @@
  * gripper1, gripper2, gripper3. The list of devices has the names, and the words refer to them.
  *
  * A file is refused with one line `FILE:LINE: ERROR`. Neither a file that it names nor a network is opened. Anchors,
- * aliases, tags and a second document are refused: no content of a file grows beyond its own size, but for `count`.
+ * aliases, tags and a second document are refused: no content of a file grows beyond its own size, but for `count`. A
+ * file names only paths below its folder for what a run writes, so that running a foreign file changes nothing else.
  *
  * Host only. Context: mainline. Cost: linear in the bytes of the file and in the twins, quadratic in the names of
  * twins.
@@ -52,6 +53,7 @@ typedef enum ect_bus_option {
     ECT_BUS_OPTION_PATH = 4,    /**< with ECT_BUS_OPTION_VALUE: a path, of OF_TWIN behind the twin */
     ECT_BUS_OPTION_SOCKET = 16, /**< with ECT_BUS_OPTION_VALUE: a value may be a path behind `unix:` */
     ECT_BUS_OPTION_OF_TWIN = 8, /**< with ECT_BUS_OPTION_VALUE: may begin with the number of a twin and a colon */
+    ECT_BUS_OPTION_OUTPUT = 32, /**< with ECT_BUS_OPTION_PATH or _SOCKET: a run writes there */
 } ect_bus_option_t;
 
 /** The options of the command. */
@@ -63,9 +65,11 @@ typedef struct ect_bus_options {
 
 /** A file that was read. */
 typedef struct ect_bus_file {
-    char **words;  /**< options, "--seed=7" */
-    size_t count;  /**< of words */
-    char *devices; /**< "axis=esi:/a/drives/servo.xml#SERVO,gripper=fzm1*3" */
+    char **words;       /**< options, "--seed=7" */
+    size_t *lines;      /**< of the words, from 1 */
+    size_t count;       /**< of words */
+    char *devices;      /**< "axis=esi:/a/drives/servo.xml#SERVO,gripper=fzm1*3" */
+    size_t *twin_lines; /**< of the devices of the twins, from 1 */
     size_t twins;
 } ect_bus_file_t;
 
@@ -73,6 +77,9 @@ ECT_C_BEGIN
 
 /** @return true for a name that ends in .yaml or .yml, and is neither a device, `yaml:FILE`, nor a list of them */
 bool ect_bus_file_is(const char *name);
+
+/** @return whether a path is below the folder that it is relative to: neither absolute nor with a part `..` */
+bool ect_bus_file_below(const char *path);
 
 /**
  * Reads a file.

@@ -158,6 +158,21 @@ static void take_parts(const keys_t *k)
         ect_draft_end(d);
 }
 
+/* A document that is no device file of this version. @param version  its version; NULL: it has none */
+static void refuse_other(ect_draft_t *d, const yaml_node_t *root, const yaml_node_t *version)
+{
+    const bool is_bus = version == NULL && root != NULL && root->type == YAML_MAPPING_NODE &&
+                        ect_yaml_find(&d->yaml, root, "twins") != NULL;
+    if (is_bus)
+        ect_yaml_fail(&d->yaml, root, "a bus file, not a device: run it alone, as in 'ectwin run -i IFACE %s'",
+                      d->mistake.path);
+    else
+        ect_yaml_fail(
+            &d->yaml, version != NULL ? version : root,
+            "'ectwin-device: %d' is missing: the version of the format of device files that this ectwin reads",
+            (int)VERSION);
+}
+
 static void take_document(ect_draft_t *d)
 {
     keys_t k = {.d = d};
@@ -172,10 +187,7 @@ static void take_document(ect_draft_t *d)
     if (first != NULL)
         version = ect_draft_number(d, "ectwin-device", ect_draft_word(d, first, "ectwin-device"), 0, UINT32_MAX);
     if (version != VERSION) {
-        ect_yaml_fail(
-            &d->yaml, first != NULL ? first : root,
-            "'ectwin-device: %d' is missing: the version of the format of device files that this ectwin reads",
-            (int)VERSION);
+        refuse_other(d, root, first);
         return;
     }
     ect_yaml_each(&d->yaml, root, "the device", true, take_key, &k);

@@ -51,12 +51,59 @@ sed 's/temperature: 1/warmth: 1/' "$work/bus.yaml" >"$work/wrong.yaml"
 rm -rf "$work/kept"
 "$ectwin" check "$work/wrong.yaml" >"$work/out" 2>"$work/err"
 check "check: no such signal: exit code" 1 $?
-check "check: no such signal" "ectwin check: --set: slave 1 has no signal 'warmth'" "$(grep -o "ectwin check.*'warmth'" "$work/err")"
+check "check: no such signal" "ectwin check: $work/wrong.yaml:7: --set: slave 1 has no signal 'warmth'" "$(grep -o "ectwin check.*'warmth'" "$work/err")"
 check "check: opens no store" "" "$(ls -d "$work/kept" 2>/dev/null)"
 printf 'ectwin: 1\ntwins:\n- device: fzm1\n  colour: red\n' >"$work/wrong.yaml"
 "$ectwin" with "$work/wrong.yaml" -- true 2>"$work/err"
 check "a wrong key: exit code" 2 $?
 check "a wrong key" "ectwin with: $work/wrong.yaml:4: 'colour' is no key of a twin" "$(head -1 "$work/err" | cut -d: -f1-4 | sed 's/ of a twin.*/ of a twin/')"
+
+# Mistakes behind the schema have their line too, and one line only: lines of the file | the line | begin of the message
+printf 'drop 1%%\nhang slave 9\n' >"$work/nine.txt"
+while IFS='|' read -r lines line message; do
+  printf 'ectwin: 1\n%b\n' "$lines" >"$work/wrong.yaml"
+  "$ectwin" check "$work/wrong.yaml" >"$work/out" 2>"$work/err"
+  check "$lines: refused" 1 "$([ $? -ne 0 ] && wc -l <"$work/err")"
+  check "$lines" "ectwin check: $work/wrong.yaml:$line: $message" "$(cut -c1-$((${#work} + ${#line} + ${#message} + 28)) "$work/err")"
+done <<'END'
+twins:\n- device: fzm1\n- device: nosuch|4|there is no device 'nosuch'
+twins:\n- device: fzm1\n- device: esi:no.xml|4|
+twins:\n- device: yaml:wrong.yaml|3|
+twins:\n- device: wrong.yaml|3|'device: wrong.yaml' is a file
+twins:\n- device: fzm1\n  name: scenario|3|the name 'scenario' hides
+twins:\n- device: vr-bu-ect-map1\n- device: fzm1\n  name: ru1|4|the name 'ru1' of twin 2 hides
+twins:\n- device: fzm1\n  set:\n    data1: 1\n    data2: warm|6|--set: data2 takes
+twins:\n- device: fzm1\n  alias: 70000|4|--alias takes a number
+twins:\n- device: fzm1\n  esc: et9|4|there is no chip 'et9'
+twins:\n- device: fzm1\n  play: no.csv|4|--play 1:
+twins:\n- device: fzm1\n  eoe: tap0|4|--eoe 1:tap0: twin 1, fzm1, has no EoE
+twins:\n- device: fzm1\n  behaviour: cia402|3|'fzm1' has its own behaviour
+fault:\n- drop 1%\n- explode\ntwins:\n- device: fzm1|4|--fault: expected drop
+fault:\n- drop 1%\n- hang slave 9\ntwins:\n- device: fzm1|4|a fault names slave 9
+fault:\n- drop 1%\n- at 1s set data99=3\ntwins:\n- device: fzm1|4|'at 1s set data99=3': slave 1 has no signal
+faults: nine.txt\ntwins:\n- device: fzm1|2|a fault names slave 9
+seed: 1\nconnect:\n- 1.data1=2.data1\n- 1.data1=2.none\ntwins:\n- {device: fzm1, count: 2}|5|--connect 1.data1=2.none
+connect: 2.data1=1.data1,every=2\ntwins:\n- {device: fzm1, count: 2}|2|--connect
+wire: [2:1.3,\n3:2.9]\ntwins:\n- {device: fzm1, count: 3}|3|--wire takes N:M.PORT
+wire: [2:1.3,\n3:1.3]\ntwins:\n- {device: fzm1, count: 3}|3|twin 3 cannot be connected to port 3 of twin 1
+seed: many\ntwins:\n- device: fzm1|2|--seed takes a number
+panel: '7'\ntwins:\n- device: fzm1|2|--panel: '7' is no twin
+pcap: /x.pcapng\ntwins:\n- device: fzm1|2|'pcap: /x.pcapng' is written outside the folder
+record: ../x\ntwins:\n- device: fzm1|2|'record: ../x' is written outside the folder
+files: /\ntwins:\n- device: fzm1|2|'files: /' is written outside the folder
+twins:\n- {device: fzm1, count: 65536}|3|'count' takes a number from 1 to 65535
+END
+"$ectwin" check --quiet --pcap /x.pcapng --store / "$work/bus.yaml" >"$work/out" 2>"$work/err"
+check "the command line may write everywhere" "" "$(cat "$work/err")"
+"$ectwin" check --alias 70000 "$work/bus.yaml" >"$work/out" 2>"$work/err"
+check "a mistake of the command line has no line of the file" "ectwin check: --alias takes a number from 1 to 65535, not '70000'" "$(head -1 "$work/err")"
+"$ectwin" with --in-process "$work/wrong.yaml" -- true 2>"$work/err"
+check "... in the master's process" 1 "$(grep -c "wrong.yaml:3: 'count' takes" "$work/err")"
+"$ectwin" check "fzm1,$work/bus.yaml" 2>"$work/err"
+check "a bus file among devices" 1 "$(grep -c 'a bus file is a whole bus: name it alone' "$work/err")"
+"$ectwin" verify "$work/bus.yaml" fzm1 2>"$work/err"
+check "a bus file as a device of verify" 1 "$(grep -c 'a bus file is a whole bus: name it alone' "$work/err")"
+
 "$ectwin" run -i nosuch0 "$work/nothing.yaml" 2>"$work/err"
 check "no such file: exit code" 2 $?
 check "no such file" "ectwin run: $work/nothing.yaml: No such file or directory" "$(cat "$work/err")"

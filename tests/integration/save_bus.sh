@@ -125,6 +125,10 @@ check "standard output has whole paths" "  - device: esi:$work/machine/drives.xm
 check "values that a twin refuses at its start: exit code" 3 $?
 check "... a line for each" "ru1.id=2|ru2.id=1" "$(sed -n "s/^ectwin save-bus: slave 1: '\(.*\)' is left out, a bus refuses it at its start: .*/\1/p" "$work/err" | paste -sd'|')"
 check "... and the file is without them" "bu.vlaps: 1" "$(grep -oE '(ru.\.id|bu\.vlaps).*' "$work/out")"
+"$ectwin" with --quiet --store "$work/elsewhere/kept" --pcap "$work/machine/x.pcapng" fzm1 -- "$ectwin" save-bus -o "$work/machine/one.yaml" >"$work/out" 2>"$work/err"
+check "what a run writes outside the folder of the file: exit code" 3 $?
+check "... a line for each" "ectwin save-bus: '--store=$work/elsewhere/kept' is left out" "$(grep -v ready "$work/err" | cut -d, -f1)"
+check "... and the file is without it" "pcap: x.pcapng" "$(grep -E 'store|pcap' "$work/machine/one.yaml")"
 env -u ECTWIN_SOCKET XDG_RUNTIME_DIR="$work" "$ectwin" save-bus >"$work/out" 2>"$work/err"
 check "no bus: exit code" 2 $?
 check "no bus" "ectwin save-bus: no twin of yours is running: start one with 'ectwin run' or 'ectwin with'" "$(head -1 "$work/err")"

@@ -26,8 +26,9 @@ static unsigned int find(void *ctx, const char *name)
         {"fault", ECT_BUS_OPTION_VALUE},
         {"connect", ECT_BUS_OPTION_VALUE},
         {"panel", ECT_BUS_OPTION_VALUE},
-        {"store", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_PATH},
-        {"eoe", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_SOCKET | ECT_BUS_OPTION_OF_TWIN},
+        {"store", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_PATH | ECT_BUS_OPTION_OUTPUT},
+        {"faults", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_PATH},
+        {"eoe", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_SOCKET | ECT_BUS_OPTION_OUTPUT | ECT_BUS_OPTION_OF_TWIN},
         {"play", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_PATH | ECT_BUS_OPTION_OF_TWIN},
         {"set", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_OF_TWIN},
         {"module", ECT_BUS_OPTION_VALUE | ECT_BUS_OPTION_OF_TWIN},
@@ -80,14 +81,15 @@ static void a_file_stands_for_the_words_of_a_command_line(void **state)
         {"a list repeats the option", BUS("fault: [drop 1%, hang slave 1]\n" ONE),
          "--fault=drop 1% --fault=hang slave 1 fzm1"},
         {"a path is relative to the file", BUS("store: s/t\n" ONE), "--store=/m/s/t fzm1"},
+        {"a file that is read may be anywhere", BUS("faults: [../f, /f]\n" ONE), "--faults=/m/../f --faults=/f fzm1"},
         {"a path of a twin is relative to the file", BUS(ONE "  play: 'w.csv,loop'\n"), "--play=1:/m/w.csv,loop fzm1"},
         {"a path of the bus, behind a number or a name",
          BUS("play: [w.csv, '2:w.csv', 'cam3:d/w.csv,loop', 'other:w.csv', '4:/x.csv']\n" TWO),
          "--play=/m/w.csv --play=2:/m/w.csv --play=cam3:/m/d/w.csv,loop --play=/m/other:w.csv --play=4:/x.csv "
          "axis=pmctendo-dd5,cam=fzm1*3,esi:/m/d/e.xml#T"},
         {"a socket is relative to the file, behind a number or a name",
-         BUS("eoe: ['unix:s', '2:unix:d/s', 'cam3:unix:/s', echo, '1:tap0']\n" TWO),
-         "--eoe=unix:/m/s --eoe=2:unix:/m/d/s --eoe=cam3:unix:/s --eoe=echo --eoe=1:tap0 "
+         BUS("eoe: ['unix:s', '2:unix:d/s', 'cam3:unix:..s', echo, '1:tap0']\n" TWO),
+         "--eoe=unix:/m/s --eoe=2:unix:/m/d/s --eoe=cam3:unix:/m/..s --eoe=echo --eoe=1:tap0 "
          "axis=pmctendo-dd5,cam=fzm1*3,esi:/m/d/e.xml#T"},
         {"a socket of a twin is relative to the file", BUS(ONE "  eoe: unix:s\n"), "--eoe=1:unix:/m/s fzm1"},
         {"a network file is relative to the file", BUS("twins:\n- device: fzm1\n- device: eni:m.xml\n"),
@@ -175,6 +177,21 @@ static void a_wrong_file_is_refused_with_its_line(void **state)
         {BUS("connect: \"a\\n\\eb.x=1.y\"\n" ONE), "/m/bus.yaml:2: there is no twin with the name 'a??b'"},
         {BUS("fault: hang slave cam4\n" TWO), "/m/bus.yaml:2: there is no twin with the name 'cam4'"},
         {BUS(ONE "  set: [a]\n"), "/m/bus.yaml:4: set: 'key: value' lines are missing"},
+        {BUS("store: /x\n" ONE),
+         "/m/bus.yaml:2: 'store: /x' is written outside the folder of the bus file: take a path below that folder, or "
+         "give --store on the command line"},
+        {BUS("store: a/../../x\n" ONE),
+         "/m/bus.yaml:2: 'store: a/../../x' is written outside the folder of the bus file: take a path below that "
+         "folder, or give --store on the command line"},
+        {BUS(ONE "  eoe: unix:..\n"),
+         "/m/bus.yaml:4: 'eoe: unix:..' is written outside the folder of the bus file: take a path below that folder, "
+         "or give --eoe on the command line"},
+        {BUS("eoe: ['1:unix:/s']\n" ONE),
+         "/m/bus.yaml:2: 'eoe: 1:unix:/s' is written outside the folder of the bus file: take a path below that "
+         "folder, or give --eoe on the command line"},
+        {BUS("twins:\n- device: bus.yaml\n"),
+         "/m/bus.yaml:3: 'device: bus.yaml' is a file: write 'device: yaml:bus.yaml' for a device file; a bus file has "
+         "no other bus files in it: copy their twins"},
         {BUS("a: &x b\n" ONE), "/m/bus.yaml:2: an anchor of YAML: bus files have none"},
         {BUS("a: &x [b]\nc: *x\n" ONE), "/m/bus.yaml:2: an anchor of YAML: bus files have none"},
         {BUS("a: *x\n" ONE), "/m/bus.yaml:2: an alias of YAML: bus files have none"},
@@ -191,6 +208,23 @@ static void a_wrong_file_is_refused_with_its_line(void **state)
         assert_string_equal(why, rows[i].why);
         assert_string_equal(words, "");
     }
+}
+
+static void each_word_and_each_twin_has_its_line(void **state)
+{
+    static const char yaml[] =
+        BUS("seed: 7\nfault:\n- drop 1%\n- hang slave 1\ntwins:\n- device: fzm1\n  set:\n    a: 1\n"
+            "    b: 2\n- name: cam\n  count: 2\n  device: fzm1\n  alias: 3\n");
+    static const size_t lines[] = {2, 4, 5, 9, 10, 14, 14}, twin_lines[] = {7, 13, 13};
+    ect_bus_file_t file;
+    char why[TEXT];
+    (void)state;
+    assert_true(ect_bus_file_parse(&file, "bus.yaml", yaml, strlen(yaml), &options, why, TEXT));
+    assert_int_equal(file.count, 7);
+    assert_int_equal(file.twins, 3);
+    assert_memory_equal(file.lines, lines, sizeof lines);
+    assert_memory_equal(file.twin_lines, twin_lines, sizeof twin_lines);
+    ect_bus_file_free(&file);
 }
 
 static void a_name_ends_in_yaml_or_yml(void **state)
@@ -222,6 +256,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_file_stands_for_the_words_of_a_command_line),
         cmocka_unit_test(a_wrong_file_is_refused_with_its_line),
+        cmocka_unit_test(each_word_and_each_twin_has_its_line),
         cmocka_unit_test(a_name_ends_in_yaml_or_yml),
         cmocka_unit_test(a_file_that_cannot_be_read_is_a_line),
     };
