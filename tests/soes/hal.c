@@ -13,8 +13,11 @@ static uint8_t *emulated(uint16_t address)
 }
 
 /* Each access leaves the events, as the chips do that send them in front of it. */
-static void leave_event(void)
+static void leave_event(uint16_t address, uint16_t length, bool written)
 {
+    hal.address = address;
+    hal.length = length;
+    hal.written = written;
     ESCvar.ALevent = ect_esc_al_event(hal.esc) | (hal.emulated ? ESCREG_ALEVENT_EEP : 0u);
 }
 
@@ -25,11 +28,13 @@ void ESC_read(uint16_t address, void *buf, uint16_t len)
         memcpy(buf, own, len);
     else
         (void)ect_esc_pdi_read(hal.esc, address, buf, len);
+    if (address == ESCREG_ALEVENT && hal.emulated)
+        *(uint8_t *)buf |= ESCREG_ALEVENT_EEP;
     if (address == ESCREG_DLSTATUS && hal.loading > 0) {
         hal.loading--;
         memset(buf, 0, len);
     }
-    leave_event();
+    leave_event(address, len, false);
 }
 
 void ESC_write(uint16_t address, void *buf, uint16_t len)
@@ -44,7 +49,7 @@ void ESC_write(uint16_t address, void *buf, uint16_t len)
     } else {
         (void)ect_esc_pdi_write(hal.esc, address, buf, len);
     }
-    leave_event();
+    leave_event(address, len, true);
 }
 
 void ESC_init(const esc_cfg_t *cfg)

@@ -15,6 +15,9 @@ typedef struct {
     bool emulated;
     uint8_t control[6], data[8];
     unsigned int acknowledged;
+    /* The last access. */
+    uint16_t address, length;
+    bool written;
 } hal_t;
 
 extern hal_t hal;

@@ -199,6 +199,13 @@ static void read_back_at_once(void **state)
         assert_int_equal(m.read(m.ctx, 0, 16, got, 50), 0);
         for (unsigned int i = 0; i < 50; i++)
             assert_int_equal(got[i], i);
+        assert_int_equal(m.read(m.ctx, 0, 0, got, 16), 0);
+        assert_int_equal(m.read(m.ctx, 0, 0, got, 0), 0);
+        c->dead = true;
+        assert_int_equal(m.read(m.ctx, 0, 0, got, 16), -1);
+        assert_int_equal(m.read(m.ctx, 0, 0, got, 17), -1);
+        assert_int_equal(m.read(m.ctx, 0, 16, got, 1), -1);
+        assert_int_equal(m.write(m.ctx, 0, 128, got, units[u]), -1);
         free(c);
     }
 }
@@ -232,6 +239,10 @@ static void memory_instead(void **state)
         assert_true(save(&medium, value));
         assert_int_equal(saved(&medium), value);
     }
+    memset(memory, 0x5A, sizeof memory);
+    assert_int_equal(medium.erase(medium.ctx, 1), 0);
+    for (size_t n = 0; n < sizeof memory; n++)
+        assert_int_equal(memory[n], n < AREA ? 0x5A : 0xFF);
 }
 
 int main(void)

@@ -871,6 +871,147 @@ static void registers(void **state)
     APP_safeoutput(); /* without an override there is nothing to do */
 }
 
+static void read_sm(void)
+{
+    ESC_SMstatus(3);
+}
+
+static void write_events(void)
+{
+    ESC_ALeventwrite(0);
+}
+
+static void read_events(void)
+{
+    (void)ESC_ALeventread();
+}
+
+static void read_mask(void)
+{
+    (void)ESC_ALeventmaskread();
+}
+
+static void write_mask(void)
+{
+    ESC_ALeventmaskwrite(0);
+}
+
+static void read_watchdog(void)
+{
+    (void)ESC_WDstatus();
+}
+
+static void write_error(void)
+{
+    ESC_ALerror(0);
+}
+
+static void write_status(void)
+{
+    ESC_ALstatus(SAFEOP);
+}
+
+static void accesses(void **state)
+{
+    static const struct {
+        void (*call)(void);
+        uint16_t address, length;
+        bool written;
+    } rows[] = {
+        {read_events, 0x0220, 4, false}, {write_events, 0x0220, 4, true}, {read_mask, 0x0204, 4, false},
+        {write_mask, 0x0204, 4, true},   {read_sm, 0x081D, 1, false},     {read_watchdog, 0x0440, 2, false},
+        {write_error, 0x0134, 2, true},  {write_status, 0x0130, 2, true},
+    };
+    (void)state;
+    open_in(SAFEOP);
+    turn = no_turn;
+    for (size_t n = 0; n < sizeof rows / sizeof rows[0]; n++) {
+        hal.length = 0;
+        rows[n].call();
+        assert_int_equal(hal.address, rows[n].address);
+        assert_int_equal(hal.length, rows[n].length);
+        assert_int_equal(hal.written, rows[n].written);
+    }
+}
+
+/* --- the description ---------------------------------------------------------------------------------------------- */
+
+static void described(void **state)
+{
+    static const uint8_t esc_config[14] = {0x05, 0x0E, 0x03, 0x6E};
+    static const uint8_t roles[] = {ECT_SM_MAILBOX_OUT, ECT_SM_MAILBOX_IN, ECT_SM_OUTPUTS, ECT_SM_INPUTS};
+    static const uint16_t starts[] = {MBX0_sma, MBX1_sma, SM2_sma, SM3_sma};
+    static const uint8_t controls[] = {MBX0_smc, MBX1_smc, SM2_smc, SM3_smc};
+    static const uint8_t fmmus[] = {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS, ECT_FMMU_MAILBOX_STATE};
+    (void)state;
+    power_on();
+    const ect_device_t *d = &description;
+    ect_soes_describe(&description);
+    assert_memory_equal(d->esc_config, esc_config, sizeof esc_config);
+    assert_int_equal(d->sii_size, 4096);
+    assert_int_equal(d->sm_count, 4);
+    for (size_t n = 0; n < 4; n++) {
+        assert_int_equal(d->sm[n].type, roles[n]);
+        assert_int_equal(d->sm[n].start, starts[n]);
+        assert_int_equal(d->sm[n].control, controls[n]);
+    }
+    assert_int_equal(d->sm[0].length, MBX0_sml);
+    assert_int_equal(d->sm[1].length, MBX1_sml);
+    assert_int_equal(d->fmmu_count, 3);
+    for (size_t n = 0; n < 3; n++)
+        assert_int_equal(d->fmmu[n], fmmus[n]);
+    assert_true(d->boot_out.start == MBX0_sma_b && d->boot_out.length == MBX0_sml_b);
+    assert_true(d->boot_in.start == MBX1_sma_b && d->boot_in.length == MBX1_sml_b);
+    assert_int_equal(d->mailbox_protocols, ECT_MAILBOX_COE | ECT_MAILBOX_FOE);
+    assert_int_equal(d->coe_details, ECT_COE_SDO | ECT_COE_SDO_INFO | ECT_COE_COMPLETE_ACCESS);
+    assert_string_equal(d->physics, "YY");
+    assert_int_equal(d->objects[d->object_count - 1].index, 0x8002);
+    assert_int_equal(d->device_type, ect_od_element(&d->objects[0], 0));
+    assert_int_equal(d->objects[0].index, 0x1000);
+}
+
+/* --- events that stay --------------------------------------------------------------------------------------------- */
+
+static unsigned int steps;
+
+static void count_step(void)
+{
+    steps++;
+}
+
+static void staying_event(void **state)
+{
+    (void)state;
+    config.esc_hw_eep_handler = count_step;
+    open_in(PREOP);
+    turn = no_turn;
+    steps = 0;
+    ecat_slv_worker(worker_events);
+    assert_int_equal(steps, 1);
+    hal.emulated = true; /* an EEPROM command that the application does not execute */
+    steps = 0;
+    ecat_slv_worker(worker_events);
+    assert_int_equal(steps, 16);
+    steps = 0;
+    ecat_slv_worker(worker_events & ~(uint32_t)ESCREG_ALEVENT_EEP);
+    assert_int_equal(steps, 1);
+}
+
+/* --- a transfer that a state ends --------------------------------------------------------------------------------- */
+
+static void reset_transfer(void **state)
+{
+    uint8_t begin[10] = {0, 0x20, 0x40, 0x01, 0x80, 0}, segment[10] = {0, 0x20, 0x60}, reply[200];
+    (void)state;
+    open_in(PREOP);
+    assert_true(wire_coe(&w, 0, begin, sizeof begin, reply, sizeof reply) > 0);
+    assert_int_equal(reply[2], 0x41); /* with its length, the rest in segments */
+    wire_go(&w, 0, INIT);
+    wire_go(&w, 0, PREOP);
+    assert_true(wire_coe(&w, 0, segment, sizeof segment, reply, sizeof reply) > 0);
+    assert_int_equal(reply[2], 0x80); /* there is none to continue */
+}
+
 /* Without a clock the time is the ESC's, and a jump of it is none. */
 static void time_of_the_esc(void **state)
 {
@@ -1114,6 +1255,10 @@ int main(int argc, char **argv)
         T_HOOKS("hooks of objects by their own names", hooks_by_name),
         T("the object list as SOES's functions read it", dictionary),
         T("registers, by SOES's functions", registers),
+        T("each function of a register reads or writes its address and length", accesses),
+        T("the description is made of the options and of the object list", described),
+        T("an event that stays is served 16 times in a row", staying_event),
+        T_HOOKS("a transfer ends with the state that it was in", reset_transfer),
         T("without a clock the time is the ESC's", time_of_the_esc),
         T_FILES("FOE_config: a file goes to its function by buffers", file_written),
         T_FILES("FOE_config: names, passwords, states and lengths that are refused", file_refused),
