@@ -306,8 +306,9 @@ class Conform(Program):
 
 
 class InProcess(Program):
-    """The libraries between a master and its sockets, judged by the masters of the integration tests on both clocks: those that
-    call the C library, and, where a processor has them, those that make system calls of their own."""
+    """The libraries between a master and its sockets, judged by the unit tests of their sources and by the masters of the
+    integration tests on both clocks: those that call the C library, and, where a processor has them, those that make system calls of
+    their own."""
 
     LEAKS = ""  # that library replaces functions of threads, too
     PARTS = ["calls", "sockets", "waits"]  # lists needs a folder of `ectwin with`
@@ -315,16 +316,17 @@ class InProcess(Program):
     if platform.machine() == "x86_64":
         MASTERS += [f"inprocess_raw_{part}" for part in PARTS] + ["inprocess_dispatch"]
     RUNS = {f"{master}_{clock}": (master, clock) for master in MASTERS for clock in ("real", "virtual")}
-    UNIT = "test_raw_objects"
+    UNITS = [path.stem for path in sorted((ROOT / "tests/unit/bus/inprocess").glob("test_*.c"))
+             if platform.machine() == "x86_64" or not re.fullmatch("test_raw_(calls|clock|dispatch)", path.stem)]
 
     def __init__(self):
         modules = {name: f"ectwin_inprocess_{clock}" for name, (_, clock) in self.RUNS.items()}
-        targets = self.build(*self.MASTERS, self.UNIT, "ectwin_chain", *sorted(set(modules.values())))
+        targets = self.build(*self.MASTERS, *self.UNITS, "ectwin_chain", *sorted(set(modules.values())))
         self.own = {name: targets[module] for name, module in modules.items()}
         self.core = {source: compiled for sources in self.own.values() for source, compiled in sources.items()}
         self.tests = {name: BUILD / f"libectwin-{clock}.so" for name, (_, clock) in self.RUNS.items()}
-        self.own[self.UNIT] = targets[self.UNIT]
-        self.tests[self.UNIT] = BUILD / "tests" / self.UNIT
+        self.own.update({name: targets[name] for name in self.UNITS})
+        self.tests.update({name: BUILD / "tests" / name for name in self.UNITS})
 
     def link(self, library, instead):
         """Each library is linked with the mutant when it is its turn."""
@@ -333,7 +335,7 @@ class InProcess(Program):
         return [name for name in self.own if name in self.seconds and source in self.own[name]]
 
     def with_mutant(self, name, source, changed, work):
-        if name == self.UNIT:
+        if name in self.UNITS:
             own = self.own[name][source]
             if not own.compile(changed, work / "own.o"):
                 raise RuntimeError(f"{source} as {name} has it")
@@ -345,7 +347,7 @@ class InProcess(Program):
         return link_as_built(library, work / library, work / "mutant.o", self.own[name][source])
 
     def command(self, name, program, folder):
-        if name == self.UNIT:
+        if name in self.UNITS:
             return super().command(name, program, folder)
         master, clock = self.RUNS[name]
         alone = master == "inprocess_dispatch"
