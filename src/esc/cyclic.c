@@ -63,15 +63,22 @@ static unsigned int find_image(const ect_esc_t *esc, const overlap_t *o, bool wr
     return ECT_ESC_MAX_SM;
 }
 
+const uint8_t *ect_esc_newest_image(const ect_esc_t *esc, unsigned int sm)
+{
+    unsigned int latest = (ect_esc_sm_registers(esc, sm)[ECT_SM_STATUS] & (unsigned int)ECT_SM_STATUS_BUFFER) >> 4;
+    ECT_ASSERT(sm < ECT_ESC_MAX_SM);
+    return latest < BUFFERS ? esc->memory + esc->sm[sm].start + (size_t)latest * esc->sm[sm].length : NULL;
+}
+
 /* Adds the newest image. @return false: there is none yet */
 static bool add_piece(const ect_esc_t *esc, unsigned int n, const overlap_t *o, ect_esc_cyclic_t *effect)
 {
-    unsigned int latest = (ect_esc_sm_registers(esc, n)[ECT_SM_STATUS] & (unsigned int)ECT_SM_STATUS_BUFFER) >> 4;
-    if (latest >= BUFFERS)
+    const uint8_t *from = ect_esc_newest_image(esc, n);
+    if (!from)
         return false;
     ECT_ASSERT(effect->piece_count < ECT_ESC_MAX_FMMU);
-    effect->pieces[effect->piece_count++] = (ect_esc_piece_t){
-        .at = o->at, .length = o->length, .from = esc->memory + esc->sm[n].start + (size_t)latest * esc->sm[n].length};
+    effect->pieces[effect->piece_count++] =
+        (ect_esc_piece_t){.at = o->at, .length = o->length, .from = from, .sm = (uint8_t)n};
     return true;
 }
 

@@ -20,6 +20,7 @@ typedef struct ect_esc_piece {
     uint16_t at;         /**< from the first byte of data on */
     uint16_t length;     /**< bytes */
     const uint8_t *from; /**< the newest image; valid until the next call of the instance */
+    uint8_t sm;          /**< its SyncManager */
 } ect_esc_piece_t;
 
 /** Effect of a datagram with a logical address. */
@@ -37,12 +38,19 @@ bool ect_esc_steady(const ect_esc_t *esc);
 
 /**
  * Finds the effect of LRD, LWR or LRW. It lasts, however often such datagrams pass, until any other access of either
- * side, if ::ect_esc_steady.
+ * side, if ::ect_esc_steady. Until ::ect_esc_routing changes, such an access replaces the images at most
+ * (::ect_esc_newest_image).
  * @return false: not certain. Certain are whole images of SyncManagers with three buffers in RAM, each whole in one
  *         FMMU and in the datagram, without ECAT events, sequential mode or write protection, where neither
  *         SyncManagers nor FMMUs of one direction overlap
  */
 bool ect_esc_cyclic(const ect_esc_t *esc, uint8_t command, uint32_t logical, uint16_t length, ect_esc_cyclic_t *effect);
+
+/**
+ * The newest image of a SyncManager with three buffers that ::ect_esc_cyclic has named.
+ * @return NULL: there is none yet; else it is valid until the next call of the instance
+ */
+const uint8_t *ect_esc_newest_image(const ect_esc_t *esc, unsigned int sm);
 
 /**
  * The system time that a frame reads at 0x0910, while the clock has the rate of `now_ns`.

@@ -153,7 +153,8 @@ typedef struct ect_esc {
     bool sms_overlap;    /* two enabled SyncManagers share a byte: the lower number decides */
     uint8_t sm_changed;  /* bit n: the PDI has yet to read the changed activate register of SyncManager n */
     uint32_t activity;
-    uint32_t routing; /* changes with everything that affects the path of frames or data added to them (route.h) */
+    uint32_t routing; /* changes with everything that affects the path of frames or data added to them, but the images
+                         of SyncManagers (route.h, cyclic.h) */
     uint32_t sii_writes;
     uint32_t resets;
     uint8_t closing; /* bit n: the present frame has left the buffer of SyncManager n, which changes hands at its end */

@@ -80,7 +80,7 @@ typedef struct ect_esc_route {
 /** Reads these properties. They are valid until ::ect_esc_routing changes. */
 void ect_esc_route(const ect_esc_t *esc, ect_esc_route_t *route);
 
-/** A counter that changes whenever an ::ect_esc_route_t may have changed. */
+/** A counter that changes whenever an ::ect_esc_route_t, or the layout of an ::ect_esc_cyclic_t, may have changed. */
 static inline uint32_t ect_esc_routing(const ect_esc_t *esc)
 {
     return esc->routing;

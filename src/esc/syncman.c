@@ -63,6 +63,7 @@ void ect_esc_sm_reset(ect_esc_t *esc, unsigned int n)
     esc->sm[n] = (ect_esc_sm_t){.write_buffer = 0, .read_buffer = NO_BUFFER};
     forget_close(esc, n);
     decode(esc, n);
+    esc->routing++;
     sm[ECT_SM_STATUS] = ect_esc_sm_enabled(esc, n) && is_mailbox(sm[ECT_SM_CONTROL]) ? 0 : ECT_SM_STATUS_BUFFER;
     ect_esc_clear(esc, (uint32_t)ECT_EVENT_SM0 << n);
     ect_esc_clear_ecat(esc, (uint16_t)(ECT_ECAT_EVENT_SM0 << n));

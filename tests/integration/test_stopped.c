@@ -47,7 +47,7 @@ enum {
     WHILE_STOPPED = 100,
     CATCH_UP = 10000,
     INDEX = 17,
-    LOGICAL = 0x100, /* at 0 the plan of process data would have the place of that of BRD (ect_plan_place) */
+    LOGICAL = 0x100,
     IMAGE = 4 * TALLY_WORDS
 };
 

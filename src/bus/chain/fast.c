@@ -65,6 +65,7 @@ struct ect_fast {
     size_t reach;
     bool out; /* the output of the last controller is open */
     bool line_known, sums_known, stations_known, windows_known;
+    uint64_t version; /* of the tables of stations and windows, and of the set of controllers */
     uint64_t now_ns;
     uint64_t frame; /* number of frames that were taken */
     sums_t sums;
@@ -140,6 +141,7 @@ void ect_fast_put(ect_fast_t *fast, size_t position, ect_esc_t *esc)
     controller_t *c = &fast->controllers[position];
     c->esc = esc;
     c->times = fast->times;
+    fast->version++;
     read_route(fast, c);
 }
 
@@ -214,6 +216,7 @@ static void update_stations(ect_fast_t *f)
     qsort(f->stations, n, sizeof *f->stations, by_address);
     f->station_count = n;
     f->stations_known = true;
+    f->version++;
 }
 
 static int by_first(const void *a, const void *b)
@@ -247,6 +250,7 @@ static void update_windows(ect_fast_t *f)
     }
     f->window_count = n;
     f->windows_known = true;
+    f->version++;
 }
 
 /* --- the system time ---------------------------------------------------------------------------------------------- */
@@ -594,6 +598,8 @@ bool ect_fast_steady(ect_fast_t *fast, ect_chain_steady_t *steady)
     if (ect_fast_reach(fast) == 0 || fast->out)
         return false;
     update_sums(fast);
+    update_stations(fast);
+    update_windows(fast);
     const sums_t *sums = &fast->sums;
     if (sums->awaits_frame || sums->guards_writes)
         return false;
@@ -606,7 +612,8 @@ bool ect_fast_steady(ect_fast_t *fast, ect_chain_steady_t *steady)
                                    .events = sums->events,
                                    .al_status = sums->al_status,
                                    .al_status_new = sums->al_status_new,
-                                   .marks_source = sums->marks_source};
+                                   .marks_source = sums->marks_source,
+                                   .version = fast->version};
     return true;
 }
 

@@ -24,6 +24,7 @@ typedef struct ect_chain_steady {
     uint16_t al_status;       /**< bits of AL status (0x0130), of all */
     bool al_status_new;       /**< an AL status is yet to be read, which clears an event */
     bool marks_source;        /**< the source address gets its "locally administered" bit */
+    uint64_t version;         /**< changes with the station addresses and FMMUs of ESCs, and with their power */
 } ect_chain_steady_t;
 
 /**

@@ -65,15 +65,31 @@ static __always_inline void ring(void)
     bpf_ringbuf_submit(one, BPF_RB_FORCE_WAKEUP);
 }
 
+/* @return NULL: there is none */
+static __always_inline const ect_plan_t *find_plan(const uint8_t *head, uint32_t *place)
+{
+    const uint64_t key = ect_plan_key(head);
+    const uint32_t first = ect_plan_place(key);
+    for (uint32_t i = 0; i < ECT_PLAN_PROBES; i++) {
+        *place = (first + i) % ECT_PLANS;
+        const ect_plan_t *plan = bpf_map_lookup_elem(&plans, place);
+        if (!plan || plan->key == 0)
+            return 0;
+        if (plan->key == key)
+            return plan;
+    }
+    return 0;
+}
+
 /* Called with the turn. @return XDP_TX; XDP_PASS: there is no plan, no room, or the devices have to react first;
  * XDP_DROP: the plan is out of bounds */
 static __always_inline int reply(struct xdp_md *ctx, ect_shared_t *s, const uint8_t *head)
 {
-    uint32_t place = ect_plan_place(head);
+    uint32_t place;
     uint32_t at = (uint32_t)s->held;
     uint64_t length = bpf_xdp_get_buff_len(ctx);
     uint64_t now_ns = bpf_ktime_get_ns();
-    const ect_plan_t *plan = bpf_map_lookup_elem(&plans, &place);
+    const ect_plan_t *plan = find_plan(head, &place);
     ect_held_t *h = bpf_map_lookup_elem(&held, &at);
     if (!plan || !h || length > ECT_PLAN_FRAME || length < SHORTEST ||
         !ect_steps_match(plan, ctx, (uint32_t)length, head))

@@ -56,9 +56,9 @@ void ect_kernel_see(ect_kernel_t *kernel, const uint8_t *frame, size_t length);
 void ect_kernel_got(ect_kernel_t *kernel);
 
 /**
- * Makes plans and gives the turn to the kernel. Due before the process sleeps, and nothing may call the chain between.
- * The process keeps the turn if there is no plan, or frames are on their way to the socket; if one of these has not
- * arrived after 20 ms it counts as lost.
+ * Makes plans for the chain, the same in each call, and gives the turn to the kernel. Due before the process sleeps,
+ * and nothing may call the chain between. The process keeps the turn if there is no plan, or frames are on their way to
+ * the socket; if one of these has not arrived after 20 ms it counts as lost.
  */
 void ect_kernel_give(ect_kernel_t *kernel, ect_chain_t *chain, uint64_t now_ns);
 

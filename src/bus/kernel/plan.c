@@ -41,7 +41,8 @@ typedef struct maker {
     ect_chain_t *chain;
     ect_chain_steady_t steady;
     ect_plan_t *plan;
-    const uint8_t *frame;   /* the sample */
+    ect_plan_sample_t *sample;
+    const uint8_t *frame;   /* of the sample */
     const ect_esc_t *clock; /* the clock that all plans read; NULL: none yet */
     uint8_t command;        /* of the present datagram, */
     uint32_t logical;       /* its address, */
@@ -59,6 +60,16 @@ static bool add_step(maker_t *m, ect_plan_step_t step)
     return true;
 }
 
+/* @param image  place of an image of SyncManager `sm`; ECT_ESC_MAX_SM: none */
+static void add_base(maker_t *m, const ect_esc_t *esc, unsigned int sm, uint32_t image)
+{
+    ect_plan_sample_t *s = m->sample;
+    if (s->base_count < ECT_PLAN_BASES)
+        s->bases[s->base_count] =
+            (ect_plan_base_t){.esc = esc, .routing = ect_esc_routing(esc), .image = (uint16_t)image, .sm = (uint8_t)sm};
+    s->base_count++;
+}
+
 static bool copy_pieces(void *ctx, const ect_esc_t *esc)
 {
     maker_t *m = ctx;
@@ -74,8 +85,11 @@ static bool copy_pieces(void *ctx, const ect_esc_t *esc)
         if (m->image + piece->length > ECT_PLAN_IMAGE - 2048u || !add_step(m, step))
             return false;
         memcpy(m->plan->image + m->image, piece->from, piece->length);
+        add_base(m, esc, piece->sm, m->image);
         m->image += piece->length;
     }
+    if (effect.piece_count == 0)
+        add_base(m, esc, ECT_ESC_MAX_SM, 0);
     m->gain += effect.gain;
     return true;
 }
@@ -105,7 +119,8 @@ static bool plan_time(maker_t *m, const uint8_t *d, uint16_t address)
     const ect_esc_t *clock = ect_chain_time_source(m->chain, d, &takes);
     if (!clock || (m->clock && clock != m->clock) || !ect_esc_even_clock(clock, &offset_ns))
         return false;
-    m->clock = clock;
+    m->clock = m->sample->clock = clock;
+    add_base(m, clock, ECT_ESC_MAX_SM, 0);
     m->gain = m->steady.time_takers - (takes ? 1u : 0u) + 1u;
     return add_step(m,
                     (ect_plan_step_t){.kind = ECT_PLAN_DO_TIME, .at = m->at, .length = m->length, .wide = offset_ns});
@@ -151,20 +166,15 @@ static bool plan_datagram(maker_t *m, uint8_t *d)
     return add_step(m, counter) && (!ect_command_counts(m->command) || add_step(m, address));
 }
 
-/* @return the first datagram of a frame that may have a plan; NULL: it may not */
-static uint8_t *first_datagram(uint8_t *frame, size_t length)
-{
-    bool plain = length <= ECT_PLAN_FRAME && ect_frame_datagrams(frame, length) == ECT_PLAN_FIRST;
-    return plain ? frame + ECT_PLAN_FIRST : NULL;
-}
-
 static bool plan_frame(maker_t *m, ect_plan_sample_t *sample)
 {
-    uint8_t *first = first_datagram(sample->frame, sample->length);
-    ECT_ASSERT(first);
+    uint8_t *first = sample->frame + ECT_PLAN_FIRST;
+    m->sample = sample;
     m->frame = sample->frame;
     m->image = 0;
     m->plan->step_count = 0;
+    sample->base_count = 0;
+    sample->clock = NULL;
     m->plan->source_bits = m->steady.marks_source ? 0x02 : 0;
     memcpy(m->plan->type, sample->frame + ECT_PLAN_TYPE, sizeof m->plan->type);
     for (const uint8_t *d = first; d; d = ect_datagram_next((uint8_t *)(uintptr_t)d)) {
@@ -180,33 +190,106 @@ static bool plan_frame(maker_t *m, ect_plan_sample_t *sample)
     return true;
 }
 
-/* Whether a datagram with outputs has other data than the sample; false for the first frame of a layout. */
-static bool outputs_differ(const ect_plan_sample_t *sample, uint8_t *frame, size_t length)
+/* --- the frames ----------------------------------------------------------------------------------------------------
+ */
+
+/* The datagram at the same place of another frame, which is as long. */
+static const uint8_t *in_sample(const ect_plan_sample_t *sample, const uint8_t *frame, const uint8_t *d)
 {
-    if (sample->length != length)
+    return sample->frame + (d - frame);
+}
+
+static const uint8_t *next_of(const uint8_t *d)
+{
+    return ect_datagram_next((uint8_t *)(uintptr_t)d);
+}
+
+static bool may_have_plan(const uint8_t *d)
+{
+    const uint16_t address = ect_load_le16(d + ECT_DATAGRAM_ADO);
+    switch (d[ECT_DATAGRAM_COMMAND]) {
+    case ECT_NOP:
+    case ECT_LRD:
+    case ECT_LWR:
+    case ECT_LRW:
+        return true;
+    case ECT_BRD:
+        return address == ECT_REG_AL_STATUS;
+    case ECT_ARMW:
+    case ECT_FRMW:
+        return address == ECT_REG_DC_SYSTEM_TIME;
+    default:
         return false;
-    for (uint8_t *d = first_datagram(frame, length); d; d = ect_datagram_next(d)) {
+    }
+}
+
+/* @return the first datagram of a frame that may have a plan; NULL: it may not */
+static const uint8_t *first_datagram(const uint8_t *frame, size_t length)
+{
+    if (length > ECT_PLAN_FRAME || ect_frame_datagrams(frame, length) != ECT_PLAN_FIRST)
+        return NULL;
+    for (const uint8_t *d = frame + ECT_PLAN_FIRST; d; d = next_of(d)) {
+        if (!may_have_plan(d))
+            return NULL;
+    }
+    return frame + ECT_PLAN_FIRST;
+}
+
+static bool same_layout(const ect_plan_sample_t *sample, const uint8_t *frame, size_t length)
+{
+    if (sample->length != length || memcmp(sample->frame + ECT_PLAN_TYPE, frame + ECT_PLAN_TYPE, 4) != 0)
+        return false;
+    for (const uint8_t *d = frame + ECT_PLAN_FIRST; d; d = next_of(d)) {
+        if (ect_step_header(d) != ect_step_header(in_sample(sample, frame, d)))
+            return false;
+    }
+    return true;
+}
+
+/* Whether a datagram with outputs has other data than the sample, which has the same layout. */
+static bool outputs_differ(const ect_plan_sample_t *sample, const uint8_t *frame)
+{
+    for (const uint8_t *d = frame + ECT_PLAN_FIRST; d; d = next_of(d)) {
         const uint8_t *data = d + ECT_DATAGRAM_DATA;
         bool writes = d[ECT_DATAGRAM_COMMAND] == ECT_LWR || d[ECT_DATAGRAM_COMMAND] == ECT_LRW;
-        if (writes && memcmp(data, sample->frame + (data - frame), ect_datagram_length(d)) != 0)
+        if (writes && memcmp(data, in_sample(sample, frame, data), ect_datagram_length(d)) != 0)
             return true;
     }
     return false;
 }
 
+/* The place of a key, or one for it: an unused one, else the first one that it may have. Places are never freed, so a
+ * search ends at the first unused one. */
+static uint32_t place_for(const ect_plan_table_t *table, uint64_t key)
+{
+    const uint32_t first = ect_plan_place(key);
+    for (uint32_t i = 0; i < ECT_PLAN_PROBES; i++) {
+        const uint32_t place = (first + i) % ECT_PLANS;
+        if (table->plans[place].key == key || table->plans[place].key == 0)
+            return place;
+    }
+    return first;
+}
+
 void ect_planner_see(ect_planner_t *planner, const uint8_t *frame, size_t length)
 {
-    uint8_t copy[ECT_PLAN_FRAME];
-    if (length > sizeof copy)
+    if (!first_datagram(frame, length))
         return;
-    memcpy(copy, frame, length);
-    if (!first_datagram(copy, length))
-        return;
-    ect_plan_sample_t *sample = &planner->samples[ect_plan_place(frame)];
-    planner->outputs_changed |= outputs_differ(sample, copy, length);
+    const uint64_t key = ect_plan_key(frame);
+    const uint32_t place = place_for(planner->table, key);
+    ect_plan_sample_t *sample = &planner->samples[place];
+    if (!same_layout(sample, frame, length)) {
+        sample->step_count = planner->table->plans[place].step_count = 0;
+        planner->table->plans[place].key = key;
+    } else if (outputs_differ(sample, frame)) {
+        planner->outputs_changed = true;
+    }
     sample->length = (uint16_t)length;
-    memcpy(sample->frame, copy, length);
+    memcpy(sample->frame, frame, length);
 }
+
+/* --- the plans -----------------------------------------------------------------------------------------------------
+ */
 
 void ect_planner_void(ect_planner_t *planner)
 {
@@ -214,26 +297,100 @@ void ect_planner_void(ect_planner_t *planner)
         planner->table->plans[i].step_count = 0;
 }
 
+/* Copies the newest image. @return whether the ESC has the same part in the frame as before */
+static bool renew_base(const ect_plan_base_t *base, ect_plan_t *plan)
+{
+    if (ect_esc_routing(base->esc) != base->routing)
+        return false;
+    if (base->sm == ECT_ESC_MAX_SM)
+        return true;
+    const uint8_t *from = ect_esc_newest_image(base->esc, base->sm);
+    if (from)
+        memcpy(plan->image + base->image, from, base->esc->sm[base->sm].length);
+    return from != NULL;
+}
+
+/* The clock may have another rate or another offset than before. */
+static bool renew_time(maker_t *m, const ect_plan_sample_t *sample)
+{
+    uint64_t offset_ns;
+    if (!sample->clock)
+        return true;
+    if ((m->clock && m->clock != sample->clock) || !ect_esc_even_clock(sample->clock, &offset_ns))
+        return false;
+    m->clock = sample->clock;
+    for (unsigned int i = 0; i < sample->step_count; i++) {
+        if (m->plan->steps[i].kind == ECT_PLAN_DO_TIME)
+            m->plan->steps[i].wide = offset_ns;
+    }
+    return true;
+}
+
+/* @return false: the plan has to be made again */
+static bool renew(maker_t *m, const ect_plan_sample_t *sample)
+{
+    if (sample->step_count == 0 || sample->base_count > ECT_PLAN_BASES)
+        return false;
+    for (unsigned int i = 0; i < sample->base_count; i++) {
+        if (!renew_base(&sample->bases[i], m->plan))
+            return false;
+    }
+    if (!renew_time(m, sample))
+        return false;
+    m->plan->step_count = sample->step_count;
+    return true;
+}
+
+static bool make(maker_t *m, ect_plan_sample_t *sample)
+{
+    const ect_esc_t *clock = m->clock;
+    const bool done = plan_frame(m, sample);
+    if (!done) {
+        m->plan->step_count = 0;
+        m->clock = clock;
+    }
+    sample->step_count = m->plan->step_count;
+    return done;
+}
+
+static bool same_steady(const ect_chain_steady_t *a, const ect_chain_steady_t *b)
+{
+    return a->version == b->version && a->reach == b->reach && a->time_takers == b->time_takers &&
+           a->events == b->events && a->al_status == b->al_status && a->al_status_new == b->al_status_new &&
+           a->marks_source == b->marks_source;
+}
+
 unsigned int ect_planner_make(ect_planner_t *planner, ect_chain_t *chain)
 {
     maker_t m = {.chain = chain};
-    unsigned int made = 0;
+    unsigned int made = 0, renewed = 0;
     ect_planner_void(planner);
     if (!ect_chain_steady(chain, &m.steady))
         return 0;
+    const bool same = same_steady(&m.steady, &planner->steady);
+    planner->steady = m.steady;
     for (unsigned int i = 0; i < ECT_PLANS; i++) {
-        const ect_esc_t *clock = m.clock;
+        ect_plan_sample_t *sample = &planner->samples[i];
         m.plan = &planner->table->plans[i];
-        if (planner->samples[i].length == 0)
+        if (sample->length == 0)
             continue;
-        if (plan_frame(&m, &planner->samples[i])) {
-            made++;
-        } else {
-            m.plan->step_count = 0;
-            m.clock = clock;
-        }
+        if (!same)
+            sample->step_count = 0;
+        if (renew(&m, sample))
+            renewed++;
+        else
+            made += make(&m, sample);
     }
-    return made;
+    planner->made += made;
+    planner->renewed += renewed;
+    return made + renewed;
+}
+
+const ect_plan_t *ect_plan_find(const ect_plan_table_t *table, const uint8_t *head)
+{
+    const uint64_t key = ect_plan_key(head);
+    const ect_plan_t *plan = &table->plans[place_for(table, key)];
+    return plan->key == key ? plan : NULL;
 }
 
 bool ect_plan_reply(const ect_plan_table_t *table, uint8_t *frame, size_t length, uint64_t now_ns)
@@ -241,10 +398,10 @@ bool ect_plan_reply(const ect_plan_table_t *table, uint8_t *frame, size_t length
     const frame_t bytes = {.bytes = frame, .length = length};
     if (length < ECT_PLAN_HEAD || length > ECT_PLAN_FRAME)
         return false;
-    const ect_plan_t *plan = &table->plans[ect_plan_place(frame)];
+    const ect_plan_t *plan = ect_plan_find(table, frame);
     uint8_t head[ECT_PLAN_HEAD];
     memcpy(head, frame, sizeof head);
-    if (!ect_steps_match(plan, &bytes, (uint32_t)length, head))
+    if (!plan || !ect_steps_match(plan, &bytes, (uint32_t)length, head))
         return false;
     bool done = ect_steps_run(plan, &bytes, head, now_ns);
     ECT_ASSERT(done);

@@ -12,8 +12,9 @@
 #include "bus/kernel/steps.h"
 #include "bus/kernel/turn.h"
 
-/** Frames that the kernel holds at most for the program: 64 ms at 4 kHz. Further frames wait for the program. */
-enum { ECT_HELD_FRAMES = 256, ECT_HELD_ROOM = 1520 };
+/** Frames that the kernel holds at most for the program: a quarter of a second at 4 kHz, 22 cycles of a thousand twins.
+ * Further frames wait for the program. */
+enum { ECT_HELD_FRAMES = 1024, ECT_HELD_ROOM = 1520 };
 
 /** A frame that a plan has replied to, as received. */
 typedef struct ect_held {

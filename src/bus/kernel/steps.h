@@ -21,7 +21,10 @@
 #include "wire/bytes.h"
 
 /** Plans of a chain, steps of a plan, bytes of a frame with one, bytes of its input images with room behind them. */
-enum { ECT_PLANS = 16, ECT_PLAN_STEPS = 64, ECT_PLAN_FRAME = 1514, ECT_PLAN_IMAGE = 4096 };
+enum { ECT_PLANS = 128, ECT_PLAN_STEPS = 64, ECT_PLAN_FRAME = 1514, ECT_PLAN_IMAGE = 4096 };
+
+/** Places in a row, from ::ect_plan_place on, where a plan may be. */
+enum { ECT_PLAN_PROBES = 16 };
 
 /** The kinds of steps. `at` is an offset in the frame. */
 typedef enum ect_plan_kind {
@@ -42,6 +45,7 @@ typedef struct ect_plan_step {
 
 /** The plan of one layout. */
 typedef struct ect_plan {
+    uint64_t key;         /**< ::ect_plan_key of its frames; 0: this place was never used */
     uint32_t step_count;  /**< 0: no plan. The headers come first */
     uint32_t shortest;    /**< bytes of a frame up to its last working counter */
     uint32_t source_bits; /**< ORed to the first byte of the source address */
@@ -50,7 +54,7 @@ typedef struct ect_plan {
     uint8_t image[ECT_PLAN_IMAGE];
 } ect_plan_t;
 
-/** Plans by place (::ect_plan_place). */
+/** Plans by place: the first one in a row from ::ect_plan_place on that has the key, before one without a key. */
 typedef struct ect_plan_table {
     ect_plan_t plans[ECT_PLANS];
 } ect_plan_table_t;
@@ -58,11 +62,17 @@ typedef struct ect_plan_table {
 /** Offsets in a frame: source address, EtherType, first datagram, and the end of its first 8 bytes. */
 enum { ECT_PLAN_SOURCE = 6, ECT_PLAN_TYPE = 12, ECT_PLAN_FIRST = 16, ECT_PLAN_HEAD = 24 };
 
-/** The place of a plan, by the first ECT_PLAN_HEAD bytes of the frame: command, address and length of the datagram. */
-static inline uint32_t ect_plan_place(const uint8_t *head)
+/** The key of a plan, never 0, by the first ECT_PLAN_HEAD bytes of the frame: command, address and length of the first
+ * datagram. */
+static inline uint64_t ect_plan_key(const uint8_t *head)
 {
-    const uint8_t *d = head + ECT_PLAN_FIRST;
-    return (d[0] + 3u * d[2] + 5u * d[3] + 7u * d[4] + 11u * d[5] + 13u * d[6] + (d[2] >> 4)) % ECT_PLANS;
+    return (ect_load_le64(head + ECT_PLAN_FIRST) & ~0xFF00ull) | 0x0100;
+}
+
+/** The first place where a plan with this key may be, 0..ECT_PLANS - 1. */
+static inline uint32_t ect_plan_place(uint64_t key)
+{
+    return (uint32_t)(key * 0x9E3779B97F4A7C15ull >> 57);
 }
 
 #endif

@@ -315,14 +315,14 @@ static void sleep_until(uint64_t at_ns)
         ;
 }
 
-/* @return how many of a cycle's frames did not come back */
-static unsigned int one_cycle(master_t *m, uint32_t bytes, unsigned int *counter)
+/* @return how many of a cycle's frames, of `most` bytes each, did not come back */
+static unsigned int one_cycle(master_t *m, uint32_t bytes, uint32_t most, unsigned int *counter)
 {
     int fd = *(const int *)m->ctx;
     unsigned int out = 0;
     unsigned int in = 0;
-    for (uint32_t at = 0; at < bytes; at += LARGEST, out++) {
-        build_lrw(m, at, bytes - at);
+    for (uint32_t at = 0; at < bytes; at += most, out++) {
+        build_lrw(m, at, bytes - at < most ? bytes - at : most);
         if (send(fd, m->frame, m->length, 0) < 0)
             end("send");
     }
@@ -341,6 +341,7 @@ static int cycles(char **argument)
     master_t m = {.exchange = over_wire, .ctx = &fd};
     unsigned int expected = 0;
     uint32_t bytes = prepare(&m, device, present, strtoul(argument[3], NULL, 10), &expected);
+    const uint32_t each = bytes / (uint32_t)strtoul(argument[3], NULL, 10); /* a frame has whole images */
     const uint64_t period_ns = (period_us ? strtoul(period_us, NULL, 10) : 1000) * 1000;
     uint32_t *times_ns = calloc(count + 1, sizeof *times_ns);
     unsigned long lost = 0, late = 0;
@@ -351,7 +352,7 @@ static int cycles(char **argument)
         unsigned int counter;
         sleep_until(next);
         uint64_t sent = now_ns();
-        lost += one_cycle(&m, bytes, &counter);
+        lost += one_cycle(&m, bytes, LARGEST / each * each, &counter);
         times_ns[i] = (uint32_t)(now_ns() - sent);
         late += now_ns() > next + period_ns;
     }

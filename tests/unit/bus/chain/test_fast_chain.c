@@ -36,7 +36,7 @@
 
 enum { FRAMES = 2000, MOST = 70, ROOM = 1600, BETWEEN_LOOKS = 97, BETWEEN_DAMAGES = 7 };
 
-enum { HELD = 16 };
+enum { HELD = 16, STEPS = ECT_PLAN_DO_TIME + 1 };
 
 /* Frames that plans have replied to, and that the chains have not seen yet. */
 typedef struct held {
@@ -59,8 +59,8 @@ typedef struct rig {
     bool plans;   /* plans reply while nothing else happens */
     bool asleep;
     size_t held_count;
-    uint64_t planned[ECT_PLAN_DO_TIME + 1]; /* steps of plans that were carried out, by kind */
-    uint32_t layout;                        /* of the frames that come in each cycle */
+    uint64_t planned[STEPS + 1]; /* steps of plans that were carried out, by kind; then plans renewed */
+    uint32_t layout;             /* of the frames that come in each cycle */
     ect_planner_t planner;
     uint64_t now_ns;
     uint8_t frame[ROOM];
@@ -524,16 +524,45 @@ static bool reply_asleep(rig_t *r)
     h->now_ns = r->now_ns;
     if (!ect_plan_reply(&table, h->reply, h->length, h->now_ns))
         return false;
-    const ect_plan_t *plan = &table.plans[ect_plan_place(h->frame)];
+    const ect_plan_t *plan = ect_plan_find(&table, h->frame);
     for (unsigned int i = 0; i < plan->step_count; i++)
         r->planned[plan->steps[i].kind]++;
     r->held_count++;
     return true;
 }
 
+/* Plans that are renewed equal plans that are made. */
+static void same_as_new_plans(rig_t *r)
+{
+    static ect_plan_table_t new_table;
+    static ect_planner_t new;
+    new.table = &new_table;
+    for (unsigned int i = 0; i < ECT_PLANS; i++) {
+        const ect_plan_sample_t *sample = &r->planner.samples[i];
+        new.samples[i].length = sample->length;
+        new.samples[i].step_count = 0;
+        memcpy(new.samples[i].frame, sample->frame, sample->length);
+    }
+    (void)ect_planner_make(&new, r->fast);
+    for (unsigned int i = 0; i < ECT_PLANS; i++) {
+        const ect_plan_t *a = &table.plans[i], *b = &new_table.plans[i];
+        if (a->step_count != b->step_count)
+            differ(r, "step count of a plan (the first value is that of a new plan)", i, b->step_count, a->step_count);
+        for (unsigned int k = 0; k < a->step_count; k++) {
+            const ect_plan_step_t *s = &a->steps[k];
+            if (memcmp(s, &b->steps[k], sizeof *s) != 0)
+                differ(r, "step of a plan", i, b->steps[k].kind, s->kind);
+            if (s->kind == ECT_PLAN_DO_COPY && memcmp(a->image + s->value, b->image + s->value, s->length) != 0)
+                differ(r, "image of a plan", i, b->image[s->value], a->image[s->value]);
+        }
+    }
+}
+
 static void sleep_on_plans(rig_t *r)
 {
     r->asleep = ect_planner_make(&r->planner, r->fast) > 0;
+    if (one_in(r, 4))
+        same_as_new_plans(r);
 }
 
 /* The frame goes where it goes in the kernel: to a plan, else to the chains behind all that plans have replied to. */
@@ -628,6 +657,7 @@ static void open_rig(rig_t *r, uint32_t seed, bool plans)
     memset(r, 0, sizeof *r);
     r->seed = r->random = seed;
     r->plans = plans;
+    memset(&table, 0, sizeof table);
     r->planner.table = &table;
     ect_planner_void(&r->planner);
     r->count = plans ? 1 + below(r, 4) : one_in(r, 6) ? 66 + below(r, 4) : 2 + below(r, 8);
@@ -699,7 +729,8 @@ static void run_round(uint32_t seed, bool damages, uint64_t *planned)
     compare(&r);
     ect_chain_free(r.fast);
     ect_chain_free(r.slow);
-    for (unsigned int kind = 0; planned && kind <= ECT_PLAN_DO_TIME; kind++)
+    r.planned[STEPS] = r.planner.renewed;
+    for (unsigned int kind = 0; planned && kind <= STEPS; kind++)
         planned[kind] += r.planned[kind];
 }
 
@@ -720,14 +751,14 @@ static void with_bad_check_sums(void **state)
 /* Steps of each kind must have been carried out, or else nothing was shown. */
 static void plans_reply_alike(void **state)
 {
-    uint64_t planned[ECT_PLAN_DO_TIME + 1] = {0};
+    uint64_t planned[STEPS + 1] = {0};
     (void)state;
     for (unsigned int round = 0; round < rounds; round++)
         run_round(first_seed + round, round % 4 == 3, planned);
     print_message("steps: %" PRIu64 " headers, %" PRIu64 " bits, %" PRIu64 " counters, %" PRIu64 " images, %" PRIu64
-                  " times\n",
-                  planned[0], planned[1], planned[2], planned[3], planned[4]);
-    for (unsigned int kind = 0; kind <= ECT_PLAN_DO_TIME && rounds >= 12; kind++)
+                  " times; %" PRIu64 " plans renewed\n",
+                  planned[0], planned[1], planned[2], planned[3], planned[4], planned[STEPS]);
+    for (unsigned int kind = 0; kind <= STEPS && rounds >= 12; kind++)
         assert_int_not_equal(planned[kind], 0);
 }
 

@@ -189,6 +189,9 @@ static void same_as_the_chain(void **state)
     }
     r.random = 1;
     for (unsigned int chains = 0; r.replied + r.left < frames; chains++) {
+        if (!r.kernel)
+            r.kernel = ect_kernel_load(message);
+        assert_non_null(r.kernel);
         set_up(&r);
         while (r.replied + r.left < frames && r.replied + r.left < (chains + 1) * OF_A_CHAIN) {
             sleep_once(&r);
@@ -196,10 +199,11 @@ static void same_as_the_chain(void **state)
                 change(&r);
         }
         wire_close(&r.w);
+        ect_kernel_close(r.kernel);
+        r.kernel = NULL;
     }
     print_message("%u replies in the kernel, %u frames left to the process\n", r.replied, r.left);
     assert_in_range(r.replied, frames / 10, frames + AHEAD);
-    ect_kernel_close(r.kernel);
 }
 
 /* How many of ten equal frames, one right behind the other, get their replies. */

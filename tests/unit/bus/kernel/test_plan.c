@@ -23,6 +23,7 @@ static void open_rig(rig_t *r)
 {
     const ect_device_t *const devices[SLAVES] = {&testdev, &testdev};
     memset(r, 0, sizeof *r);
+    memset(&table, 0, sizeof table);
     wire_open(&r->w, devices, SLAVES);
     for (size_t i = 0; i < SLAVES; i++) {
         wire_go(&r->w, i, 8);
@@ -58,7 +59,7 @@ static void replies_ahead_of_the_chain(void **state)
 {
     enum { AHEAD = 20 };
     uint8_t replies[AHEAD][200];
-    rig_t r;
+    static rig_t r;
     (void)state;
     open_rig(&r);
     build_cyclic(&r);
@@ -116,7 +117,7 @@ static bool changes(rig_t *r)
 
 static void changed_outputs(void **state)
 {
-    rig_t r;
+    static rig_t r;
     (void)state;
     open_rig(&r);
     build_cyclic(&r);
@@ -338,6 +339,65 @@ static void a_fault_waits(rig_t *r)
     ect_chain_guard(r->w.chain, let_pass, NULL);
 }
 
+static void new_inputs(rig_t *r)
+{
+    const uint8_t inputs[3] = {0xA5, 0x5A, 0x77};
+    (void)ect_esc_pdi_write(ect_chain_esc(r->w.chain, 1), INPUTS, inputs, sizeof inputs);
+}
+
+static void clock_is_set(rig_t *r)
+{
+    (void)wire_write16(&r->w, 0, ECT_REG_DC_OFFSET, 12345);
+}
+
+static void sm_restarts_and_runs(rig_t *r)
+{
+    const uint8_t inputs[3] = {1, 2, 3};
+    sm_restarts(r);
+    (void)ect_esc_pdi_write(ect_chain_esc(r->w.chain, 0), INPUTS, inputs, sizeof inputs);
+}
+
+static void status_is_another(rig_t *r)
+{
+    uint8_t status[2] = {0};
+    status_is_new(r);
+    (void)wire_send(&r->w, BRD, 0, ECT_REG_AL_STATUS, status, 2);
+}
+
+static void address_is_gone(rig_t *r)
+{
+    (void)wire_write16(&r->w, 0, ECT_REG_STATION_ADDRESS, 0x3333);
+}
+
+static void slave_restarts(rig_t *r)
+{
+    ect_chain_power_cycle(r->w.chain, r->w.now_ns);
+}
+
+/* As the plans of a planner that has seen the same frames just now. */
+static void same_as_made(rig_t *r, const char *title)
+{
+    static ect_plan_table_t made_table;
+    static ect_planner_t made;
+    made = (ect_planner_t){.table = &made_table};
+    memset(&made_table, 0, sizeof made_table);
+    for (unsigned int i = 0; i < ECT_PLANS; i++) {
+        if (r->planner.samples[i].length > 0)
+            ect_planner_see(&made, r->planner.samples[i].frame, r->planner.samples[i].length);
+    }
+    (void)ect_planner_make(&made, r->w.chain);
+    for (unsigned int i = 0; i < ECT_PLANS; i++) {
+        const ect_plan_t *a = &table.plans[i], *b = &made_table.plans[i];
+        if (a->step_count != b->step_count || memcmp(a->steps, b->steps, a->step_count * sizeof a->steps[0]) != 0)
+            fail_msg("%s: other steps", title);
+        for (unsigned int k = 0; k < a->step_count; k++) {
+            const ect_plan_step_t *s = &a->steps[k];
+            if (s->kind == ECT_PLAN_DO_COPY && memcmp(a->image + s->value, b->image + s->value, s->length) != 0)
+                fail_msg("%s: another image", title);
+        }
+    }
+}
+
 static void no_plan(void **state)
 {
     static const struct {
@@ -382,7 +442,7 @@ static void no_plan(void **state)
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        rig_t r;
+        static rig_t r;
         open_rig(&r);
         rows[i].change(&r);
         rows[i].frame(&r);
@@ -391,6 +451,76 @@ static void no_plan(void **state)
             fail_msg("%s: expected %s", rows[i].title, rows[i].plan ? "a plan" : "none");
         wire_close(&r.w);
     }
+}
+
+/* A change between two sleeps: plans that are renewed, or made again, equal plans that are made. */
+static void renewed_plans(void **state)
+{
+    static const struct {
+        const char *title;
+        void (*change)(rig_t *r);
+        bool plan, renewed;
+    } rows[] = {
+        {"nothing", no_change, true, true},
+        {"other inputs", new_inputs, true, true},
+        {"an offset of the clock", clock_is_set, true, true},
+        {"an FMMU maps other bytes", fmmu_moves, false, false},
+        {"an FMMU is of other addresses", fmmus_share_addresses, true, false},
+        {"a SyncManager is off", sm_is_off, false, false},
+        {"a SyncManager has restarted with other flags", sm_has_events, false, false},
+        {"a SyncManager has no image yet", sm_restarts, false, false},
+        {"a SyncManager has its first image again", sm_restarts_and_runs, true, false},
+        {"the slave has locked a SyncManager", sm_is_locked, false, false},
+        {"an AL status is new", status_is_new, false, false},
+        {"an AL status is another", status_is_another, true, false},
+        {"the reference clock is fast", clock_is_trimmed, false, false},
+        {"the address of the clock is there twice", address_is_taken, false, false},
+        {"the clock has another address", address_is_gone, false, false},
+        {"the second slave is cut off", second_is_cut_off, true, false},
+        {"writes are protected", writes_are_protected, false, false},
+        {"a slave has lost its power for a moment", slave_restarts, false, false},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        static rig_t r;
+        open_rig(&r);
+        build_cyclic(&r);
+        assert_true(gets_plan(&r));
+        ect_planner_void(&r.planner);
+        rows[i].change(&r);
+        const uint64_t before = r.planner.renewed;
+        bool got = ect_planner_make(&r.planner, r.w.chain) == 1;
+        if (got != rows[i].plan || (r.planner.renewed > before) != rows[i].renewed)
+            fail_msg("%s: expected %s, %s", rows[i].title, rows[i].plan ? "a plan" : "none",
+                     rows[i].renewed ? "renewed" : "made");
+        same_as_made(&r, rows[i].title);
+        wire_close(&r.w);
+    }
+}
+
+/* A plan for each layout, as with a thousand twins, at addresses of equal distance. */
+static void many_layouts(void **state)
+{
+    enum { LAYOUTS = 46, APART = 1486 };
+    const uint8_t data[6] = {0};
+    static rig_t r;
+    (void)state;
+    open_rig(&r);
+    for (unsigned int i = 0; i < LAYOUTS; i++) {
+        wire_build(&r.w, LRW, (uint16_t)(i * APART + 0x1000), (uint16_t)((i * APART + 0x1000) >> 16), data,
+                   sizeof data);
+        ect_planner_see(&r.planner, r.w.frame, r.w.frame_length);
+    }
+    assert_int_equal(ect_planner_make(&r.planner, r.w.chain), LAYOUTS);
+    assert_int_equal(ect_planner_make(&r.planner, r.w.chain), LAYOUTS);
+    assert_int_equal(r.planner.renewed, LAYOUTS);
+    for (unsigned int i = 0; i < 3 * ECT_PLANS; i++) { /* more than there are places */
+        wire_build(&r.w, LRW, (uint16_t)(i * APART), (uint16_t)((i * APART) >> 16), data, sizeof data);
+        ect_planner_see(&r.planner, r.w.frame, r.w.frame_length);
+    }
+    assert_in_range(ect_planner_make(&r.planner, r.w.chain), ECT_PLANS / 2, ECT_PLANS);
+    assert_true(ect_plan_reply(&table, r.w.frame, r.w.frame_length, r.w.now_ns));
+    wire_close(&r.w);
 }
 
 /* A frame gets a reply only if it has the layout of the plan. */
@@ -404,7 +534,7 @@ static void other_layouts(void **state)
                 {"command", 16, false},      {"index", 17, true},          {"address", 18, false},
                 {"high address", 20, false}, {"length", 22, false},        {"ECAT events", 24, true},
                 {"data", 26, true},          {"second command", 40, false}};
-    rig_t r;
+    static rig_t r;
     (void)state;
     open_rig(&r);
     build_cyclic(&r);
@@ -433,6 +563,9 @@ int main(void)
         {"CF-002: a plan replies as the chain does when it sees the frames later", replies_ahead_of_the_chain, NULL,
          NULL, NULL},
         {"frames and changes of a chain without a plan", no_plan, NULL, NULL, NULL},
+        {"plans that are renewed after a change equal plans that are made", renewed_plans, NULL, NULL, NULL},
+        {"a thousand twins: a plan for each of 46 layouts, and new layouts when places are short", many_layouts, NULL,
+         NULL, NULL},
         {"a plan replies to frames of its layout only", other_layouts, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("plans", tests, NULL, NULL);
