@@ -766,15 +766,140 @@ static void working_counters(void **state)
     assert_int_equal(r->x.datagrams.all[0].counter, TWINS);
 }
 
+/* --- plans of clients --------------------------------------------------------------------------------------------- */
+
+/* A control socket with a plan and with plants that step; the linker leads its calls through here. */
+static struct {
+    bool on;
+    uint64_t planned_ns, step_ns, acted_ns, stepped_ns;
+    unsigned int acts, steps;
+    bool step_changes; /* the devices must run again */
+} plans;
+
+uint64_t __real_ect_control_planned(const ect_control_t *control);
+uint64_t __wrap_ect_control_planned(const ect_control_t *control);
+void __real_ect_control_act(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns);
+void __wrap_ect_control_act(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns);
+bool __real_ect_control_wants_step(const ect_control_t *control, uint64_t now_ns);
+bool __wrap_ect_control_wants_step(const ect_control_t *control, uint64_t now_ns);
+bool __real_ect_control_step(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns);
+bool __wrap_ect_control_step(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns);
+uint64_t __real_ect_control_step_due(const ect_control_t *control);
+uint64_t __wrap_ect_control_step_due(const ect_control_t *control);
+
+uint64_t __wrap_ect_control_planned(const ect_control_t *control)
+{
+    return plans.on ? plans.planned_ns : __real_ect_control_planned(control);
+}
+
+void __wrap_ect_control_act(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns)
+{
+    if (!plans.on) {
+        __real_ect_control_act(control, chain, now_ns);
+        return;
+    }
+    plans.acts++;
+    plans.acted_ns = now_ns;
+    plans.planned_ns = ECT_NEVER;
+}
+
+bool __wrap_ect_control_wants_step(const ect_control_t *control, uint64_t now_ns)
+{
+    return plans.on ? now_ns >= plans.step_ns : __real_ect_control_wants_step(control, now_ns);
+}
+
+bool __wrap_ect_control_step(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns)
+{
+    if (!plans.on)
+        return __real_ect_control_step(control, chain, now_ns);
+    plans.steps++;
+    plans.stepped_ns = now_ns;
+    plans.step_ns = now_ns + 50 * US;
+    return plans.step_changes;
+}
+
+uint64_t __wrap_ect_control_step_due(const ect_control_t *control)
+{
+    return plans.on ? plans.step_ns : __real_ect_control_step_due(control);
+}
+
+static ect_control_t *open_control(char folder[])
+{
+    char message[ECT_ENDPOINT_MESSAGE];
+    assert_non_null(mkdtemp(folder));
+    setenv("XDG_RUNTIME_DIR", folder, 1);
+    return ect_control_open(NULL, message);
+}
+
+static void close_control(rig_t *r, const char *folder)
+{
+    char path[64];
+    ect_control_close(r->x.control);
+    r->x.control = NULL;
+    snprintf(path, sizeof path, "%s/ectwin", folder);
+    assert_int_equal(rmdir(path), 0);
+    assert_int_equal(rmdir(folder), 0);
+}
+
+static void planned_actions(void **state)
+{
+    char folder[] = "/tmp/test-ectwin-XXXXXX";
+    rig_t *r = *state;
+    r->x.control = open_control(folder);
+    assert_non_null(r->x.control);
+    memset(&plans, 0, sizeof plans);
+    plans.on = true;
+    plans.step_ns = ECT_NEVER;
+    plans.planned_ns = START_NS + 5 * US;
+    assert_true(run_at(r, START_NS + 4 * US) == START_NS + 5 * US);
+    assert_int_equal(plans.acts, 0);
+    assert_true(run_at(r, START_NS + 5 * US) > START_NS + 5 * US);
+    assert_int_equal(plans.acts, 1);
+    assert_true(plans.acted_ns == START_NS + 5 * US);
+    (void)run_at(r, START_NS + 6 * US);
+    assert_int_equal(plans.acts, 1);
+    plans.planned_ns = START_NS + 7 * US;
+    (void)run_at(r, START_NS + 9 * US); /* late */
+    assert_int_equal(plans.acts, 2);
+    assert_true(plans.acted_ns == START_NS + 9 * US);
+    plans.on = false;
+    close_control(r, folder);
+}
+
+static void stepped_plants(void **state)
+{
+    char folder[] = "/tmp/test-ectwin-XXXXXX";
+    rig_t *r = *state;
+    r->x.control = open_control(folder);
+    assert_non_null(r->x.control);
+    memset(&plans, 0, sizeof plans);
+    plans.on = true;
+    plans.planned_ns = ECT_NEVER;
+    plans.step_ns = START_NS + 20 * US;
+    assert_true(run_at(r, START_NS + 10 * US) == START_NS + 20 * US);
+    assert_int_equal(plans.steps, 0);
+    const uint64_t before = r->x.stats.polls;
+    assert_true(run_at(r, START_NS + 20 * US) == START_NS + 70 * US);
+    assert_int_equal(plans.steps, 1);
+    assert_true(plans.stepped_ns == START_NS + 20 * US);
+    assert_int_equal(r->x.stats.polls, before + 1);
+    plans.step_changes = true;
+    (void)run_at(r, START_NS + 30 * US); /* for what the step may have changed */
+    assert_int_equal(plans.steps, 1);
+    assert_true(run_at(r, START_NS + 75 * US) == START_NS + 125 * US);
+    assert_int_equal(plans.steps, 2);
+    assert_int_equal(r->x.stats.polls, before + 4); /* once more after the step */
+    plans.on = false;
+    close_control(r, folder);
+}
+
 /* Requests as they come, replies as they leave. */
 static void captured(void **state)
 {
     static const char *const names[2] = {NULL, NULL};
-    char message[ECT_ENDPOINT_MESSAGE], folder[] = "/tmp/test-ectwin-XXXXXX", path[64];
+    char folder[] = "/tmp/test-ectwin-XXXXXX";
     rig_t *r = *state;
-    assert_non_null(mkdtemp(folder));
-    setenv("XDG_RUNTIME_DIR", folder, 1);
-    r->x.control = ect_control_open(NULL, message);
+    r->x.control = open_control(folder);
     assert_non_null(r->x.control);
     ect_recent_t *recent = ect_control_recent(r->x.control);
     pass(r, ECT_END_IN, 1);
@@ -787,11 +912,7 @@ static void captured(void **state)
     set_fault(r, "drop wire 1");
     pass(r, ECT_END_IN, 3); /* has no reply */
     assert_true(recent->end == two + two / 2);
-    ect_control_close(r->x.control);
-    r->x.control = NULL;
-    snprintf(path, sizeof path, "%s/ectwin", folder);
-    assert_int_equal(rmdir(path), 0);
-    assert_int_equal(rmdir(folder), 0);
+    close_control(r, folder);
 }
 
 int main(int argc, char **argv)
@@ -804,6 +925,8 @@ int main(int argc, char **argv)
         TEST("a reply from the kernel before the cable was pulled has no effect on the devices", left_meanwhile),
         TEST("with a filter, a fault or a late reply frames do not pass the chain alone", plain),
         TEST("a capture has each request as it came, and each reply that leaves", captured),
+        TEST("a planned action of a client is due at its time, and acts once", planned_actions),
+        TEST("a plant steps when it is due; the devices run again if it changed them", stepped_plants),
         TEST("working counters are those of the replies that leave, also from the kernel", working_counters),
         TABLE("each fault of a frame: the frames sent at once, and the counter that counts it", fates),
         TEST("without a scenario a frame gets its reply, and its devices alone ask for a run", without_a_scenario),

@@ -107,6 +107,7 @@ static void a_file_stands_for_the_words_of_a_command_line(void **state)
         {"names in connections of the bus", BUS("connect: ['axis.home=cam2.run,factor=2', 2.trigger=axis.x]\n" TWO),
          "--connect=axis.home=cam2.run,factor=2 --connect=2.trigger=axis.x "
          "axis=pmctendo-dd5,cam=fzm1*3,esi:/m/d/e.xml#T"},
+        {"a number is the option's matter", BUS("connect: ['0.in=9.out']\n" ONE), "--connect=0.in=9.out fzm1"},
         {"names in connections of a twin", BUS(TWO "  connect: {in: axis.out}\n"),
          "--connect=5.in=axis.out axis=pmctendo-dd5,cam=fzm1*3,esi:/m/d/e.xml#T"},
         {"names in faults", BUS("fault: at 2s hang slave cam3 until 3s\n" TWO),

@@ -243,6 +243,34 @@ static const ect_esi_device_t *model_of(const char *what, const char *text, ect_
     return model;
 }
 
+/* The line of the file is that of an error of the SyncManager. */
+static void ENI_013_a_sync_manager_has_the_line_of_its_element_or_of_its_write(void **state)
+{
+    static const char listed[] = ENI_ONE(
+        "", "<ProcessData>\n\n<Sm0><Type>Outputs</Type><StartAddress>4096</StartAddress><ControlByte>100</ControlByte>"
+            "</Sm0></ProcessData>");
+    static const char written[] = ENI_ONE("", "<InitCmds>\n\n\n" WRITE_SM(2048, "0010020064000100") "</InitCmds>");
+    static const char box[] =
+        ENI_ONE("", "<Mailbox>\n<Send><Start>4096</Start><Length>64</Length></Send><Recv><Start>4160</Start>"
+                    "<Length>64</Length></Recv></Mailbox>");
+    static const struct {
+        const char *text;
+        int line;
+        uint16_t start;
+        uint8_t control;
+    } rows[] = {{listed, 4, 4096, 100}, {written, 5, 4096, 100}, {box, 2, 4096, 0x26}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_esi_t *esi;
+        const ect_esi_device_t *model = model_of("lines", rows[i].text, &esi);
+        assert_true(model->sm_count > 0);
+        assert_int_equal(model->sms[0].line, rows[i].line);
+        assert_int_equal(model->sms[0].start, rows[i].start);
+        assert_int_equal(model->sms[0].control, rows[i].control);
+        ect_esi_close(esi);
+    }
+}
+
 #define WRITE_DC(ado, data) ENI_ONE("", "<InitCmds>" WRITE_SM(ado, data) "</InitCmds>")
 
 static void ENI_019_a_write_of_the_activation_makes_the_clock(void **state)
@@ -342,6 +370,7 @@ int main(void)
         cmocka_unit_test(ENI_011_every_port_of_Physics_is_one_of_the_twin),
         cmocka_unit_test(ENI_014_a_pdo_belongs_to_the_sync_manager_that_lists_it),
         cmocka_unit_test(a_boot_mailbox_and_an_explicit_device_id_are_taken_over),
+        cmocka_unit_test(ENI_013_a_sync_manager_has_the_line_of_its_element_or_of_its_write),
         cmocka_unit_test(ENI_019_a_write_of_the_activation_makes_the_clock),
         cmocka_unit_test(ENI_021_IdentifyCmd_is_the_alias_of_a_slave_without_Identification),
         cmocka_unit_test(ENI_021_the_identification_has_the_register_that_the_file_names),

@@ -28,6 +28,8 @@ static void collect(void *ctx, const char *line)
     "<InitCmd><Transition>IB</Transition><Cmd>5</Cmd><Adp>1001</Adp><Ado>" #ado "</Ado><Data>" data "</Data></"        \
     "InitCmd>"
 #define BOX(element, start, length) "<" element "><Start>" #start "</Start><Length>" #length "</Length></" element ">"
+#define FMMU_12                     "00000100020000030011000101000000"
+#define FMMU_8                      "00000100010000070012000101000000"
 #define DATA(parts, commands)       ENI_ONE("", "<ProcessData>" parts "</ProcessData><InitCmds>" commands "</InitCmds>")
 #define CYCLIC(command, image)                                                                                         \
     ENI_HEAD ENI_SLAVE("", "") "<Cyclic><Frame>\n<Cmd>" command "</Cmd></Frame></Cyclic><ProcessImage>\n" image        \
@@ -51,6 +53,10 @@ static const struct {
     {"ENI-013 another control byte", DATA(SM2(4352, 6, 36), WRITE(2064, "0011060064000100")),
      "t.xml:2: slave 1: SyncManager 2 is written with control 0x64; Sm2 has 0x24\n"},
     {"ENI-013 one that is disabled is not compared", DATA(SM2(4352, 7, 100), WRITE(2064, "0011060064000000")), ""},
+    {"ENI-013 the first SyncManager is compared too",
+     DATA("<Sm0><Type>Outputs</Type><StartAddress>4608</StartAddress><ControlByte>100</ControlByte></Sm0>",
+          WRITE(2048, "0011060064000100")),
+     "t.xml:2: slave 1: SyncManager 0 is written with start 0x1100; Sm0 has 0x1200\n"},
     {"ENI-013 the last write counts",
      DATA(SM2(4352, 6, 100), WRITE(2064, "0011070064000100") WRITE(2064, "0011060064000100")), ""},
     {"ENI-013 a mailbox at another place",
@@ -80,6 +86,19 @@ static const struct {
     {"ENI-013 an FMMU that agrees", DATA(BITS("Recv", 12), WRITE(1536, "00000100020000030011000101000000")), ""},
     {"ENI-013 an FMMU of other bits", DATA(BITS("Recv", 12), WRITE(1536, "00000100010000030011000101000000")),
      "t.xml:2: slave 1: Recv has 12 bits, its FMMUs 4\n"},
+    {"ENI-013 FMMUs in a row, exactly", DATA(BITS("Recv", 20), WRITE(1536, FMMU_12 FMMU_8)), ""},
+    {"ENI-013 FMMUs in a row, each rounded to bytes", DATA(BITS("Recv", 24), WRITE(1536, FMMU_12 FMMU_8)), ""},
+    {"ENI-013 FMMUs in a row of other bits", DATA(BITS("Recv", 21), WRITE(1536, FMMU_12 FMMU_8)),
+     "t.xml:2: slave 1: Recv has 21 bits, its FMMUs 20\n"},
+    {"ENI-013 the last FMMU", DATA(BITS("Recv", 9), WRITE(1776, FMMU_8)),
+     "t.xml:2: slave 1: Recv has 9 bits, its FMMUs 8\n"},
+    {"ENI-013 beyond the last FMMU", DATA(BITS("Recv", 9), WRITE(1792, FMMU_8)), ""},
+    {"ENI-013 an FMMU that is disabled", DATA(BITS("Recv", 9), WRITE(1536, "00000100010000070012000100000000")), ""},
+    {"ENI-013 an FMMU that begins within a byte",
+     DATA(BITS("Recv", 9), WRITE(1536, "00000100010003070012000101000000")),
+     "t.xml:2: slave 1: Recv has 9 bits, its FMMUs 5\n"},
+    {"ENI-013 an FMMU of outputs", DATA(BITS("Send", 9), WRITE(1536, "00000100010000070012000201000000")),
+     "t.xml:2: slave 1: Send has 9 bits, its FMMUs 8\n"},
     {"ENI-013 an FMMU that ends before it begins",
      DATA(BITS("Recv", 12), WRITE(1536, "00000100010007000011000101000000")),
      "t.xml:2: slave 1: Recv has 12 bits, its FMMUs 0\n"},

@@ -11,6 +11,7 @@
 #include "eni/write.h"
 #include "esi/twin.h"
 #include "wire/bytes.h"
+#include "wire/registers.h"
 
 enum { SLAVES = 12, CYCLE_US = 2000, CYCLES = 20 };
 
@@ -179,6 +180,42 @@ static void CF_N01_a_written_file_has_frames_checks_and_mailbox_of_the_device(vo
     assert_null(strstr(w.file, "DataLinkLayer=\"true\""));
     assert_non_null(strstr(w.file, "<Mailbox"));
     drop(&w);
+}
+
+/* @return the timeout of the wait for the state after a transition; 0: there is no such wait */
+static unsigned int timeout_of(const written_t *w, unsigned int transition)
+{
+    const ect_eni_slave_t *slave = slave_of(w->eni, 0);
+    for (size_t i = 0; i < slave->command_count; i++) {
+        const ect_eni_command_t *command = &slave->commands[i];
+        if (command->ado == ECT_REG_AL_STATUS && (command->transitions & transition) != 0)
+            return command->validate.timeout_ms;
+    }
+    return 0;
+}
+
+static void each_transition_has_the_timeout_of_the_device(void **state)
+{
+    static const struct {
+        ect_timeouts_t timeouts;
+        unsigned int ms[5]; /* IP, PS, SO, OS, SP */
+    } rows[] = {
+        {{0}, {3000, 10000, 10000, 200, 5000}},
+        {{.preop_ms = 11, .safeop_op_ms = 22, .back_to_safeop_ms = 33, .back_to_init_ms = 44}, {11, 22, 22, 33, 44}},
+    };
+    static const unsigned int transitions[] = {ECT_ENI_IP, ECT_ENI_PS, ECT_ENI_SO, ECT_ENI_OS, ECT_ENI_SP};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_device_t device = *ect_catalogue_find("fzm1")->device;
+        written_t w = {.count = 0};
+        device.timeouts = rows[i].timeouts;
+        add_part(&w, "fzm1");
+        w.parts[0].device = &device;
+        write_parts("timeouts", &w);
+        for (size_t k = 0; k < 5; k++)
+            assert_int_equal(timeout_of(&w, transitions[k]), rows[i].ms[k]);
+        drop(&w);
+    }
 }
 
 static const ect_dc_mode_t *clock_of(const ect_device_t *device)
@@ -670,6 +707,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(CF_N02_a_written_file_brings_the_twins_that_it_makes_to_OP),
         cmocka_unit_test(CF_N01_a_written_file_is_read_as_the_same_bus),
         cmocka_unit_test(CF_N01_a_written_file_has_frames_checks_and_mailbox_of_the_device),
+        cmocka_unit_test(each_transition_has_the_timeout_of_the_device),
         cmocka_unit_test(CF_N01_a_known_bus_has_the_file_of_the_tests_byte_for_byte),
         cmocka_unit_test(ENI_020_the_states_of_mailboxes_are_read_with_one_command),
         cmocka_unit_test(ENI_010_ENI_021_place_and_alias_of_a_slave_come_back),

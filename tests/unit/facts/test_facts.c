@@ -197,6 +197,44 @@ static void helpers_write_facts_as_texts(void **state)
     ect_facts_free(&f);
 }
 
+/* The published values of FNV-1a. */
+static void a_sum_is_that_of_FNV_1a(void **state)
+{
+    (void)state;
+    assert_int_equal(ect_facts_sum("", 0), 0x811C9DC5);
+    assert_int_equal(ect_facts_sum("a", 1), 0xE40C292C);
+    assert_int_equal(ect_facts_sum("foobar", 6), 0xBF9CF968);
+}
+
+/* A category of 300 bytes, as another tool may write it: its first 256 are facts. */
+static void each_byte_of_General_is_a_fact(void **state)
+{
+    static const struct {
+        unsigned int at;
+        const char *text;
+    } rows[] = {
+        {0, "none"},  {1, "0x01"},  {2, "none"},   {3, "none"},   {4, "0x04"},   {5, "none"},  {6, "0x06"},
+        {11, "0x0B"}, {12, "none"}, {13, "none"},  {14, "none"},  {15, "0x0F"},  {16, "0x10"}, {31, "0x1F"},
+        {32, "0x20"}, {46, "0x2E"}, {254, "0xFE"}, {255, "0xFF"}, {256, "none"},
+    };
+    uint8_t image[512] = {0};
+    ect_facts_t f = {.source = "image"};
+    (void)state;
+    ect_store_le16(image + 0x80, ECT_SII_GENERAL);
+    ect_store_le16(image + 0x82, 150);
+    for (unsigned int n = 0; n < 300; n++)
+        image[0x84 + n] = (uint8_t)n;
+    image[0x84] = image[0x86] = image[0x87] = image[0x84 + 14] = 0; /* texts */
+    ect_store_le16(image + 0x84 + 300, ECT_SII_END);
+    ect_facts_of_sii(&f, image, sizeof image);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const char *text = text_of(&f, ECT_FACT_GENERAL, rows[i].at, 0);
+        if (strcmp(text, rows[i].text) != 0)
+            fail_msg("byte %u: expected %s, got %s", rows[i].at, rows[i].text, text);
+    }
+    ect_facts_free(&f);
+}
+
 static void long_values_of_a_file_are_compared_by_their_sum(void **state)
 {
     char a[200], b[200];
@@ -739,6 +777,8 @@ int main(void)
         cmocka_unit_test(each_kind_has_its_place_in_words),
         cmocka_unit_test(each_timeout_has_its_name),
         cmocka_unit_test(helpers_write_facts_as_texts),
+        cmocka_unit_test(a_sum_is_that_of_FNV_1a),
+        cmocka_unit_test(each_byte_of_General_is_a_fact),
         cmocka_unit_test(long_values_of_a_file_are_compared_by_their_sum),
         cmocka_unit_test(a_part_is_missed_only_where_its_whole_is_there),
         cmocka_unit_test(facts_without_a_text_are_equal_to_any),

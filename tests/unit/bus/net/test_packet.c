@@ -574,7 +574,10 @@ static void tags(void **state)
         kernel.tag_status = rows[i].status;
         kernel.length = rows[i].length;
         kernel.age_ns = 3 * MS;
+        memset(frame, 0xEE, sizeof frame);
         ssize_t got = ect_packet_receive(&port, false, frame, rows[i].room, &time);
+        for (size_t n = (size_t)rows[i].want; n < sizeof frame; n++)
+            assert_int_equal(frame[n], n < rows[i].room ? (uint8_t)n : 0xEE); /* as the kernel left them */
         const size_t shift = rows[i].type != 0 ? 4 : 0;
         if (got != rows[i].want)
             fail_msg("%s: got %zd", rows[i].title, got);
