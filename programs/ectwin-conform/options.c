@@ -66,7 +66,7 @@ static const struct argp_option options_[] = {
      "Name of a file that CF-084 reads by FoE, and with --destructive also writes and restores", 0},
     {"password", OPTION_PASSWORD, "N", 0, "FoE password of the file of --file, 1..4294967295 (default: none)", 0},
     {"move", OPTION_MOVE, "DISTANCE,SPEED,ACCELERATION", 0,
-     "Run the cases that enable each axis of a CiA 402 drive and turn it (CF-D05 to CF-D13): up to DISTANCE from its "
+     "Run the cases that enable each axis of a CiA 402 drive and turn it (CF-D05 to CF-D17): up to DISTANCE from its "
      "place, each way, at SPEED with ACCELERATION, in the drive's units of 607Ah, 60FFh and 6083h. A case of homing "
      "sets the reference position. A torque-free axis coasts. Remove loads that may fall, secure the machine",
      0},

@@ -5,12 +5,20 @@
 #include "defects_internal.h"
 #include "sii/sii.h"
 
-enum { CONTROL = 0x6040, STATUS = 0x6041, DISPLAY = 0x6061, TARGET = 0x607A, DISABLE_OPTION = 0x605C };
+enum {
+    CONTROL = 0x6040,
+    STATUS = 0x6041,
+    DISPLAY = 0x6061,
+    TARGET = 0x607A,
+    TORQUE = 0x6071,
+    SPEED = 0x60FF,
+    DISABLE_OPTION = 0x605C
+};
 enum { READY = 0x21, SWITCHED_ON = 0x23, ENABLED = 0x27, STOPPING = 0x07, FAULT = 0x08, STATE = 0x6F };
 enum { QUICK_STOP = 0x02, SHUTDOWN = 0x06, SWITCH_ON = 0x07, ENABLE = 0x0F };
-enum { START = 0x10, RESET = 0x80, HALT = 0x100, ATTAINED = 0x1000 };
-enum { PP = 1, PV = 3, HM = 6, CSP = 8 };
-enum { LAST_STATUS = 3 }; /* of defect_t.memory */
+enum { START = 0x10, RESET = 0x80, HALT = 0x100, REACHED = 0x400, ATTAINED = 0x1000 };
+enum { PP = 1, PV = 3, TQ = 4, HM = 6, IP = 7, CSP = 8, CSV = 9, CST = 10 };
+enum { LAST_MODE = 1, LAST_STATUS = 3 }; /* of defect_t.memory */
 
 /* @return bytes from the start of the SyncManager's image to the entry; -1: none */
 static int offset_of(const datagram_t *g, uint16_t category, uint8_t sm, uint16_t index)
@@ -170,7 +178,7 @@ static void target_stays(defect_t *d, datagram_t *g)
     uint8_t *target = output(g, TARGET);
     if (!target)
         return;
-    if ((d->memory[LAST_STATUS] & STATE) != ENABLED || d->memory[1] != CSP)
+    if ((d->memory[LAST_STATUS] & STATE) != ENABLED || d->memory[LAST_MODE] != CSP)
         d->memory[0] = ect_load_le32(target);
     ect_store_le32(target, d->memory[0]);
 }
@@ -180,7 +188,35 @@ static void remember_mode(defect_t *d, datagram_t *g)
     const uint8_t *shown = input(g, DISPLAY);
     remember_status(d, g);
     if (shown)
-        d->memory[1] = *shown;
+        d->memory[LAST_MODE] = *shown;
+}
+
+static void interpolation_is_not_shown(defect_t *d, datagram_t *g)
+{
+    (void)d;
+    if (shows_mode(g, IP))
+        set_status(g, ATTAINED, 0);
+}
+
+static void speed_has_no_sign(defect_t *d, datagram_t *g)
+{
+    uint8_t *speed = output(g, SPEED);
+    if (speed && d->memory[LAST_MODE] == CSV && (speed[3] & 0x80) != 0)
+        ect_store_le32(speed, 0 - ect_load_le32(speed));
+}
+
+static void torque_is_always_reached(defect_t *d, datagram_t *g)
+{
+    (void)d;
+    if (shows_mode(g, TQ))
+        set_status(g, 0, REACHED);
+}
+
+static void torque_has_no_sign(defect_t *d, datagram_t *g)
+{
+    uint8_t *torque = output(g, TORQUE);
+    if (torque && d->memory[LAST_MODE] == CST && (torque[1] & 0x80) != 0)
+        ect_store_le16(torque, (uint16_t)(0 - ect_load_le16(torque)));
 }
 
 const defect_row_t defect_drive_rows[] = {
@@ -203,5 +239,12 @@ const defect_row_t defect_drive_rows[] = {
     {"CF-D12", "home is never found (needs --move, 6061h in the inputs)", CUSTOM, .after = home_is_never_found},
     {"CF-D13", "the set position of csp stays (needs --move, 6061h in the inputs)", CUSTOM, .before = target_stays,
      .after = remember_mode},
+    {"CF-D14", "bit 12 is 0 in ip (needs --move, 6061h in the inputs, 60C1h:1 in the outputs)", CUSTOM,
+     .after = interpolation_is_not_shown},
+    {"CF-D15", "a negative speed in csv is a positive one (needs --move, 6061h in the inputs)", CUSTOM,
+     .before = speed_has_no_sign, .after = remember_mode},
+    {"CF-D16", "bit 10 is 1 in tq (needs --move, 6061h in the inputs)", CUSTOM, .after = torque_is_always_reached},
+    {"CF-D17", "a negative torque in cst is a positive one (needs --move, 6061h in the inputs)", CUSTOM,
+     .before = torque_has_no_sign, .after = remember_mode},
 };
 const size_t defect_drive_count = sizeof defect_drive_rows / sizeof defect_drive_rows[0];

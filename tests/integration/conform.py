@@ -149,12 +149,12 @@ SCREW_MOVE = ["--move", "5000,5000,50000"] # the same on a screw of 5 mm, in mic
 DRIVE_CASES = ["--only", "CF-D*"]
 DEFECT_TWINS = {**{id_: [RACK] for id_ in ("CF-M01", "CF-M02", "CF-M02b")}, "CF-M03": [STATES],
                 "CF-A01": [ADS], "CF-A02": [ADS],
-                **{f"CF-D{number:02}": [f"{DRIVES}SERVO"] for number in range(1, 14)},
+                **{f"CF-D{number:02}": [f"{DRIVES}SERVO"] for number in range(1, 18)}, "CF-D14": [f"{DRIVES}CYCLIC"],
                 **{f"CF-E{number}": [GATEWAY] for number in ("01", "02", "03", "04", "05", "06", "07", "08", "09", "10", "12")},
                 "CF-032": ["fzm1,vr-bu-ect-map7"], "CF-073": ["vr-bu-ect-map7"]}
 ALIAS = ["--alias", "5"] # without one, CF-046 waits for 2 s in each run, and is skipped
 IN_OTHERS = ["CF-072b", *(f"CF-S0{number}" for number in range(1, 7))] # no product can have them; devices made for tests do
-DEFECTS_LEAST = 126
+DEFECTS_LEAST = 130
 
 
 def case_of(id_):
@@ -168,7 +168,7 @@ def defect(ectwin, conform, id_):
         with folder_with_a_file() as (twins, arguments):
             return find_defect(ectwin, conform, id_, ["--break", id_, *ALIAS, *twins], arguments)
     devices_ = DEFECT_TWINS.get(id_, ["fzm1"])
-    arguments = [] if devices_ in ([GATEWAY], [RACK], [STATES], [ADS], [f"{DRIVES}SERVO"]) else esi_of(devices_[-1].split(",")[0])
+    arguments = [] if devices_ in ([GATEWAY], [RACK], [STATES], [ADS]) or devices_[0].startswith(DRIVES) else esi_of(devices_[-1].split(",")[0])
     if id_.startswith("CF-D"):
         arguments = [*DRIVE_CASES, *MOVE] if id_ >= "CF-D05" else DRIVE_CASES
     if id_ == "CF-096b":
@@ -261,9 +261,12 @@ OTHERS = (
     (f"{DRIVES}SPEED", [*DRIVE_CASES, *MOVE], "CF-D09", []),
     (f"{DRIVES}DUAL", [*DRIVE_CASES, *MOVE], "CF-D13", []),
     (f"{DRIVES}WIDE", [*DRIVE_CASES, *MOVE], "CF-D13", []),
+    (f"{DRIVES}SERVO", ["--only", "CF-D15,CF-D16", *MOVE], "CF-D16", []),
+    (f"{DRIVES}CYCLIC", [*DRIVE_CASES, *MOVE], "CF-D14", []),
+    (f"{DRIVES}CYCLIC", ["--only", "CF-D15,CF-D17", *MOVE], "CF-D17", []),
     (f"{DRIVES}SCREW", [*DRIVE_CASES, *SCREW_MOVE], "CF-D13", []),
-    ("--set status_bits=402 pmctendo-dd5", [*DRIVE_CASES, *MOVE], "CF-D12", []),
-    ("pmctendo-dd5", [*DRIVE_CASES, *MOVE], "CF-D09", ["CF-D10", "CF-D11", "CF-D12", "CF-D13"]), # bits 10, 12, 13 of the manual
+    ("--set status_bits=402 pmctendo-dd5", [*DRIVE_CASES, *MOVE], "CF-D17", []),
+    ("pmctendo-dd5", [*DRIVE_CASES, *MOVE], "CF-D09", ["CF-D10", "CF-D11", "CF-D12", "CF-D13", "CF-D14", "CF-D15", "CF-D17"]), # bits 10, 12, 13 of the manual
     (f"--set axis1.jam=1 {DRIVES}SERVO", ["--only", "CF-D01,CF-D05,CF-D13", *MOVE], "CF-D05", ["CF-D13"]),
     ("hesitant", ["--only", "CF-084", "--file", "data", "--destructive"], "CF-084", []),
 )

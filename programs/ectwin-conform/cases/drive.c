@@ -183,6 +183,14 @@ static const cf_case_t cases[] = {
      CF_COE | CF_DRIVE | CF_MOVE | CF_REAL_TIME, LIMIT_MS, cf_drive_homing},
     {"CF-D13", "Cyclic synchronous position: the axis follows a trapezoid", 'F',
      CF_COE | CF_DRIVE | CF_MOVE | CF_REAL_TIME, LIMIT_MS, cf_drive_cyclic},
+    {"CF-D14", "Interpolated position: bit 12 shows the interpolation that bit 4 starts; the axis follows", 'F',
+     CF_COE | CF_DRIVE | CF_MOVE | CF_REAL_TIME, LIMIT_MS, cf_drive_interpolated},
+    {"CF-D15", "Cyclic synchronous velocity: both directions, half the value is half the speed", 'F',
+     CF_COE | CF_DRIVE | CF_MOVE | CF_REAL_TIME, LIMIT_MS, cf_drive_cyclic_speed},
+    {"CF-D16", "Profile torque: bit 10 is 0 on the slope; the torque moves the axis in both directions", 'F',
+     CF_COE | CF_DRIVE | CF_MOVE | CF_REAL_TIME, LIMIT_MS, cf_drive_torque},
+    {"CF-D17", "Cyclic synchronous torque: bit 12; the torque moves the axis in both directions", 'F',
+     CF_COE | CF_DRIVE | CF_MOVE | CF_REAL_TIME, LIMIT_MS, cf_drive_cyclic_torque},
 };
 
 CF_SECTION(cf_drive, 'L', "Drives of CiA 402", cases);

@@ -3,11 +3,19 @@
 
 #define STILL 0.05 /* share of the speed of the cruise */
 enum { SHORTEST_RAMP_MS = 10, LEAST_CRUISE_MS = 50, NS_A_MS = 1000000 };
+enum { TOLERANCE = 50 /* of the distance of --move */, LAG_MS = 50 };
 
 void cruise_need(drive_t *d)
 {
     if (!drive_maps_input(d, DRIVE_ACTUAL))
         cf_skip(d->c, "axis %u has no 6064h in the process data: its travel cannot be limited", d->axis + 1);
+}
+
+void cruise_need_mode(drive_t *d, int8_t mode, const char *name)
+{
+    cruise_need(d);
+    if (!drive_supports(d, mode))
+        cf_skip(d->c, "axis %u has no mode %s (6502h)", d->axis + 1, name);
 }
 
 void cruise_ramps(drive_t *d)
@@ -128,4 +136,64 @@ cruise_end_t cruise_watch(drive_t *d, double speed, uint32_t ms)
             end.standstill_ms = now;
     }
     return end;
+}
+
+void cruise_expect_at(drive_t *d, int64_t target, const char *what)
+{
+    const int64_t actual = drive_get(d, DRIVE_ACTUAL, 0), most = d->c->move.distance / TOLERANCE;
+    cf_expect_that(d->c, actual - target <= most && target - actual <= most,
+                   "axis %u, %s: expected 6064h within %lld of %lld, got %lld", d->axis + 1, what, (long long)most,
+                   (long long)target, (long long)actual);
+}
+
+/* --- set positions along a trapezoid ------------------------------------------------------------------------------ */
+
+/* A trapezoid, slower than --move when the way is short. */
+typedef struct trapezoid {
+    double ramp_ms, cruise_ms, speed; /* units a ms */
+} trapezoid_t;
+
+static trapezoid_t plan(const cf_move_t *move, double way)
+{
+    const double acceleration = (double)move->acceleration / 1e6;
+    double speed = (double)move->speed / 1e3;
+    while (speed * speed > way * acceleration)
+        speed /= 2;
+    return (trapezoid_t){speed / acceleration, way / speed - speed / acceleration, speed};
+}
+
+static double way_at(const trapezoid_t *p, double ms)
+{
+    const double brake = p->ramp_ms + p->cruise_ms, whole = p->speed * brake;
+    if (ms < p->ramp_ms)
+        return p->speed * ms * ms / (2 * p->ramp_ms);
+    if (ms < brake)
+        return p->speed * (ms - p->ramp_ms / 2);
+    const double left = brake + p->ramp_ms - ms;
+    return left > 0 ? whole - p->speed * left * left / (2 * p->ramp_ms) : whole;
+}
+
+/* The greatest distance behind the set position that is allowed: the way of LAG_MS, and a tolerance. */
+void cruise_trapezoid(drive_t *d, int direction, bool follows)
+{
+    const trapezoid_t p = plan(&d->c->move, (double)d->c->move.distance / 2);
+    const int64_t from = drive_get(d, DRIVE_ACTUAL, 0);
+    const double most = p.speed * (double)LAG_MS + (double)d->c->move.distance / (double)TOLERANCE;
+    const uint64_t start = cf_now_ns();
+    double ms = 0, worst = 0;
+    while (ms < 2 * p.ramp_ms + p.cruise_ms) {
+        ms = (double)(cf_now_ns() - start) / 1e6;
+        const int64_t set = from + direction * (int64_t)way_at(&p, ms);
+        drive_set_position(d, set);
+        drive_cycle(d);
+        const double behind = (double)(set - drive_get(d, DRIVE_ACTUAL, 0)), lag = behind < 0 ? -behind : behind;
+        worst = lag > worst ? lag : worst;
+        cf_expect_that(d->c, !follows || lag <= most,
+                       "axis %u: expected 6064h within %.0f of the set position, got %.0f", d->axis + 1, most, lag);
+    }
+    drive_cycles(d, 2 * LAG_MS);
+    if (!follows)
+        return;
+    cruise_expect_at(d, from + direction * (int64_t)way_at(&p, ms), "the end of a trapezoid");
+    cf_note(d->c, "6064h at most %.0f units behind the set position at %.0f units a ms", worst, p.speed);
 }

@@ -14,6 +14,8 @@ typedef struct cruise_end {
 
 /** Skips the case when the axis cannot be watched: no 6064h in the inputs. */
 void cruise_need(drive_t *d);
+/** ::cruise_need; skips the case when 6502h lacks the mode. @param name  of the mode, as in CiA 402 */
+void cruise_need_mode(drive_t *d, int8_t mode, const char *name);
 /**
  * Sets 6083h and 6084h to the acceleration of --move, and 6085h to twice of it. Objects that the axis lacks are left
  * out. The runner restores the values.
@@ -33,6 +35,13 @@ int cruise_direction(drive_t *d);
 double cruise_begin(drive_t *d);
 /** @return the mode of ::cruise_begin, 0: none. pp needs 6081h, which limits its speed */
 int8_t cruise_mode(drive_t *d);
+/** 6064h must be within a fiftieth of the distance of --move of `target`. A failure names `what`. */
+void cruise_expect_at(drive_t *d, int64_t target, const char *what);
+/**
+ * Sets positions along a trapezoid of half the distance of --move, slower than --move when the way is short.
+ * @param follows  6064h must follow, at most 50 ms behind, and end at the last position
+ */
+void cruise_trapezoid(drive_t *d, int direction, bool follows);
 /** Cycles until the standstill of the axis, or for `ms`. Call after the command that ends the motion. */
 cruise_end_t cruise_watch(drive_t *d, double speed, uint32_t ms);
 

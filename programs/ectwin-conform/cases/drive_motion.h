@@ -20,5 +20,10 @@ void cf_drive_position(cf_t *c);
 void cf_drive_velocity(cf_t *c);
 void cf_drive_homing(cf_t *c);
 void cf_drive_cyclic(cf_t *c);
+/** CF-D14 to CF-D17: ip, csv, tq, cst. */
+void cf_drive_interpolated(cf_t *c);
+void cf_drive_cyclic_speed(cf_t *c);
+void cf_drive_torque(cf_t *c);
+void cf_drive_cyclic_torque(cf_t *c);
 
 #endif

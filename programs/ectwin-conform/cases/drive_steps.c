@@ -92,6 +92,11 @@ bool drive_maps_input(const drive_t *d, uint16_t index)
     return input(d, index, 0) != NULL;
 }
 
+bool drive_maps_output(const drive_t *d, uint16_t index, uint8_t sub)
+{
+    return output(d, index, sub) != NULL;
+}
+
 bool drive_has(drive_t *d, uint16_t index, uint8_t sub)
 {
     uint32_t code;

@@ -34,6 +34,7 @@ enum {
     DRIVE_ACCELERATION = 0x6083,
     DRIVE_DECELERATION = 0x6084,
     DRIVE_QUICK_DECELERATION = 0x6085,
+    DRIVE_TORQUE_SLOPE = 0x6087,
     DRIVE_HOMING_METHOD = 0x6098,
     DRIVE_RECORD = 0x60C1,
     DRIVE_TARGET_SPEED = 0x60FF,
@@ -42,7 +43,8 @@ enum {
 enum { DRIVE_SHUTDOWN = 0x06, DRIVE_SWITCH_ON = 0x07, DRIVE_ENABLE = 0x0F, DRIVE_QUICK_STOP = 0x02 };
 enum { DRIVE_START = 0x10, DRIVE_RESET = 0x80, DRIVE_HALT = 0x100 };
 enum { DRIVE_VOLTAGE = 0x0010, DRIVE_REACHED = 0x0400, DRIVE_ATTAINED = 0x1000, DRIVE_ERROR = 0x2000 };
-enum { DRIVE_PP = 1, DRIVE_PV = 3, DRIVE_HM = 6, DRIVE_CSP = 8 };
+enum { DRIVE_PP = 1, DRIVE_PV = 3, DRIVE_TQ = 4, DRIVE_HM = 6, DRIVE_IP = 7 };
+enum { DRIVE_CSP = 8, DRIVE_CSV = 9, DRIVE_CST = 10 };
 enum { DRIVE_WAIT_MS = 5000, DRIVE_SETTLE_MS = 50 };
 
 /** States by the bits of the status word that show them. DRIVE_NO_STATE: bits that no state has. */
@@ -100,6 +102,8 @@ drive_t *drive_open(cf_t *c);
 bool drive_has(drive_t *d, uint16_t index, uint8_t sub);
 /** @return whether the object is in the process data to the master */
 bool drive_maps_input(const drive_t *d, uint16_t index);
+/** @return whether the object is in the process data from the master */
+bool drive_maps_output(const drive_t *d, uint16_t index, uint8_t sub);
 /** @return the value of an object, sign-extended from its width; from the last inputs, or by SDO */
 int64_t drive_get(drive_t *d, uint16_t index, uint8_t sub);
 /**

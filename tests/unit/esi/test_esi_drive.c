@@ -15,6 +15,7 @@ static void modes_are_noted(void **state)
         {"SPEED", "CiA 402: axis 1 csv"},
         {"DUAL", "CiA 402: axis 1 hm csp; axis 2 hm csp; without behaviour: 60D9 68D9"},
         {"SCREW", "CiA 402: axis 1 pp csp"},
+        {"CYCLIC", "CiA 402: axis 1 tq ip csv cst"},
     };
     (void)state;
     for (size_t i = 0; i < COUNT(rows); i++) {
