@@ -118,8 +118,9 @@ static void read_sms(const image_t *image)
         ect_esi_sm_t *sm = &sms[i];
         sm->type = role_of(from[7]);
         sm->start = ect_load_le16(from);
-        sm->size = (ect_esi_number_t){.given = true, .value = ect_load_le16(from + 2)};
-        sm->maximum = (uint16_t)sm->size.value;
+        sm->maximum = ect_load_le16(from + 2); /* first: GCC 12 at -O3 loses a size that is written before it is read */
+        sm->size.given = true;
+        sm->size.value = sm->maximum;
         sm->control = from[4];
         sm->flags = from[6] & (ECT_SM_FLAG_FIXED | ECT_SM_FLAG_VIRTUAL | ECT_SM_FLAG_OP_ONLY);
         sm->virtual_sm = (from[6] & ECT_SM_FLAG_VIRTUAL) != 0;
