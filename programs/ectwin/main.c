@@ -2,6 +2,7 @@
 #include <argp.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <malloc.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -112,6 +113,15 @@ static void keep_output_together(void)
         (void)setvbuf(stdout, room, _IOFBF, sizeof room);
 }
 
+/* A fixed limit: large blocks always come from the system, which provides their pages when they are written to. With
+ * the limit that the C library raises by itself, the blocks of a thousand twins would be filled with zeros. */
+static void keep_large_blocks_apart(void)
+{
+#ifdef M_MMAP_THRESHOLD
+    (void)mallopt(M_MMAP_THRESHOLD, 128 * 1024);
+#endif
+}
+
 /* Reports lost output (a full disk) as a failure. EPIPE is none: the reader needs no more. */
 static void check_output(void)
 {
@@ -146,6 +156,7 @@ static bool take_products(const ect_product_t *products, size_t count)
 int ectwin_main(int argc, char **argv, const ect_product_t *products, size_t count)
 {
     argp_err_exit_status = EXIT_USAGE;
+    keep_large_blocks_apart();
     fill_standard_streams();
     keep_output_together();
     if (atexit(check_output) != 0)

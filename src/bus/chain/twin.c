@@ -6,6 +6,7 @@
 
 #include "ports/virtual/virtual.h"
 #include "seams/mailbox.h"
+#include "seams/standard.h"
 #include "sii/sii.h"
 #include "wire/assert.h"
 
@@ -81,11 +82,11 @@ static bool make_slave(ect_twin_t *twin)
 }
 
 /* The configurations of controller and stack stay; all other state starts from its initial value. */
-static bool power_on(ect_twin_t *twin, uint64_t now_ns)
+static bool power_on(ect_twin_t *twin, const ect_slave_config_t *config, uint64_t now_ns)
 {
     const ect_plant_t *plant = twin->config.plant;
     ect_esc_config_t esc = twin->esc.config;
-    ect_slave_config_t slave = twin->slave.config;
+    ect_slave_config_t slave = *config;
     const ect_esc_arrival_t arrival = twin->esc.arrival;
     twin->hung = esc.pdi_watched = false;
     slave.device_id = twin->config.alias;
@@ -104,6 +105,20 @@ static bool power_on(ect_twin_t *twin, uint64_t now_ns)
     return ect_slave_init(&twin->slave, &slave, now_ns) == 0;
 }
 
+/* The instance consists of zeros: nothing is cleared, so that untouched pages of a thousand instances stay unallocated.
+ */
+static bool power_on_first(ect_twin_t *twin, uint64_t now_ns)
+{
+    const ect_slave_config_t config = twin->slave.config;
+    ect_slave_config_t fresh = config;
+    fresh.outside_offset = sizeof(ect_standard_t);
+    fresh.outside_size = config.device->instance_size - fresh.outside_offset;
+    const bool done = power_on(twin, &fresh, now_ns);
+    twin->slave.config.outside_offset = config.outside_offset;
+    twin->slave.config.outside_size = config.outside_size;
+    return done;
+}
+
 bool ect_twin_make(ect_twin_t *twin, const ect_twin_config_t *config, uint8_t *pool, uint64_t now_ns)
 {
     ECT_ASSERT(config->beside.size <= ECT_BESIDE_MOST);
@@ -117,7 +132,7 @@ bool ect_twin_make(ect_twin_t *twin, const ect_twin_config_t *config, uint8_t *p
     if (!twin->lamps || !twin->wiring || (slow && !twin->slow) || !make_esc(twin) || !make_slave(twin))
         return false;
     *twin->wiring = (ect_wiring_t){.plug = {1, 1, 1, 1}, .drift_ppb = config->drift_ppb};
-    return power_on(twin, now_ns);
+    return power_on_first(twin, now_ns);
 }
 
 void ect_twin_free(ect_twin_t *twin)
@@ -132,7 +147,8 @@ void ect_twin_restart(ect_twin_t *twin, uint64_t now_ns)
 {
     if (twin->buffer)
         memset(twin->buffer, 0, twin->config.device->buffer_size);
-    (void)power_on(twin, now_ns); /* it has succeeded before, with the same configuration */
+    const ect_slave_config_t config = twin->slave.config;
+    (void)power_on(twin, &config, now_ns); /* it has succeeded before, with the same configuration */
 }
 
 /* A replacement of the same kind, with the next product code. */

@@ -105,19 +105,18 @@ static void end_levels(fzm1_t *u)
 
 /* --- from the stack ----------------------------------------------------------------------------------------------- */
 
+/* The memory consists of zeros but for the switches: only other defaults are written, because most of it stays unused.
+ */
 static void plant_defaults(fzm1_plant_t *p)
 {
-    *p = (fzm1_plant_t){.known = true,
-                        .node_address = p->node_address,
-                        .image_input_us = 5000,
-                        .processing_us = 20000,
-                        .command_us = 1000,
-                        .switch_us = 100000,
-                        .start_ms = 3000,
-                        .seed = 1,
-                        .random = 1,
-                        .time_random = 1,
-                        .row.scene = -1};
+    p->known = true;
+    p->image_input_us = 5000;
+    p->processing_us = 20000;
+    p->command_us = 1000;
+    p->switch_us = 100000;
+    p->start_ms = 3000;
+    p->seed = p->random = p->time_random = 1;
+    p->row.scene = -1;
     fzm1_default_scene(&p->edit.content);
     for (unsigned int n = 0; n < FZM1_DATA; n++) {
         p->amplitude[n] = 1;
