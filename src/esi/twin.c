@@ -103,7 +103,8 @@ static void set_process_sm(ect_build_t *build, size_t n, ect_sm_t *sm)
     uint32_t most = (ect_build_largest_bits(build, (int)n) + 7) / 8;
     const ect_esi_sm_t *model = &build->model->sms[n];
     if (build->model->mailbox.pdo_config || build->model->mailbox.pdo_assign || can_be_configured(build)) {
-        const uint32_t given = model->maximum != 0 ? model->maximum : in_ram(model); /* MaxSize is optional */
+        /* MaxSize is optional; without a PDO there is nothing to map. */
+        const uint32_t given = model->maximum != 0 || most == 0 ? model->maximum : in_ram(model);
         most = larger(most, larger(given, (uint32_t)model->size.value));
     }
     most = larger(most, smaller(telegram_bytes(build, model), in_ram(model)));
