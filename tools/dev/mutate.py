@@ -4,6 +4,7 @@
 usage: tools/dev/mutate.py [OPTION...] [--near | --tests NAME,...] [ROOM...]   (600 s, seed 1, rooms od esc slave sii)
        tools/dev/mutate.py [OPTION...] conform                                 the judgements of ectwin-conform
        tools/dev/mutate.py [OPTION...] bus/inprocess                           the libraries of `ectwin with --in-process`
+       tools/dev/mutate.py [OPTION...] text                                    headers, judged by the tests that include them
        tools/dev/mutate.py [OPTION...] programs/ectwin                         a program, judged by the tests that run it
        tools/dev/mutate.py --help                                              all options and rooms
 
@@ -154,9 +155,10 @@ class Compiled:
         self.target = re.search(r"CMakeFiles/([^/]+)\.dir/", command[at])[1]
         self.command = command[:at - 1] + command[at + 1:]
 
-    def compile(self, changed, out):
-        """The changed source in the place of this one. Returns whether it could be compiled."""
+    def compile(self, changed, out, before=()):
+        """The changed source in the place of this one, with more options in front. Returns whether it could be compiled."""
         command = [a if a != str(self.source) else str(changed) for a in self.command if a != "--coverage"]
+        command[1:1] = before
         command += ["-Werror=implicit-function-declaration", f"-I{self.source.parent}", "-o", str(out)]
         return subprocess.run(command, cwd=BUILD, capture_output=True, check=False).returncode == 0
 
@@ -305,6 +307,46 @@ class Conform(Program):
         return link_as_built(f"tests/{name}", work / name, work / "mutant.o", None)
 
 
+class Headers(Program):
+    """A room of headers alone: each unit test that includes one is compiled with the changed header, which goes before src/."""
+
+    def __init__(self):
+        names = [t.stem for t in sorted((ROOT / "tests/unit").rglob("test_*.c")) if '#include "text/' in t.read_text()]
+        targets = self.build(*names)
+        self.own = {name: {s: c for s, c in targets[name].items() if s.stem == name} for name in names}
+        self.core = dict.fromkeys(sources_of("text"), self)
+        self.tests = {name: BUILD / "tests" / name for name in names}
+
+    def compile(self, changed, out):
+        """A header is compiled with each test when it is its turn."""
+        return True
+
+    def link(self, library, instead):
+        """The same."""
+
+    def tests_beside(self, source):
+        return sorted(self.seconds, key=self.seconds.get)
+
+    def with_mutant(self, name, source, changed, work):
+        header = work / source.relative_to(ROOT / "src")
+        header.parent.mkdir(exist_ok=True)
+        header.write_text(changed.read_text())
+        (test, own), = self.own[name].items()
+        if not own.compile(test, work / "own.o", [f"-I{work}"]):
+            raise RuntimeError(f"{source} as {name} has it")
+        return link_as_built(f"tests/{name}", work / name, work / "own.o", own)
+
+    def measure(self, sources):
+        self.seconds = {}
+        for name, program in self.tests.items():
+            begin = time.monotonic()
+            if not passes(*self.command(name, program, BUILD), LONGEST):
+                print(f"{name} fails, is skipped or takes more than {LONGEST} s without a mutant: left out", file=sys.stderr)
+                continue
+            self.seconds[name] = time.monotonic() - begin
+        return {}
+
+
 class InProcess(Program):
     """The libraries between a master and its sockets, judged by the unit tests of their sources and by the masters of the
     integration tests on both clocks: those that call the C library, and, where a processor has them, those that make system calls of
@@ -420,7 +462,7 @@ def ctest():
     return found
 
 
-APART = {"conform": Conform, "bus/inprocess": InProcess,  # rooms with tests of their own
+APART = {"conform": Conform, "bus/inprocess": InProcess, "text": Headers,  # rooms with tests of their own
          **{room: functools.partial(Installed, room) for room in PROGRAMS}}
 
 
@@ -452,12 +494,14 @@ def sources_of(room):
         return [CONFORM / name for name in JUDGEMENTS]
     if room in PROGRAMS:
         return sorted((ROOT / room).rglob("*.c"))
+    if room == "text":
+        return sorted((ROOT / "src/text").glob("*.h"))
     return sorted((ROOT / "src" / room).rglob("*.c") if room == "profiles" else (ROOT / "src" / room).glob("*.c"))
 
 
 def all_rooms():
     folders = {str(p.parent.relative_to(ROOT / "src")) for p in (ROOT / "src").rglob("*.c")}
-    return [*sorted(folders - set(NOT_ALONE)), "profiles", "conform", *PROGRAMS]
+    return [*sorted(folders - set(NOT_ALONE)), "text", "profiles", "conform", *PROGRAMS]
 
 
 def tests_near(rooms):
