@@ -352,7 +352,7 @@ class InProcess(Program):
     integration tests on both clocks: those that call the C library, and, where a processor has them, those that make system calls of
     their own."""
 
-    LEAKS = ""  # that library replaces functions of threads, too
+    LEAKS = ""  # that library replaces functions of threads, too; its unit tests do not
     PARTS = ["calls", "sockets", "waits"]  # lists needs a folder of `ectwin with`
     MASTERS = [f"inprocess_{part}" for part in PARTS]
     if platform.machine() == "x86_64":
@@ -381,7 +381,7 @@ class InProcess(Program):
             own = self.own[name][source]
             if not own.compile(changed, work / "own.o"):
                 raise RuntimeError(f"{source} as {name} has it")
-            return link_as_built(f"tests/{name}", work / name, work / "own.o", own)
+            return link_as_built(f"tests/{name}", work / name, work / "own.o", own, Program.LEAKS)
         library = self.tests[name].name
         for twins in BUILD.glob("libectwin.so*"):  # is looked for beside the library
             if not (work / twins.name).exists():
@@ -472,9 +472,9 @@ def link_command(target):
     return [word for word in shlex.split(lines[-1]) if word not in (":", "&&")]
 
 
-def link_as_built(target, program, instead, own):
+def link_as_built(target, program, instead, own, *flags):
     """Links a target with a changed object: in the place of its own, else before the libraries, whose member then is not taken."""
-    command = link_command(target)
+    command = link_command(target) + list(flags)
     command[command.index("-o") + 1] = str(program)
     if own:
         command = [str(instead) if (BUILD / word) == own.object else word for word in command]
