@@ -158,6 +158,18 @@ static const ect_host_t *host_of(void *instance, unsigned int n, const ect_host_
                         : host;
 }
 
+/* Without 608Fh and 6092h the increments of a turn are unknown; a file's window of following errors is of their size.
+ */
+static void guess_resolution(const ect_402_link_t *links, const void *instance, ect_402_surroundings_t *around)
+{
+    enum { WINDOWS = 100, USUAL = 1 << 20 };
+    const ect_402_link_t *window = &links[ECT_402_V_ERROR_WINDOW];
+    const int64_t counts = window->given ? ect_402_load(instance, window) : 0;
+    const bool known = links[ECT_402_V_INCREMENTS].bytes != 0 || links[ECT_402_V_FEED].bytes != 0;
+    if (!around->known && !known && counts > 0 && counts <= USUAL / WINDOWS)
+        around->resolution = (uint32_t)counts * WINDOWS;
+}
+
 static void init(void *instance, const ect_host_t *host, uint64_t now_ns)
 {
     const ect_esi_drives_t *drives = drives_of(instance);
@@ -166,9 +178,11 @@ static void init(void *instance, const ect_host_t *host, uint64_t now_ns)
         drives->init(instance, host, now_ns);
     if (drives->axes[0].is_soe)
         ect_esi_report(servo_of(instance), instance, reports_of(instance));
-    for (unsigned int i = 0; i < drives->count; i++)
+    for (unsigned int i = 0; i < drives->count; i++) {
+        guess_resolution(drives->axes[i].links, instance, &around[i]);
         ect_402_drive_init(drive_at(instance, i), drives->axes[i].links, &around[i], instance,
                            host_of(instance, i, host), now_ns);
+    }
     EACH_DRIVE(d, instance)
     {
         const axis_t *axis = axis_of(instance, d);

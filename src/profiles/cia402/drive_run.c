@@ -101,16 +101,17 @@ static void surroundings(ect_402_drive_t *d)
                                    .stop_positive = {.at = INT32_MAX}};
 }
 
-/* 6502h of the file counts, as far as the objects allow its modes; 0 counts as absent. */
+/* 6502h of the file counts, as far as the objects allow its modes; 0 counts as absent. A master reads the modes that
+ * 6060h takes, and those of the manufacturer, which have no behaviour. */
 static void find_modes(ect_402_drive_t *d)
 {
+    enum { MANUFACTURER = 0xFFFF0000 };
     const ect_402_link_t *link = &d->links[ECT_402_V_MODES];
     uint32_t said = (uint32_t)ect_402_load(d->instance, link);
     d->modes = ect_402_modes_of(d->links);
     if ((said & d->modes) != 0)
         d->modes &= said;
-    else
-        ect_402_store(d->instance, link, d->modes);
+    ect_402_store(d->instance, link, (said & d->modes) != 0 ? (said & MANUFACTURER) | d->modes : d->modes);
 }
 
 void ect_402_drive_init(ect_402_drive_t *d, const ect_402_link_t *links, ect_402_surroundings_t *around, void *instance,

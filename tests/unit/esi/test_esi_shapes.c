@@ -269,6 +269,44 @@ static void infinite_set_values(void **state)
     free_made(&m);
 }
 
+/* Increments of a turn that the file lacks: of the size of its window of following errors. */
+static void resolutions(void **state)
+{
+#define WINDOW(value, more)                                                                                            \
+    CHANGEABLE("<Profile><ProfileNo>402</ProfileNo><Dictionary><DataTypes><DataType><Name>UDINT</Name><BitSize>32"     \
+               "</BitSize></DataType></DataTypes><Objects><Object><Index>#x6065</Index><Name>W</Name><Type>UDINT"      \
+               "</Type><BitSize>32</BitSize><Info><DefaultValue>" value "</DefaultValue></Info><Flags><Access>rw"      \
+               "</Access></Flags></Object></Objects></Dictionary></Profile>" ESI_MAILBOX_SMS ESI_PROCESS_SMS OUT_PDO(  \
+                   WORD("#x6040", "16", "UINT")                                                                        \
+                       WORD("#x607A", "32", "DINT")) "<TxPdo Sm='3'><Index>#x1A00"                                     \
+                                                     "</Index><Name>I</Name>" WORD("#x6041", "16", "UINT") more        \
+               "</TxPdo>")
+    static const struct {
+        const char *text, *resolution;
+    } rows[] = {{WINDOW("100", ""), "10000"},
+                {WINDOW("10485", ""), "1048500"},
+                {WINDOW("10486", ""), "0"},
+                {WINDOW("0", ""), "0"},
+                {WINDOW("100", "<Entry><Index>#x608F</Index><SubIndex>1</SubIndex><BitLen>32</BitLen><Name>E</Name>"
+                               "<DataType>UDINT</DataType></Entry>"),
+                 "0"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        wire_t w;
+        ect_signal_ref_t ref;
+        char why[300] = "", text[ECT_SIGNAL_TEXT_ROOM];
+        made_t m = make_text("a window of following errors", rows[i].text);
+        assert_true(ect_esi_twin_behave(m.twin, ECT_BEHAVIOUR_CIA402, why, sizeof why));
+        power_on(&w, m.twin);
+        assert_true(ect_chain_signal(w.chain, 0, "axis1.resolution", &ref));
+        ect_signal_read(&ref, text);
+        if (strcmp(text, rows[i].resolution) != 0)
+            fail_msg("row %zu: expected a resolution of %s, got %s", i, rows[i].resolution, text);
+        wire_close(&w);
+        free_made(&m);
+    }
+}
+
 static void services(void **state)
 {
     static const struct {
@@ -905,6 +943,7 @@ int main(void)
         {"PDOs without entries, and entries without bits, are a note", empty_pdos, NULL, NULL, NULL},
         {"a mapping of a master has room in a SyncManager without MaxSize", mapping_without_max_size, NULL, NULL, NULL},
         {"a set value in floating point that is infinite or no number", infinite_set_values, NULL, NULL, NULL},
+        {"a turn without 608Fh has a hundred times 6065h of the file", resolutions, NULL, NULL, NULL},
         {"PDO configuration is a service only where something can be written", services, NULL, NULL, NULL},
         {"1C00h has the names of the file", name_of_1c00, NULL, NULL, NULL},
         {"a note of one kind appears once, with the number of those like it", notes_are_counted, NULL, NULL, NULL},

@@ -362,13 +362,15 @@ static void modes(void **unused)
         ect_402_value_t missing;
         int32_t supported;
         uint32_t modes;
-    } rows[] = {{"all", ECT_402_V_MODES, 0, 0x3ED},
-                {"6502h: csp alone", ECT_402_VALUE_COUNT, 0x80, 0x80},
-                {"6502h: a mode that cannot be", ECT_402_VALUE_COUNT, 0x02, 0x3ED},
-                {"no torque", ECT_402_V_TARGET_TORQUE, 0, 0x1E5},
-                {"no speed", ECT_402_V_TARGET_SPEED, 0, 0x2E9},
-                {"no position", ECT_402_V_TARGET_POSITION, 0, 0x36C},
-                {"no 6081h", ECT_402_V_TASK_SPEED, 0, 0x3EC}};
+        int32_t shown; /* 6502h */
+    } rows[] = {{"all", ECT_402_V_MODES, 0, 0x3ED, 0},
+                {"6502h: csp alone", ECT_402_VALUE_COUNT, 0x80, 0x80, 0x80},
+                {"6502h: a mode that cannot be", ECT_402_VALUE_COUNT, 0x02, 0x3ED, 0x3ED},
+                {"6502h: modes that can be and cannot", ECT_402_V_TARGET_TORQUE, 0xF028A, 0x80, 0xF0080},
+                {"no torque", ECT_402_V_TARGET_TORQUE, 0, 0x1E5, 0x1E5},
+                {"no speed", ECT_402_V_TARGET_SPEED, 0, 0x2E9, 0x2E9},
+                {"no position", ECT_402_V_TARGET_POSITION, 0, 0x36C, 0x36C},
+                {"no 6081h", ECT_402_V_TASK_SPEED, 0, 0x3EC, 0x3EC}};
     (void)unused;
     for (size_t i = 0; i < COUNT(rows); i++) {
         prepare();
@@ -378,6 +380,9 @@ static void modes(void **unused)
         power_on();
         if (r.d.modes != rows[i].modes)
             fail_msg("%s: expected modes %03X, got %03X", rows[i].what, rows[i].modes, r.d.modes);
+        if (r.value[ECT_402_V_MODES] != rows[i].shown)
+            fail_msg("%s: expected %05X in 6502h, got %05X", rows[i].what, (unsigned int)rows[i].shown,
+                     (unsigned int)r.value[ECT_402_V_MODES]);
     }
 }
 
