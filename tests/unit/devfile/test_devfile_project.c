@@ -40,6 +40,8 @@ static void the_form_is_identity_and_layout(void **state)
     assert_int_equal(d->identity.revision, 2);
     assert_int_equal(d->device_type, 5001);
     assert_string_equal(d->type_name, "T-1");
+    assert_string_equal(d->vendor_name, "Works");
+    assert_string_equal(d->group_type, "G");
     assert_string_equal(d->full_name, "A thing");
     assert_string_equal(d->group_name, "Group");
     assert_string_equal(d->physics, "YK");
@@ -175,6 +177,29 @@ static void the_lowest_index_and_the_most_items_are_taken(void **state)
     free(json);
 }
 
+static void fields_that_the_form_lacks_have_defaults(void **state)
+{
+    (void)state;
+    made_t m = try_text("{\"form\": {\"TextDeviceType\": \"T\"}, \"od\": {}}");
+    assert_non_null(m.model);
+    assert_int_equal(m.model->vendor_id, 0);
+    assert_int_equal(m.model->product_code, 0);
+    assert_int_equal(m.model->revision, 0);
+    assert_int_equal(m.model->profile, 0);
+    assert_int_equal(m.model->eeprom_size, 0);
+    assert_string_equal(m.model->type, "T");
+    assert_string_equal(m.model->vendor_name, "");
+    assert_string_equal(m.model->name, "");
+    assert_string_equal(m.model->group_type, "");
+    assert_string_equal(m.model->group_name, "");
+    assert_string_equal(m.model->physics, "");
+    assert_int_equal(m.model->config.bytes[2], 0);
+    assert_int_equal(m.model->sm_count, 4);
+    assert_int_equal((int)m.model->sms[0].size.value, 128);
+    assert_int_equal(m.model->sms[3].start, 0);
+    drop(&m);
+}
+
 static void each_object_of_process_data_is_a_pdo(void **state)
 {
     (void)state;
@@ -250,6 +275,7 @@ int main(void)
         cmocka_unit_test(each_box_of_the_form_is_one_feature),
         cmocka_unit_test(a_text_is_as_long_as_its_size_or_its_value),
         cmocka_unit_test(the_lowest_index_and_the_most_items_are_taken),
+        cmocka_unit_test(fields_that_the_form_lacks_have_defaults),
         cmocka_unit_test(each_object_of_process_data_is_a_pdo),
         cmocka_unit_test(a_wrong_project_is_refused_with_its_line),
     };

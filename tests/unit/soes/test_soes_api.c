@@ -934,6 +934,30 @@ static void accesses(void **state)
     }
 }
 
+/* Elements of a mapping or an assignment are fixed while its sub-index 0 counts them. */
+static void fixed_elements(void **state)
+{
+    static const struct {
+        uint16_t index;
+        uint8_t subindex;
+        uint16_t flags;
+        bool fixed;
+    } rows[] = {
+        {0x1600, 1, 0, true},  {0x1600, 0, 0, false}, {0x1600, 1, COMPLETE_ACCESS_FLAG, false},
+        {0x1601, 1, 0, true},  {0x15FF, 1, 0, false}, {0x1A00, 1, 0, true},
+        {0x1A00, 0, 0, false}, {0x1C12, 1, 0, true},  {0x1C13, 1, 0, true},
+        {0x1C00, 1, 0, false}, {0x1018, 1, 0, false}, {0x8000, 1, 0, false},
+    };
+    uint8_t data[4] = {0};
+    (void)state;
+    open_in(PREOP);
+    for (size_t n = 0; n < sizeof rows / sizeof rows[0]; n++) {
+        const uint32_t abort = ESC_download_pre_objecthandler(rows[n].index, rows[n].subindex, data, 4, rows[n].flags);
+        if (abort != (rows[n].fixed ? ABORT_SUBINDEX0_NOT_ZERO : 0))
+            fail_msg("%04Xh:%u: got the abort code %08X", rows[n].index, rows[n].subindex, abort);
+    }
+}
+
 /* --- the description ---------------------------------------------------------------------------------------------- */
 
 static void described(void **state)
@@ -1256,6 +1280,7 @@ int main(int argc, char **argv)
         T("the object list as SOES's functions read it", dictionary),
         T("registers, by SOES's functions", registers),
         T("each function of a register reads or writes its address and length", accesses),
+        T("elements of mapping and assignment are fixed while they count", fixed_elements),
         T("the description is made of the options and of the object list", described),
         T("an event that stays is served 16 times in a row", staying_event),
         T_HOOKS("a transfer ends with the state that it was in", reset_transfer),

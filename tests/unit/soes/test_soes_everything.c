@@ -154,6 +154,18 @@ static void sparse_information(void **state)
 
 /* --- values of other lengths -------------------------------------------------------------------------------------- */
 
+/* Their memory has what the application put there. */
+static void texts_without_defaults(void **state)
+{
+    (void)state;
+    power_on();
+    memcpy(everything.octets, "12345678", sizeof everything.octets);
+    memcpy(everything.text, "abcdefg", 8);
+    COE_initDefaultValues();
+    assert_memory_equal(everything.octets, "12345678", sizeof everything.octets);
+    assert_string_equal(everything.text, "abcdefg");
+}
+
 static void short_values(void **state)
 {
     (void)state;
@@ -324,6 +336,7 @@ int main(void)
         T("SOES: a TxPDO and an RxPDO map the last entries of sparse records, and OP is reached", sparse_process_data),
         T("SOES: the last entries of a sparse record, alone and by Complete Access, both ways", sparse_access),
         T("SOES: SDO information has the last entries of a sparse record", sparse_information),
+        T("texts and octets have no default of the list", texts_without_defaults),
         T("SOES: a short text is taken, a short OCTET_STRING is refused and changes nothing", short_values),
         T("SOES: an upload hook sets the size of a value", sizes_of_hooks),
         T("SOES: outputs are safe at the start; hooks find App.state, ALerror, and 14h at a fall by error", states),

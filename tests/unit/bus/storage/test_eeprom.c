@@ -272,6 +272,30 @@ static void refused(void **state)
     ect_eeprom_close(eeprom);
 }
 
+/* Another user of a shared folder may put a link in the place of the temporary file. */
+static void link_as_temporary_file(void **state)
+{
+    uint8_t made[SIZE];
+    char aim[80], other[90], content[8] = "";
+    (void)state;
+    factory(made, 3);
+    snprintf(aim, sizeof aim, "%s/aim", folder);
+    snprintf(other, sizeof other, "%s.new", path);
+    FILE *file = fopen(aim, "w");
+    assert_non_null(file);
+    assert_true(fputs("theirs", file) >= 0);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(symlink(aim, other), 0);
+    assert_refused("a link as temporary file", made, "symbolic link");
+    file = fopen(aim, "r");
+    assert_non_null(file);
+    assert_non_null(fgets(content, sizeof content, file));
+    assert_int_equal(fclose(file), 0);
+    assert_string_equal(content, "theirs");
+    assert_int_equal(unlink(other), 0);
+    assert_int_equal(unlink(aim), 0);
+}
+
 static void replace(void)
 {
     char other[80];
@@ -388,6 +412,7 @@ int main(int argc, char **argv)
         EEPROM_TEST("EEPROM file: a start that was cut off, or met a full disk, is made good", cut_off_first_start),
         EEPROM_TEST("EEPROM file: closed with its descriptor, also where that is 0", descriptor_0),
         EEPROM_TEST("EEPROM file: a foreign file is refused and unchanged", refused),
+        EEPROM_TEST("EEPROM file: a link as temporary file is refused, and its aim unchanged", link_as_temporary_file),
         EEPROM_TEST("EEPROM file: a file that is replaced before it is locked is refused", replaced_before_the_lock),
         EEPROM_TEST("EEPROM file: only its user reads or writes it", own_file),
         EEPROM_TEST("CF-065: words written by a master outlast power cycle and process", written_by_a_master),

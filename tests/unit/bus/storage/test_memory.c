@@ -27,10 +27,11 @@ static char work[64];
 
 /* A disk that reads in pieces, and synchronises at the time that the test sets. */
 static struct {
-    size_t piece; /* bytes of one read at most; 0: all */
-    bool slow;    /* the calls of aio are those of the test */
-    int state;    /* of the synchronisation: EINPROGRESS, 0, or the error of its end */
-    int end;      /* state after the first wait */
+    size_t piece;   /* bytes of one read at most; 0: all */
+    off_t bad_from; /* reads from here on fail; 0: none does */
+    bool slow;      /* the calls of aio are those of the test */
+    int state;      /* of the synchronisation: EINPROGRESS, 0, or the error of its end */
+    int end;        /* state after the first wait */
     unsigned int begun, waits, ended;
 } disk;
 
@@ -47,6 +48,10 @@ ssize_t __wrap_aio_return(struct aiocb *block);
 
 ssize_t __wrap_pread(int fd, void *bytes, size_t length, off_t at)
 {
+    if (disk.bad_from > 0 && at >= disk.bad_from) {
+        errno = EIO;
+        return -1;
+    }
     return __real_pread(fd, bytes, disk.piece > 0 && disk.piece < length ? disk.piece : length, at);
 }
 
@@ -493,6 +498,23 @@ static void read_in_pieces(void **state)
     }
 }
 
+/* The part that the disk cannot read may have a record. */
+static void unreadable(void **state)
+{
+    (void)state;
+    ect_memory_t *memory = must_open("bad");
+    assert_true(save(memory, "data", 5));
+    ect_memory_close(memory);
+    disk.bad_from = 32;
+    expect_refused("bad", strerror(EIO));
+    disk.bad_from = 0;
+    memory = must_open("bad");
+    expect_saved(memory, "data");
+    ect_memory_close(memory);
+    assert_int_equal(unlink("bad.0"), 0);
+    assert_int_equal(unlink("bad.1"), 0);
+}
+
 /* A daemon's standard input may be closed: the first file gets descriptor 0 then. */
 static void descriptor_0(void **state)
 {
@@ -770,6 +792,7 @@ int main(int argc, char **argv)
         {"A record without its data is ordinary if it is older than the other one", age_of_a_record_without_data, NULL,
          NULL, NULL},
         {"A file is read whole from a disk that gives it in pieces", read_in_pieces, NULL, NULL, NULL},
+        {"A file that the disk cannot read is refused, and stays", unreadable, NULL, NULL, NULL},
         {"Descriptor 0 is one as any other", descriptor_0, NULL, NULL, NULL},
         {"All descriptors are closed with the memory", closes_its_descriptors, NULL, NULL, NULL},
         {"A flush waits for a slow disk if it shall, the close of a memory always", slow_disk, NULL, NULL, NULL},
