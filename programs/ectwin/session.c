@@ -254,10 +254,12 @@ int session_attach(session_t *s)
     char message[ECT_KERNEL_MESSAGE];
     if (!s->runner.kernel)
         return EXIT_CLEAN;
-    if (!s->runner.ports[ECT_END_IN] || s->runner.ports[ECT_END_OUT])
+    if (!s->runner.ports[ECT_END_IN] || s->runner.ports[ECT_END_OUT]) {
         snprintf(message, sizeof message, "--in-kernel needs one interface, at the input: leave the option out");
-    else if (ect_kernel_attach(s->runner.kernel, s->ports[ECT_END_IN].index, message) == 0)
+    } else if (ect_kernel_attach(s->runner.kernel, s->ports[ECT_END_IN].index, message) == 0) {
+        s->runner.exchange.stats.hook = ect_kernel_hook(s->runner.kernel);
         return EXIT_CLEAN;
+    }
     fprintf(stderr, "%s: %s\n", s->who, message);
     return EXIT_OPEN;
 }

@@ -45,6 +45,17 @@ static void print_scenario(const cJSON *line)
                number(line, "failed"));
 }
 
+static void print_kernel(const cJSON *line)
+{
+    const char *hook = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(line, "hook"));
+    if (hook)
+        printf(
+            "in the kernel, %s XDP: plans for %.0f recurring frames; replies: half within %.0f us, 99 %% within %.0f "
+            "us, the longest %.0f us\n",
+            hook, number(line, "plans"), number(line, "kernel_p50_us"), number(line, "kernel_p99_us"),
+            number(line, "kernel_longest_us"));
+}
+
 static void print_counters(const cJSON *line)
 {
     static const struct {
@@ -52,8 +63,9 @@ static void print_counters(const cJSON *line)
     } counters[] = {
         {"frames", "received"},
         {"answered", "sent back, or out at the other end"},
-        {"in_kernel", "of these in the kernel, by --in-kernel; not in the times below"},
+        {"in_kernel", "of these in the kernel, by --in-kernel"},
         {"unanswered", "no EtherCAT, malformed, or without a way back"},
+        {"queue_lost", "lost in the queue of the interface, which was full"},
         {"stale", "discarded, too old: this machine was busy"},
         {"circling", "replies that another program replied to"},
         {"dropped", "lost by a fault"},
@@ -68,6 +80,7 @@ static void print_counters(const cJSON *line)
            number(line, "polls"), "polls", number(line, "late_polls"), number(line, "latest_poll_us"));
     printf("answers, from the arrival of a frame: half below %.0f us, 99 %% below %.0f us, the longest %.0f us\n",
            number(line, "p50_us"), number(line, "p99_us"), number(line, "longest_us"));
+    print_kernel(line);
     print_scenario(line);
 }
 
@@ -96,6 +109,18 @@ static void print_histogram(const cJSON *answers, const cJSON *edges)
     }
 }
 
+static void print_histograms(const cJSON *line, const cJSON *answers)
+{
+    const cJSON *edges = cJSON_GetObjectItemCaseSensitive(line, "edges_us");
+    const cJSON *in_kernel = cJSON_GetObjectItemCaseSensitive(line, "kernel_answers");
+    if (in_kernel)
+        printf("answers by the twins' process:\n");
+    print_histogram(answers, edges);
+    if (in_kernel)
+        printf("answers in the kernel:\n");
+    print_histogram(in_kernel, edges);
+}
+
 static void print_plant(const cJSON *line, const char *name)
 {
     printf(
@@ -114,7 +139,7 @@ static void print_stats(const cJSON *line)
     if (plant)
         print_plant(line, plant);
     else if (cJSON_IsArray(answers))
-        print_histogram(answers, cJSON_GetObjectItemCaseSensitive(line, "edges_us"));
+        print_histograms(line, answers);
     else
         print_counters(line);
 }

@@ -249,7 +249,7 @@ static void poll_devices(ect_exchange_t *x, uint64_t now_ns, uint64_t (*poll)(ec
     x->deadline_ns = next_ns;
 }
 
-void ect_exchange_replied(ect_exchange_t *x, uint8_t *frame, size_t length, uint64_t now_ns)
+void ect_exchange_replied(ect_exchange_t *x, uint8_t *frame, size_t length, uint64_t now_ns, uint32_t took_ns)
 {
     const uint64_t came_ns = ect_later(now_ns, x->polled_ns);
     if (ect_earlier(x->deadline_ns, x->touched_ns) < came_ns)
@@ -259,8 +259,7 @@ void ect_exchange_replied(ect_exchange_t *x, uint8_t *frame, size_t length, uint
     if (x->datagrams.until_ns != 0)
         ect_datagrams_count(&x->datagrams, frame, length, came_ns);
     x->stats.frames++;
-    x->stats.answered++;
-    x->stats.in_kernel++;
+    ect_stats_kernel_answer(&x->stats, took_ns);
 }
 
 void ect_exchange_long_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns)

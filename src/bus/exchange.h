@@ -98,8 +98,9 @@ bool ect_exchange_is_plain(const ect_exchange_t *x);
  * that they asked for, so they see the outputs of each frame; their inputs leave with the next ::ect_exchange_run
  * (::ect_chain_catch_up). Its time may lie before that of a frame that came later, since then no call was made, but
  * never before a call.
+ * @param took_ns  time that the reply took, for `stats`
  */
-void ect_exchange_replied(ect_exchange_t *x, uint8_t *frame, size_t length, uint64_t now_ns);
+void ect_exchange_replied(ect_exchange_t *x, uint8_t *frame, size_t length, uint64_t now_ns, uint32_t took_ns);
 
 /** Shows the chain a frame that is too long for EtherCAT and for ::ect_exchange_frame: controllers count it, no reply
  * leaves. `frame` has at least the first ECT_EXCHANGE_FRAME of its `length` bytes. */

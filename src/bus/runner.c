@@ -66,11 +66,23 @@ static uint64_t client_due(const ect_runner_t *r, unsigned int client)
     }
 }
 
+static void count_lost(ect_runner_t *r)
+{
+    for (unsigned int end = 0; end < ECT_ENDS; end++)
+        r->exchange.stats.queue_lost += r->ports[end] ? ect_packet_lost(r->ports[end]) : 0;
+}
+
+static void serve_control(ect_runner_t *r, uint64_t now_ns)
+{
+    count_lost(r); /* the client may ask for the counters */
+    ect_control_serve(r->exchange.control, r->exchange.chain, now_ns);
+}
+
 static void serve_client(ect_runner_t *r, unsigned int client)
 {
     uint64_t now_ns = ect_exchange_touch(&r->exchange);
     if (client == CONTROL)
-        ect_control_serve(r->exchange.control, r->exchange.chain, now_ns);
+        serve_control(r, now_ns);
     else if (client == MODBUS)
         ect_modbus_server_serve(r->modbus, r->exchange.chain, now_ns);
     else
@@ -283,7 +295,7 @@ static int serve(ect_runner_t *r, const struct pollfd fds[WAITABLE])
 static void give_turn(ect_runner_t *r)
 {
     if (r->kernel && ect_exchange_is_plain(&r->exchange))
-        ect_kernel_give(r->kernel, r->exchange.chain, ect_packet_now());
+        r->exchange.stats.plans = ect_kernel_give(r->kernel, r->exchange.chain, ect_packet_now());
 }
 
 /* The frames that the kernel has replied to come before all else. The devices run before the next frame, which may
@@ -298,7 +310,7 @@ static void take_turn(ect_runner_t *r)
     while ((held = ect_kernel_next(r->kernel)) != NULL) {
         uint8_t frame[ECT_HELD_ROOM];
         memcpy(frame, held->frame, held->length);
-        ect_exchange_replied(&r->exchange, frame, held->length, held->time_ns);
+        ect_exchange_replied(&r->exchange, frame, held->length, held->time_ns, held->took_ns);
         any = true;
     }
     if (any)

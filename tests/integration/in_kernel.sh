@@ -35,12 +35,17 @@ counted() { # NAME: a counter of the last run
 }
 
 # shellcheck disable=SC2016
-"$ectwin" with --in-kernel vr-bu-ect-map7 -- sh -c '"$1" "$2" VR-BU-ECT-Map7 66 228 && "$0" stats --json >"$3/stats"' \
+"$ectwin" with --in-kernel vr-bu-ect-map7 -- sh -c '"$1" "$2" VR-BU-ECT-Map7 66 228 && "$0" stats --json >"$3/stats" && "$0" stats >"$3/text"' \
   "$ectwin" "$base_unit" '{}' "$work" >"$work/out" 2>&1
 check "SOEM reaches OP and exchanges process data" 0 "$?"
 [ "$failed" = 0 ] || cat "$work/out"
 check "most of its cycles get their replies in the kernel" yes "$([ "$(counted in_kernel)" -gt 500 ] && echo yes)"
 check "each frame gets its reply" "$(counted frames)" "$(counted answered)"
+check "at the generic hook" 1 "$(grep -c '"hook":"generic"' "$work/stats")"
+check "the histogram of the kernel's replies has all of them" "$(counted in_kernel)" \
+  "$(($(sed -n 's/.*"kernel_answers":\[\([0-9,]*\)\].*/\1/p' "$work/stats" | tr , +)))"
+check "the way in words" 1 "$(grep -c '^in the kernel, generic XDP: plans for [0-9]' "$work/text")"
+check "both histograms" 2 "$(grep -c '^answers .*:$' "$work/text")"
 
 for title in '*FZM-067*' '*FZM-071: DSA*' '*FZM-075*'; do
   "$ectwin" with --in-kernel fzm1 -- "$fzm1" '{}' "$title" >"$work/out" 2>&1

@@ -102,7 +102,8 @@ function makeHistogram() {
   const bars = make("div", { class: "bars", role: "img", "aria-label": "Replies by response time" });
   const edges = make("div", { class: "edges" });
   let before = null;
-  const show = ({ answers, edges_us: limits }) => {
+  const show = ({ answers: own, kernel_answers: kernel = [], edges_us: limits }) => {
+    const answers = own.map((count, i) => count + (kernel[i] ?? 0));
     const last = answers.findLastIndex((count) => count > 0);
     const shown = Math.max(last + 1, 12);
     const most = Math.log1p(Math.max(...answers, 1));
@@ -232,7 +233,7 @@ function showStats({ counters, answers }) {
   const { figures, histogram } = view.parts;
   const span = view.last ? counters.time - view.last.time : 0;
   if (span > 0) setText(figures["Frames/s"].value, short(Math.round((counters.frames - view.last.frames) / span)));
-  setText(figures["Replied"].value, short(counters.answered));
+  setText(figures["Replied"].value, short(counters.answered) + (counters.hook ? `, ${short(counters.in_kernel)} in the kernel` : ""));
   setText(figures["Dropped"].value, short(counters.dropped));
   setText(figures["Median"].value, microseconds(counters.p50_us));
   setText(figures["99 %"].value, microseconds(counters.p99_us));

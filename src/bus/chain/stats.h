@@ -22,8 +22,9 @@ typedef struct ect_stats {
     uint64_t start_ns;   /**< when the run began */
     uint64_t frames;     /**< received, at either end */
     uint64_t answered;   /**< sent back, or out at the other end */
-    uint64_t in_kernel;  /**< of these, in the kernel (bus/kernel); not in the histogram */
+    uint64_t in_kernel;  /**< of these, in the kernel (bus/kernel); in a histogram of their own */
     uint64_t unanswered; /**< no EtherCAT, malformed, or without a way back */
+    uint64_t queue_lost; /**< lost in the interface's queue, which was full; not in `frames` */
     uint64_t stale;      /**< discarded: they had waited for more than 5 ms while newer ones came */
     uint64_t circling;   /**< replies of this program that circulated, and were destroyed */
     uint64_t dropped;    /**< lost by a fault (--drop) */
@@ -33,6 +34,10 @@ typedef struct ect_stats {
     /** Replies by response time: from arrival at the interface (ect_packet_time_t) to the end of the sending call. */
     uint64_t answers[ECT_STATS_STEPS];
     uint64_t longest_answer_ns;
+    const char *hook; /**< where the kernel replies: "native" or "generic" XDP; NULL: nowhere */
+    uint64_t plans;   /**< frame layouts that the kernel replied to at the last sleep of the loop */
+    uint64_t kernel_answers[ECT_STATS_STEPS]; /**< replies in the kernel, by the time that its program took */
+    uint64_t longest_kernel_ns;
     uint64_t polls;      /**< runs of the devices */
     uint64_t late_polls; /**< of these, more than ECT_STATS_LATE_NS after the deadline of a device */
     uint64_t latest_poll_ns;
@@ -44,6 +49,9 @@ enum { ECT_STATS_LATE_NS = 1000000 };
 /** Counts a reply with this response time. */
 void ect_stats_answer(ect_stats_t *stats, uint64_t took_ns);
 
+/** Counts a reply in the kernel, whose program took this long. */
+void ect_stats_kernel_answer(ect_stats_t *stats, uint64_t took_ns);
+
 /** Counts a run of the devices, `late_ns` after its deadline (0: in time, or caused by a frame). */
 void ect_stats_poll(ect_stats_t *stats, uint64_t late_ns);
 
@@ -51,10 +59,10 @@ void ect_stats_poll(ect_stats_t *stats, uint64_t late_ns);
 uint32_t ect_stats_edge_us(size_t step);
 
 /**
- * A quantile of the response times. @param per_mille  0..1000
+ * A quantile of response times. @param counts  replies by step. @param per_mille  0..1000
  * @return the upper edge, in µs, of the step that the quantile lies in; 0: no replies, or the last step
  */
-uint32_t ect_stats_quantile_us(const ect_stats_t *stats, unsigned int per_mille);
+uint32_t ect_stats_quantile_us(const uint64_t counts[ECT_STATS_STEPS], unsigned int per_mille);
 
 ECT_C_END
 

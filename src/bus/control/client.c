@@ -323,6 +323,18 @@ static void put_scenario(ect_line_t *line, const ect_scenario_t *scenario)
     ect_line_number(line, "failed", scenario->verdict.failed);
 }
 
+/* Writes the way of the replies in the kernel, if it replies. */
+static void put_kernel(ect_line_t *line, const ect_stats_t *s)
+{
+    if (!s->hook)
+        return;
+    ect_line_string(line, "hook", s->hook);
+    ect_line_number(line, "plans", s->plans);
+    ect_line_number(line, "kernel_p50_us", ect_stats_quantile_us(s->kernel_answers, 500));
+    ect_line_number(line, "kernel_p99_us", ect_stats_quantile_us(s->kernel_answers, 990));
+    ect_line_number(line, "kernel_longest_us", s->longest_kernel_ns / 1000);
+}
+
 static void put_counters(ect_client_t *client, uint64_t now_ns)
 {
     const ect_stats_t *s = client->stats;
@@ -334,14 +346,15 @@ static void put_counters(ect_client_t *client, uint64_t now_ns)
         {"answered", s->answered},
         {"in_kernel", s->in_kernel},
         {"unanswered", s->unanswered},
+        {"queue_lost", s->queue_lost},
         {"stale", s->stale},
         {"circling", s->circling},
         {"dropped", s->dropped},
         {"delayed", s->delayed},
         {"captured", s->captured},
         {"uncaptured", s->uncaptured},
-        {"p50_us", ect_stats_quantile_us(s, 500)},
-        {"p99_us", ect_stats_quantile_us(s, 990)},
+        {"p50_us", ect_stats_quantile_us(s->answers, 500)},
+        {"p99_us", ect_stats_quantile_us(s->answers, 990)},
         {"longest_us", s->longest_answer_ns / 1000},
         {"polls", s->polls},
         {"late_polls", s->late_polls},
@@ -351,10 +364,21 @@ static void put_counters(ect_client_t *client, uint64_t now_ns)
     ect_line_begin(&line);
     for (size_t i = 0; i < sizeof counters / sizeof counters[0]; i++)
         ect_line_number(&line, counters[i].name, counters[i].value);
+    put_kernel(&line, s);
     put_scenario(&line, client->scenario);
     ect_line_time(&line, now_ns - s->start_ns);
     ect_line_end(&line);
     put(client, &line);
+}
+
+static void put_counts(ect_line_t *line, const char *key, const uint64_t counts[ECT_STATS_STEPS])
+{
+    char list[24 * ECT_STATS_STEPS] = "";
+    size_t used = 0;
+    for (size_t step = 0; step < ECT_STATS_STEPS; step++)
+        used += (size_t)snprintf(list + used, sizeof list - used, "%s%" PRIu64, step > 0 ? "," : "[", counts[step]);
+    snprintf(list + used, sizeof list - used, "]");
+    ect_line_plain(line, key, list);
 }
 
 static void put_histogram(ect_client_t *client)
@@ -363,12 +387,9 @@ static void put_histogram(ect_client_t *client)
     size_t used = 0;
     ect_line_t line;
     ect_line_begin(&line);
-    for (size_t step = 0; step < ECT_STATS_STEPS; step++)
-        used += (size_t)snprintf(list + used, sizeof list - used, "%s%" PRIu64, step > 0 ? "," : "[",
-                                 client->stats->answers[step]);
-    snprintf(list + used, sizeof list - used, "]");
-    ect_line_plain(&line, "answers", list);
-    used = 0;
+    put_counts(&line, "answers", client->stats->answers);
+    if (client->stats->hook)
+        put_counts(&line, "kernel_answers", client->stats->kernel_answers);
     for (size_t step = 0; step + 1 < ECT_STATS_STEPS; step++)
         used += (size_t)snprintf(list + used, sizeof list - used, "%s%" PRIu32, step > 0 ? "," : "[",
                                  ect_stats_edge_us(step));

@@ -504,8 +504,8 @@ bool ect_outside_count(const ect_outsides_t *all, size_t number, ect_line_t *lin
     ect_line_number(line, "steps", plant->steps);
     ect_line_number(line, "late", plant->late);
     ect_line_number(line, "refused", plant->refused);
-    ect_line_number(line, "p50_us", ect_stats_quantile_us(&plant->took, 500));
-    ect_line_number(line, "p99_us", ect_stats_quantile_us(&plant->took, 990));
+    ect_line_number(line, "p50_us", ect_stats_quantile_us(plant->took.answers, 500));
+    ect_line_number(line, "p99_us", ect_stats_quantile_us(plant->took.answers, 990));
     ect_line_number(line, "longest_us", plant->took.longest_answer_ns / 1000);
     ect_line_end(line);
     return true;

@@ -101,6 +101,7 @@ static __always_inline int reply(struct xdp_md *ctx, ect_shared_t *s, const uint
     h->length = (uint32_t)length;
     if (!ect_steps_run(plan, ctx, head, now_ns))
         return XDP_DROP;
+    h->took_ns = (uint32_t)(bpf_ktime_get_ns() - now_ns);
     s->held = at + 1;
     if (at == 0)
         ring();

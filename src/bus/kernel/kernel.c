@@ -6,11 +6,16 @@
 #include <bpf/libbpf.h>
 #include <errno.h>
 #include <linux/bpf.h>
+#include <linux/ethtool.h>
 #include <linux/if_link.h>
+#include <linux/sockios.h>
+#include <net/if.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <sys/mman.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <answer.skel.h>
@@ -21,6 +26,7 @@ enum { LOST_NS = 20000000 };
 struct ect_kernel {
     struct answer *program;
     int link_fd;        /* 0: attached by netlink, or not at all */
+    uint32_t mode;      /* of the attached program: XDP_FLAGS_DRV_MODE or XDP_FLAGS_SKB_MODE; 0: not attached */
     unsigned int index; /* of the interface, attached by netlink; 0: not so */
     ect_shared_t *shared;
     ect_held_t *held;
@@ -31,6 +37,7 @@ struct ect_kernel {
     uint64_t short_ns; /* frames have been on their way since this time; 0: none */
     uint64_t still_ns; /* outputs count as changing until then */
     bool given;        /* the kernel has the turn */
+    unsigned int plans;
 };
 
 static int no_message(enum libbpf_print_level level, const char *format, va_list arguments)
@@ -100,25 +107,63 @@ ect_kernel_t *ect_kernel_load(char *message)
     return NULL;
 }
 
+/* A question to the driver. @return whether it has a reply */
+static bool ask_driver(unsigned int index, void *question)
+{
+    struct ifreq request = {.ifr_data = question};
+    int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    bool done = fd >= 0 && if_indextoname(index, request.ifr_name) && ioctl(fd, SIOCETHTOOL, &request) == 0;
+    if (fd >= 0)
+        close(fd);
+    return done;
+}
+
+/*
+ * Whether the hook in the driver may be used. A driver that takes VLAN tags out of frames would hide them there, and
+ * the reply would have none. A veth transmits from its native hook only if its peer has a program too.
+ */
+static bool may_be_native(unsigned int index)
+{
+    struct ethtool_value flags = {.cmd = ETHTOOL_GFLAGS};
+    struct ethtool_drvinfo driver = {.cmd = ETHTOOL_GDRVINFO};
+    return ask_driver(index, &flags) && (flags.data & ETH_FLAG_RXVLAN) == 0 && ask_driver(index, &driver) &&
+           strcmp(driver.driver, "veth") != 0;
+}
+
 /* A link ends with the process. A process in a user namespace may not create a link, but its interface ends with the
- * namespace. */
-int ect_kernel_attach(ect_kernel_t *k, unsigned int index, char *message)
+ * namespace. @return 0, or a negative error */
+static int attach(ect_kernel_t *k, unsigned int index, uint32_t mode)
 {
     const int program = bpf_program__fd(k->program->progs.answer);
-    LIBBPF_OPTS(bpf_link_create_opts, options, .flags = XDP_FLAGS_SKB_MODE);
+    LIBBPF_OPTS(bpf_link_create_opts, options, .flags = mode);
     int link = bpf_link_create(program, (int)index, BPF_XDP, &options);
-    if (link >= 0) {
+    int error = link >= 0 ? 0 : bpf_xdp_attach((int)index, program, mode | XDP_FLAGS_UPDATE_IF_NOEXIST, NULL);
+    if (error != 0)
+        return error;
+    k->mode = mode;
+    if (link >= 0)
         k->link_fd = link;
+    else
+        k->index = index;
+    return 0;
+}
+
+int ect_kernel_attach(ect_kernel_t *k, unsigned int index, char *message)
+{
+    if (may_be_native(index) && attach(k, index, XDP_FLAGS_DRV_MODE) == 0)
         return 0;
-    }
-    int error = bpf_xdp_attach((int)index, program, XDP_FLAGS_SKB_MODE | XDP_FLAGS_UPDATE_IF_NOEXIST, NULL);
-    k->index = error == 0 ? index : 0;
+    int error = attach(k, index, XDP_FLAGS_SKB_MODE);
     if (error == 0)
         return 0;
     const bool taken = error == -EBUSY || error == -EEXIST;
     snprintf(message, ECT_KERNEL_MESSAGE, "--in-kernel: the interface does not take the program (%s)%s",
              strerror(-error), taken ? "; another one is attached: 'ip link set dev IFACE xdp off' removes it" : "");
     return -1;
+}
+
+const char *ect_kernel_hook(const ect_kernel_t *k)
+{
+    return k->mode == 0 ? NULL : k->mode == XDP_FLAGS_DRV_MODE ? "native" : "generic";
 }
 
 void ect_kernel_close(ect_kernel_t *k)
@@ -128,7 +173,7 @@ void ect_kernel_close(ect_kernel_t *k)
     if (k->link_fd > 0)
         close(k->link_fd);
     if (k->index != 0)
-        (void)bpf_xdp_detach((int)k->index, XDP_FLAGS_SKB_MODE, NULL);
+        (void)bpf_xdp_detach((int)k->index, k->mode, NULL);
     ring_buffer__free(k->bell);
     if (k->shared)
         (void)munmap(k->shared, sizeof *k->shared);
@@ -179,15 +224,19 @@ static void set_pace(ect_kernel_t *k, uint64_t now_ns)
     k->shared->reacting = now_ns < k->still_ns;
 }
 
-void ect_kernel_give(ect_kernel_t *k, ect_chain_t *chain, uint64_t now_ns)
+unsigned int ect_kernel_give(ect_kernel_t *k, ect_chain_t *chain, uint64_t now_ns)
 {
     if (k->given)
-        return;
+        return k->plans;
     await_frames(k, now_ns);
-    if (k->short_ns != 0 || ect_planner_make(&k->planner, chain) == 0)
-        return;
+    if (k->short_ns != 0)
+        return k->plans;
+    k->plans = ect_planner_make(&k->planner, chain);
+    if (k->plans == 0)
+        return 0;
     set_pace(k, now_ns);
     k->given = ect_turn_give(&k->shared->turn, k->got);
+    return k->plans;
 }
 
 void ect_kernel_take(ect_kernel_t *k)

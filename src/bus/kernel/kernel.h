@@ -37,11 +37,15 @@ enum { ECT_KERNEL_MESSAGE = 320 };
 ect_kernel_t *ect_kernel_load(char *message);
 
 /**
- * Attaches it to an interface: until ::ect_kernel_close or the end of the process. Needs CAP_NET_ADMIN there.
+ * Attaches it to an interface: until ::ect_kernel_close or the end of the process. Needs CAP_NET_ADMIN there. The hook
+ * is that in the driver, if there is one and the driver leaves VLAN tags in frames; else the generic one.
  * @param index  of the interface
  * @return 0; -1: `message` has the reason
  */
 int ect_kernel_attach(ect_kernel_t *kernel, unsigned int index, char *message);
+
+/** @return the hook that it is attached to: "native", in the driver, or "generic"; NULL: not attached. */
+const char *ect_kernel_hook(const ect_kernel_t *kernel);
 
 /** Detaches and unloads the program. NULL: no effect */
 void ect_kernel_close(ect_kernel_t *kernel);
@@ -59,8 +63,9 @@ void ect_kernel_got(ect_kernel_t *kernel);
  * Makes plans for the chain, the same in each call, and gives the turn to the kernel. Due before the process sleeps,
  * and nothing may call the chain between. The process keeps the turn if there is no plan, or frames are on their way to
  * the socket; if one of these has not arrived after 20 ms it counts as lost.
+ * @return the number of plans
  */
-void ect_kernel_give(ect_kernel_t *kernel, ect_chain_t *chain, uint64_t now_ns);
+unsigned int ect_kernel_give(ect_kernel_t *kernel, ect_chain_t *chain, uint64_t now_ns);
 
 /** Takes the turn and makes plans void. Due before anything calls the chain. No effect with the turn. */
 void ect_kernel_take(ect_kernel_t *kernel);

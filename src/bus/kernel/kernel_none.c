@@ -21,6 +21,12 @@ int ect_kernel_attach(ect_kernel_t *kernel, unsigned int index, char *message)
     return -1;
 }
 
+const char *ect_kernel_hook(const ect_kernel_t *kernel)
+{
+    (void)kernel;
+    return NULL;
+}
+
 void ect_kernel_close(ect_kernel_t *kernel)
 {
     (void)kernel;
@@ -44,11 +50,12 @@ void ect_kernel_got(ect_kernel_t *kernel)
     (void)kernel;
 }
 
-void ect_kernel_give(ect_kernel_t *kernel, ect_chain_t *chain, uint64_t now_ns)
+unsigned int ect_kernel_give(ect_kernel_t *kernel, ect_chain_t *chain, uint64_t now_ns)
 {
     (void)kernel;
     (void)chain;
     (void)now_ns;
+    return 0;
 }
 
 void ect_kernel_take(ect_kernel_t *kernel)

@@ -20,7 +20,7 @@ enum { ECT_HELD_FRAMES = 1024, ECT_HELD_ROOM = 1520 };
 typedef struct ect_held {
     uint64_t time_ns; /**< of arrival, CLOCK_MONOTONIC */
     uint32_t length;
-    uint32_t unused;
+    uint32_t took_ns; /**< from there to the end of the reply's last step */
     uint8_t frame[ECT_HELD_ROOM];
 } ect_held_t;
 

@@ -298,6 +298,21 @@ static ssize_t put_tag_back(const struct tpacket_auxdata *known, uint8_t *frame,
     return length + TAG;
 }
 
+/* The kernel counts from its last reply on. */
+static uint64_t lost_by(int fd)
+{
+    struct tpacket_stats counts = {0};
+    socklen_t size = sizeof counts;
+    if (fd < 0 || getsockopt(fd, SOL_PACKET, PACKET_STATISTICS, &counts, &size) < 0)
+        return 0;
+    return counts.tp_drops;
+}
+
+uint64_t ect_packet_lost(const ect_packet_t *port)
+{
+    return lost_by(port->fd) + lost_by(port->tagged_fd);
+}
+
 /* --- frames in memory that the kernel shares ---------------------------------------------------------------------- */
 
 /* Reads without a frame, some milliseconds, until the interface is checked. */

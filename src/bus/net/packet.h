@@ -87,6 +87,9 @@ ssize_t ect_packet_receive(ect_packet_t *port, bool wait, uint8_t *frame, size_t
  */
 bool ect_packet_arrived(int fd, uint64_t *came_ns, ect_packet_time_t *time);
 
+/** @return frames lost since the last call because the port's queue was full. Cost: one or two system calls */
+uint64_t ect_packet_lost(const ect_packet_t *port);
+
 /** @return whether the interface is up and has a carrier. Cost: one or two system calls. */
 bool ect_packet_has_link(const ect_packet_t *port);
 

@@ -632,15 +632,17 @@ static void replied_before(void **state)
     wire_build(&r->w, BRD, 0, 0x0130, "\0", 1);
     r->clock_ns += 5 * MS;
     uint64_t came_ns = r->clock_ns - 2 * MS;
-    ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, came_ns);
+    ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, came_ns, 1500);
     expect_log(r, "");
     assert_int_equal(wire_wkc(&r->w, 0), TWINS);
     assert_int_equal(r->x.stats.frames, 1);
     assert_int_equal(r->x.stats.answered, 1);
     assert_int_equal(r->x.stats.in_kernel, 1);
+    assert_int_equal(r->x.stats.kernel_answers[1], 1);
+    assert_int_equal(r->x.stats.longest_kernel_ns, 1500);
     assert_int_equal(in_histogram(r), 0);
     assert_int_equal(r->x.touched_ns, came_ns);
-    ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, came_ns - 1);
+    ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, came_ns - 1, 1500);
     assert_int_equal(r->x.touched_ns, came_ns); /* time does not go back */
 }
 
@@ -674,7 +676,7 @@ static void held_up(void **state)
     r->clock_ns += 300 * MS; /* the watchdog of the outputs is 100 ms */
     for (unsigned int n = 1; n <= 299; n++) {
         build_cycle(r, (uint16_t)n);
-        ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, start_ns + n * MS);
+        ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, start_ns + n * MS, 1500);
         assert_int_equal(wire_wkc(&r->w, 0), 3);
         assert_int_equal(d->out_u16, n - 1);
         assert_int_equal(d->inputs_calls, shown); /* the master has read the former image */
@@ -700,10 +702,10 @@ static void held_inputs(void **state)
     const unsigned int shown = d->inputs_calls;
     r->clock_ns += 3 * MS;
     build_cycle(r, 1);
-    ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, r->clock_ns - 2 * MS);
+    ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, r->clock_ns - 2 * MS, 1500);
     d->in_u16 = 0xABCD;
     wire_build(&r->w, NOP, 0, 0, "\0", 1);
-    ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, r->clock_ns - 1 * MS);
+    ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, r->clock_ns - 1 * MS, 1500);
     assert_int_equal(d->inputs_calls, shown);
     (void)ect_exchange_run(&r->x);
     assert_int_equal(d->inputs_calls, shown + 1);
@@ -722,10 +724,12 @@ static void left_meanwhile(void **state)
     ect_exchange_link(&r->x, ECT_END_IN, false);
     r->clock_ns += 3 * MS;
     build_cycle(r, 1);
-    ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, r->clock_ns - 2 * MS);
+    ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, r->clock_ns - 2 * MS, 1500);
     (void)ect_exchange_run(&r->x);
     assert_int_equal(d->out_u16, 0);
     assert_int_equal(r->x.stats.in_kernel, 1);
+    assert_int_equal(r->x.stats.kernel_answers[1], 1);
+    assert_int_equal(r->x.stats.longest_kernel_ns, 1500);
 }
 
 static void plain(void **state)
@@ -758,7 +762,7 @@ static void working_counters(void **state)
     pass(r, ECT_END_IN, 3);
     set_fault(r, "off");
     wire_build(&r->w, BRD, 0, 0x0130, "\0", 1);
-    ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, r->clock_ns);
+    ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, r->clock_ns, 1500);
     assert_int_equal(r->x.datagrams.count, 1);
     assert_int_equal(r->x.datagrams.all[0].replies, 3);
     assert_int_equal(r->x.datagrams.all[0].highest, TWINS);

@@ -572,7 +572,7 @@ static struct {
 } kernel;
 
 int __wrap_ect_kernel_fd(const ect_kernel_t *k);
-void __wrap_ect_kernel_give(ect_kernel_t *k, ect_chain_t *chain, uint64_t now_ns);
+unsigned int __wrap_ect_kernel_give(ect_kernel_t *k, ect_chain_t *chain, uint64_t now_ns);
 void __wrap_ect_kernel_take(ect_kernel_t *k);
 const ect_held_t *__wrap_ect_kernel_next(ect_kernel_t *k);
 void __wrap_ect_kernel_got(ect_kernel_t *k);
@@ -584,13 +584,14 @@ int __wrap_ect_kernel_fd(const ect_kernel_t *k)
     return kernel.fd;
 }
 
-void __wrap_ect_kernel_give(ect_kernel_t *k, ect_chain_t *chain, uint64_t now_ns)
+unsigned int __wrap_ect_kernel_give(ect_kernel_t *k, ect_chain_t *chain, uint64_t now_ns)
 {
     (void)k;
     (void)now_ns;
     assert_ptr_equal(chain, running->wire.chain);
     kernel.given = true;
     note('K');
+    return 3;
 }
 
 void __wrap_ect_kernel_take(ect_kernel_t *k)
@@ -667,6 +668,7 @@ static void turns(void **state)
     run_with_kernel(&b, take_turns);
     assert_string_equal(b.order, "KTKTGSFKT");
     assert_int_equal(b.runner.exchange.stats.in_kernel, 2);
+    assert_int_equal(b.runner.exchange.stats.plans, 3);
     assert_int_equal(b.runner.exchange.stats.answered, 3);
     close_bench(&b);
 }

@@ -27,7 +27,7 @@ static void answer_times(void **state)
             assert_int_equal(stats.answers[step], step == cases[c].step ? 1 : 0);
         assert_true(stats.longest_answer_ns == cases[c].took_ns);
         assert_int_equal(stats.answered, 1);
-        assert_int_equal(ect_stats_quantile_us(&stats, 500), ect_stats_edge_us(cases[c].step));
+        assert_int_equal(ect_stats_quantile_us(stats.answers, 500), ect_stats_edge_us(cases[c].step));
     }
 }
 
@@ -35,15 +35,15 @@ static void quantiles(void **state)
 {
     ect_stats_t stats = {0};
     (void)state;
-    assert_int_equal(ect_stats_quantile_us(&stats, 500), 0);
+    assert_int_equal(ect_stats_quantile_us(stats.answers, 500), 0);
     for (unsigned int i = 0; i < 1000; i++)
         ect_stats_answer(&stats, i < 900 ? 15 * US : i < 990 ? 70 * US : 3 * MS);
-    assert_int_equal(ect_stats_quantile_us(&stats, 0), 20);
-    assert_int_equal(ect_stats_quantile_us(&stats, 900), 20);
-    assert_int_equal(ect_stats_quantile_us(&stats, 901), 100);
-    assert_int_equal(ect_stats_quantile_us(&stats, 990), 100);
-    assert_int_equal(ect_stats_quantile_us(&stats, 991), 5000);
-    assert_int_equal(ect_stats_quantile_us(&stats, 1000), 5000);
+    assert_int_equal(ect_stats_quantile_us(stats.answers, 0), 20);
+    assert_int_equal(ect_stats_quantile_us(stats.answers, 900), 20);
+    assert_int_equal(ect_stats_quantile_us(stats.answers, 901), 100);
+    assert_int_equal(ect_stats_quantile_us(stats.answers, 990), 100);
+    assert_int_equal(ect_stats_quantile_us(stats.answers, 991), 5000);
+    assert_int_equal(ect_stats_quantile_us(stats.answers, 1000), 5000);
     assert_true(stats.longest_answer_ns == 3 * MS);
 }
 
@@ -95,7 +95,7 @@ static void quantile_borders(void **state)
         stats.answers[0] = rows[i].first;
         stats.answers[1] = rows[i].second;
         stats.answers[ECT_STATS_STEPS - 1] = rows[i].last;
-        assert_int_equal(ect_stats_quantile_us(&stats, rows[i].per_mille), rows[i].want);
+        assert_int_equal(ect_stats_quantile_us(stats.answers, rows[i].per_mille), rows[i].want);
     }
 }
 

@@ -93,6 +93,7 @@ static void statistics_are_in_the_reply(void **state)
                                       .answered = 12,
                                       .in_kernel = 23,
                                       .unanswered = 13,
+                                      .queue_lost = 24,
                                       .stale = 14,
                                       .circling = 15,
                                       .dropped = 16,
@@ -114,12 +115,33 @@ static void statistics_are_in_the_reply(void **state)
     b.wire.now_ns = 2150 * MS;
     expect_answer(
         &b, "{\"op\":\"stats\"}\n",
-        "{\"frames\":11,\"answered\":12,\"in_kernel\":23,\"unanswered\":13,\"stale\":14,\"circling\":15,\"dropped\":16,"
+        "{\"frames\":11,\"answered\":12,\"in_kernel\":23,\"unanswered\":13,\"queue_lost\":24,\"stale\":14,\"circling\":"
+        "15,\"dropped\":16,"
         "\"delayed\":17,\"captured\":21,\"uncaptured\":22,\"p50_us\":5,\"p99_us\":100,\"longest_us\":1999999,\"polls\":"
         "19,\"late_polls\":20,"
         "\"latest_poll_us\":2100000,\"time\":1.750000}\n"
         "{\"answers\":[0,499,1,489,0,0,1,0,0,10,0,0,0,0,0,0,0,0,0,0],\"edges_us\":[1,2,5,10,20,50,100,200,500,"
         "1000,2000,5000,10000,20000,50000,100000,200000,500000,1000000]}\n" OK);
+    close_bench(&b);
+}
+
+/* With replies in the kernel the reply has their way, their times and their histogram too. */
+static void statistics_of_the_kernel(void **state)
+{
+    static const ect_stats_t stats = {.hook = "native",
+                                      .plans = 7,
+                                      .in_kernel = 4,
+                                      .kernel_answers = {[0] = 99, [1] = 1, [3] = 1},
+                                      .longest_kernel_ns = 8999};
+    static ect_scenario_t scenario;
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    ect_control_show(b.control, &stats, &scenario);
+    expect_part(&b, "{\"op\":\"stats\"}\n",
+                "\"hook\":\"native\",\"plans\":7,\"kernel_p50_us\":1,\"kernel_p99_us\":2,\"kernel_longest_us\":8,");
+    expect_part(&b, "{\"op\":\"stats\"}\n",
+                "0],\"kernel_answers\":[99,1,0,1,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0],\"edges_us\":[1,");
     close_bench(&b);
 }
 
@@ -611,6 +633,8 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"Requests get replies, refusals with the reason", requests_get_replies, NULL, NULL, NULL},
+        {"The reply to stats has the hook, the plans and the times of replies in the kernel", statistics_of_the_kernel,
+         NULL, NULL, NULL},
         {"Each counter and step of the histogram is in the reply to stats", statistics_are_in_the_reply, NULL, NULL,
          NULL},
         {"Twins are chosen by their names", names_of_twins, NULL, NULL, NULL},

@@ -49,6 +49,7 @@ static struct kernel {
     int glink;           /* -1: unknown to the driver */
     uint8_t *ring;
     int flags_of_recv;
+    unsigned int lost[2]; /* frames that the queues have lost, without a tag and with one, since the last question */
 } kernel;
 
 /* --- calls -------------------------------------------------------------------------------------------------------- */
@@ -107,6 +108,15 @@ int __wrap_setsockopt(int fd, int level, int option, const void *value, socklen_
 
 int __wrap_getsockopt(int fd, int level, int option, void *value, socklen_t *size)
 {
+    if (level == SOL_PACKET && option == PACKET_STATISTICS) {
+        struct tpacket_stats *counts = value;
+        assert_int_equal(*size, sizeof *counts);
+        if (fails("getsockopt"))
+            return -1;
+        *counts = (struct tpacket_stats){.tp_packets = 1000, .tp_drops = kernel.lost[fd == TAGGED]};
+        kernel.lost[fd == TAGGED] = 0;
+        return 0;
+    }
     assert_int_equal(fd, MAIN);
     assert_true(level == SOL_SOCKET && option == SO_RCVTIMEO && *size == sizeof(struct timeval));
     *(struct timeval *)value = (struct timeval){.tv_usec = 4000};
@@ -595,6 +605,27 @@ static void tags(void **state)
     }
 }
 
+/* The kernel counts from one question to the next. */
+static void lost_frames(void **state)
+{
+    ect_packet_t port;
+    (void)state;
+    begin((failing_t){0});
+    must_open(&port);
+    assert_int_equal(ect_packet_lost(&port), 0);
+    kernel.lost[0] = 5;
+    kernel.lost[1] = 2;
+    assert_int_equal(ect_packet_lost(&port), 7);
+    assert_int_equal(ect_packet_lost(&port), 0);
+    kernel.lost[0] = 5;
+    calls.failing = (failing_t){"getsockopt", FIRST, ENOPROTOOPT};
+    calls.made = 0;
+    assert_int_equal(ect_packet_lost(&port), 0);
+    calls.failing = (failing_t){0};
+    ect_packet_close(&port);
+    memset(kernel.lost, 0, sizeof kernel.lost);
+}
+
 static void link_of_the_interface(void **state)
 {
     static const struct {
@@ -765,6 +796,7 @@ int main(int argc, char **argv)
          NULL, NULL},
         {"a frame of unknown age is new", unknown_ages, NULL, NULL, NULL},
         {"A tag is restored in its place, if the frame has room for it", tags, NULL, NULL, NULL},
+        {"frames that the queues of a port have lost are counted once", lost_frames, NULL, NULL, NULL},
         {"the link by the driver, or by the flags of the interface", link_of_the_interface, NULL, NULL, NULL},
         {"a kernel that shares no memory: frames are received as before", sharing_refused, NULL, NULL, NULL},
         {"shared memory: frames in their order, cut to the room, with their tags", shared_frames, NULL, NULL, NULL},
