@@ -5,6 +5,7 @@
 #   tidy      clang-tidy finds nothing in the sources
 #   coverage  branch coverage of the unit tests is not below the floors in tests/budget/coverage
 #   clang     unit tests built by the second compiler; each fuzz target over its committed seeds and 5 s beyond
+#   conform   each deliberate defect fails its case of the whole catalogue, and no other
 #   sizes     text, RAM and stack of the core and of the firmware are within tests/budget
 #   presets   the builds for other processors
 #   docs      the API manual builds without a warning
@@ -36,6 +37,11 @@ clang() {
   done
 }
 
+conform() {
+  stage "conform: build" preset asan
+  stage conform ctest --test-dir build/asan -R '^conform_whole$'
+}
+
 sizes() {
   shown "sizes: core" tests/check/size.sh
   shown "sizes: stack" tests/check/stack.py
@@ -60,8 +66,8 @@ matrix() {
 }
 
 shown packages tools/bootstrap.sh test
-for stage in "${@:-tidy coverage clang sizes presets docs matrix}"; do
-  case " tidy coverage clang sizes presets docs matrix " in
+for stage in "${@:-tidy coverage clang conform sizes presets docs matrix}"; do
+  case " tidy coverage clang conform sizes presets docs matrix " in
     *" $stage "*) ;;
     *) [ $# -eq 0 ] || { echo "check.sh: no stage is named \"$stage\"; the stages are in the first lines of $0" >&2; exit 1; } ;;
   esac

@@ -4,8 +4,12 @@
 usage: conform.py devices ECTWIN CONFORM [--write]   every device passes the cases that apply, as in the table
        conform.py command ECTWIN CONFORM [TEST]      the runner's own command line
        conform.py others ECTWIN_OF_TESTS CONFORM     devices that are made for tests, for what no product has
-       conform.py defects ECTWIN CONFORM [CF-nnn]    each twin with a defect fails the case that is for it, and only that
+       conform.py defects ECTWIN CONFORM [CF-nnn]    each twin with a defect fails the case that is for it, and no other of its section
+                                                     and of a sample of the other cases
+       conform.py whole ECTWIN CONFORM [CF-nnn]      each twin with a defect fails the case that is for it, and no other case at all
        conform.py everywhere ECTWIN CONFORM [CF-nnn] each defect in each device is found by its case alone, with every seed
+
+ECTWIN_SEED=N chooses another sample (default 1).
 """
 import concurrent.futures
 import contextlib
@@ -13,6 +17,7 @@ import hashlib
 import json
 import os
 import pathlib
+import random
 import re
 import shutil
 import subprocess
@@ -155,6 +160,8 @@ DEFECT_TWINS = {**{id_: [RACK] for id_ in ("CF-M01", "CF-M02", "CF-M02b")}, "CF-
 ALIAS = ["--alias", "5"] # without one, CF-046 waits for 2 s in each run, and is skipped
 IN_OTHERS = ["CF-072b", *(f"CF-S0{number}" for number in range(1, 7))] # no product can have them; devices made for tests do
 DEFECTS_LEAST = 130
+SAMPLE = 8 # cases of other sections that a defect is tried with
+SEED = os.environ.get("ECTWIN_SEED", "1")
 
 
 def case_of(id_):
@@ -162,18 +169,18 @@ def case_of(id_):
     return id_.rstrip("bcd")
 
 
-def defect(ectwin, conform, id_):
-    """@return nothing, or what is wrong"""
+def defect(ectwin, conform, id_, only):
+    """@param only options that choose cases. @return nothing, or what is wrong"""
     if id_ == "CF-084":
         with folder_with_a_file() as (twins, arguments):
-            return find_defect(ectwin, conform, id_, ["--break", id_, *ALIAS, *twins], arguments)
+            return find_defect(ectwin, conform, id_, ["--break", id_, *ALIAS, *twins], [*arguments, *only])
     devices_ = DEFECT_TWINS.get(id_, ["fzm1"])
     arguments = [] if devices_ in ([GATEWAY], [RACK], [STATES], [ADS]) or devices_[0].startswith(DRIVES) else esi_of(devices_[-1].split(",")[0])
     if id_.startswith("CF-D"):
-        arguments = [*DRIVE_CASES, *MOVE] if id_ >= "CF-D05" else DRIVE_CASES
+        arguments, only = MOVE if id_ >= "CF-D05" else [], DRIVE_CASES
     if id_ == "CF-096b":
         arguments += ["--plug", f"{ectwin} unplug 1 >&2 && sleep 0.1 && {ectwin} plug 1 >&2"]
-    return find_defect(ectwin, conform, id_, ["--break", id_, *ALIAS, *devices_], arguments)
+    return find_defect(ectwin, conform, id_, ["--break", id_, *ALIAS, *devices_], [*arguments, *only])
 
 
 def find_defect(ectwin, conform, id_, twins, arguments):
@@ -188,12 +195,33 @@ def find_defect(ectwin, conform, id_, twins, arguments):
     return "" if failed == expected else f"{id_}: expected to fail {expected}, got {failed}\n  alone: {alone}"
 
 
+def section_and_sample(conform):
+    """@return a function of a defect's id: options that choose the section of its case, the cases that it breaks besides, and a sample"""
+    listed = subprocess.run([conform, "--list"], capture_output=True, text=True, check=True).stdout
+    section = {line.split()[0]: line.split()[1] for line in listed.splitlines()}
+
+    def chosen(id_):
+        case = case_of(id_)
+        needed = [other for other in section if section[other] == section[case] or other in FOLLOW.get(id_, [])]
+        others = [other for other in section if other not in needed]
+        return ["--only", ",".join(needed + random.Random(f"{SEED} {id_}").sample(others, SAMPLE))]
+    return chosen
+
+
 def defects(ectwin, conform, only):
+    return all_defects(ectwin, conform, only, section_and_sample(conform))
+
+
+def whole(ectwin, conform, only):
+    return all_defects(ectwin, conform, only, lambda id_: [])
+
+
+def all_defects(ectwin, conform, only, chosen):
     listed = subprocess.run([ectwin, "run", "--break", "help"], capture_output=True, text=True, check=True).stdout
     ids = [line.split()[0] for line in listed.splitlines() if line.startswith(only or "CF-")]
     ids = [id_ for id_ in ids if id_ not in IN_OTHERS]
     with concurrent.futures.ThreadPoolExecutor(RUNS) as pool:
-        wrong = [text for text in pool.map(lambda id_: defect(ectwin, conform, id_), ids) if text]
+        wrong = [text for text in pool.map(lambda id_: defect(ectwin, conform, id_, chosen(id_)), ids) if text]
     if not only and len(ids) < DEFECTS_LEAST:
         wrong.append(f"expected at least {DEFECTS_LEAST} defects, got {len(ids)}")
     print(*wrong, f"{len(ids)} defects, each found by its case" if not wrong else "", sep="\n")
@@ -669,10 +697,10 @@ def command(ectwin, conform, only):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 4 or sys.argv[1] not in ("devices", "command", "others", "defects", "everywhere"):
+    if len(sys.argv) < 4 or sys.argv[1] not in ("devices", "command", "others", "defects", "whole", "everywhere"):
         sys.exit(__doc__)
     paths = [os.path.abspath(p) for p in sys.argv[2:4]]
     if sys.argv[1] == "devices":
         sys.exit(devices(*paths, "--write" in sys.argv) != 0)
-    run = {"command": command, "others": others, "defects": defects, "everywhere": everywhere}[sys.argv[1]]
+    run = {"command": command, "others": others, "defects": defects, "whole": whole, "everywhere": everywhere}[sys.argv[1]]
     sys.exit(run(*paths, sys.argv[4] if len(sys.argv) > 4 else None) != 0)
