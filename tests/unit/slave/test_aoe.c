@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* ADS over EtherCAT: commands, index groups, refusals, and the place beside other mail. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "seams/aoe.h"
+#include "support/hex.h"
 #include "support/testdev.h"
 #include "support/wire.h"
 
@@ -112,18 +112,6 @@ static void reopen(const ect_aoe_t *entry, uint8_t state, bool coe)
 {
     wire_close(&w);
     open_ads(entry, state, coe);
-}
-
-/* Bytes from a text of hexadecimal digits; blanks are skipped. @return their number */
-static uint16_t from_hex(const char *text, uint8_t *bytes)
-{
-    uint16_t count = 0;
-    for (; *text != '\0'; text += *text == ' ' ? 1 : 2) {
-        const char digits[3] = {text[0], text[0] == ' ' ? '\0' : text[1], '\0'};
-        if (*text != ' ')
-            bytes[count++] = (uint8_t)strtoul(digits, NULL, 16);
-    }
-    return count;
 }
 
 /* --- mails -------------------------------------------------------------------------------------------------------- */

@@ -7,6 +7,7 @@
 
 #include "devices/eclink/eclink.h"
 #include "support/every.h"
+#include "support/hex.h"
 #include "support/testdev.h"
 #include "support/wire.h"
 
@@ -35,19 +36,6 @@ enum {
 #define WRONG_STATE  0x08000022u
 
 /* --- bytes as text ------------------------------------------------------------------------------------------------ */
-
-static uint16_t unhex(const char *text, uint8_t *bytes)
-{
-    uint16_t count = 0;
-    for (unsigned int value; *text != 0; text += 2) {
-        while (*text == ' ')
-            text++;
-        if (*text == 0 || sscanf(text, "%2x", &value) != 1)
-            break;
-        bytes[count++] = (uint8_t)value;
-    }
-    return count;
-}
 
 static const char *hex(const uint8_t *bytes, int count, char *text)
 {
@@ -170,17 +158,17 @@ static void run_step(wire_t *w, const char *title, const step_t *step)
 {
     uint8_t request[OUT_LENGTH], want[OUT_LENGTH] = {0}, mail[IN_LENGTH] = {0};
     char text[1000];
-    put(w, 3, request, unhex(step->request, request));
+    put(w, 3, request, from_hex(step->request, request));
     int got = fetch(w, IN_LENGTH, mail);
     int expected = -1;
     uint8_t type = 3;
     if (step->reply && step->reply[0] == 'E') {
         type = 0;
         want[0] = 1;
-        (void)unhex(step->reply + 1, want + 2);
+        (void)from_hex(step->reply + 1, want + 2);
         expected = 4;
     } else if (step->reply) {
-        expected = unhex(step->reply, want);
+        expected = from_hex(step->reply, want);
     }
     bool good =
         got == expected && (got < 0 || ((mail[5] & 0x0F) == type && memcmp(mail + HEADER, want, (size_t)got) == 0));

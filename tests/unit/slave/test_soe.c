@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Servo drive profile over EtherCAT: elements, fragments, protection, commands, process data, transitions. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "check/check.h"
+#include "support/hex.h"
 #include "support/soedev.h"
 #include "support/wire.h"
 
@@ -60,18 +60,6 @@ static void reopen_with(const ect_soe_t *soe, uint16_t mailbox)
         description.sm[n].length = description.sm[n].minimum = mailbox;
     wire_close(&w);
     open_with(&description, ECT_STATE_PREOP);
-}
-
-/* Bytes from a text of hexadecimal digits; blanks are skipped. @return their number */
-static uint16_t from_hex(const char *text, uint8_t *bytes)
-{
-    uint16_t count = 0;
-    for (; *text != '\0'; text += *text == ' ' ? 1 : 2) {
-        const char digits[3] = {text[0], text[0] == ' ' ? '\0' : text[1], '\0'};
-        if (*text != ' ')
-            bytes[count++] = (uint8_t)strtoul(digits, NULL, 16);
-    }
-    return count;
 }
 
 static void send_bytes(const uint8_t *data, uint16_t length)

@@ -10,25 +10,17 @@
 
 #include <cmocka.h>
 
+#include "support/hex.h"
+
 enum { ROOM = 1500, TEXT = 4000 };
 
 static const ect_mailboxes_t mailboxes = {.out_start = 0x1000, .in_start = 0x1400};
-
-static size_t bytes_of(const char *hex, uint8_t *bytes)
-{
-    size_t count = 0;
-    int taken;
-    unsigned int byte;
-    for (; sscanf(hex, " %2x%n", &byte, &taken) == 1; hex += taken)
-        bytes[count++] = (uint8_t)byte;
-    return count;
-}
 
 /* A datagram: command, address, data and working counter; more follow or not. */
 static size_t datagram(uint8_t *at, unsigned int command, uint32_t address, const char *data, unsigned int counter,
                        bool more)
 {
-    const size_t length = bytes_of(data, at + 10);
+    const size_t length = from_hex(data, at + 10);
     const uint8_t head[10] = {(uint8_t)command,
                               0,
                               (uint8_t)address,

@@ -19,6 +19,7 @@
 #include "bus/modbus/modbus_request.h"
 #include "devices/eclink/eclink.h"
 #include "support/every.h"
+#include "support/hex.h"
 #include "support/wire.h"
 
 #define COUNT(table) (sizeof(table) / sizeof((table)[0]))
@@ -159,20 +160,10 @@ static int connect_client(bench_t *b)
     return fd;
 }
 
-static size_t bytes_of(const char *hex, uint8_t *bytes)
-{
-    size_t count = 0;
-    int taken;
-    unsigned int byte;
-    for (; sscanf(hex, " %2x%n", &byte, &taken) == 1; hex += taken)
-        bytes[count++] = (uint8_t)byte;
-    return count;
-}
-
 static void send_request(int fd, const char *hex)
 {
     uint8_t bytes[ROOM / 16];
-    size_t size = bytes_of(hex, bytes);
+    size_t size = from_hex(hex, bytes);
     assert_int_equal(write(fd, bytes, size), (ssize_t)size);
 }
 
@@ -297,7 +288,7 @@ static void requests(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         uint8_t pdu[260];
         ect_modbus_request_t got;
-        size_t size = bytes_of(rows[i].pdu, pdu);
+        size_t size = from_hex(rows[i].pdu, pdu);
         ect_modbus_result_t result = ect_modbus_request(pdu, size, &got);
         if (result != rows[i].result)
             fail_msg("%s (%s): expected exception %d, got %d", rows[i].what, rows[i].pdu, (int)rows[i].result,
@@ -364,7 +355,7 @@ static void in_two_pieces(void **state)
     open_bench(&b);
     wire_advance(&b.wire, 125 * MS);
     int fd = connect_client(&b), other = connect_client(&b);
-    size_t size = bytes_of(WRITE, request);
+    size_t size = from_hex(WRITE, request);
     for (size_t cut = 1; cut < size; cut++) {
         assert_int_equal(write(fd, request, cut), (ssize_t)cut);
         (void)serve(&b);
@@ -528,7 +519,7 @@ static void client_that_does_not_read(void **state)
     wire_advance(&b.wire, 125 * MS);
     int fd = connect_client(&b), other = connect_client(&b);
     assert_int_equal(setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &room, sizeof room), 0);
-    size_t size = bytes_of("12 34 00 00 00 06 01 04 00 00 00 21", request);
+    size_t size = from_hex("12 34 00 00 00 06 01 04 00 00 00 21", request);
     while (write(fd, request, size) == (ssize_t)size) {
         sent++;
         (void)serve(&b);
@@ -559,7 +550,7 @@ static void place_of_a_client_that_did_not_read(void **state)
     wire_advance(&b.wire, 125 * MS);
     int fd = connect_client(&b);
     assert_int_equal(setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &room, sizeof room), 0);
-    size_t size = bytes_of("12 34 00 00 00 06 01 04 00 00 00 21", request);
+    size_t size = from_hex("12 34 00 00 00 06 01 04 00 00 00 21", request);
     while (write(fd, request, size) == (ssize_t)size) {
         (void)serve(&b);
         assert_true(++sent < ROOM);
@@ -846,7 +837,7 @@ static void no_request_to_repeat(void **state)
     assert_non_null(server);
     assert_int_equal(ect_modbus_server_request(server, w.chain, w.now_ns, request, sizeof request, reply), 0);
     for (size_t i = 0; i < COUNT(rows); i++) {
-        size_t length = bytes_of(rows[i], request);
+        size_t length = from_hex(rows[i], request);
         if (ect_modbus_server_request(server, w.chain, w.now_ns, request, length, reply) != 0)
             fail_msg("'%s' has a reply", rows[i]);
     }

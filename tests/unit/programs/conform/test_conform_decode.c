@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "conform_support.h"
+#include "support/hex.h"
 
 enum { FIRST = 16, HEADER = 10 };
 
@@ -32,14 +33,10 @@ static void start(void)
 static void add(uint8_t command, uint32_t address, const char *hex, uint16_t wkc, bool more)
 {
     uint8_t *at = frame + length;
-    uint16_t bytes = (uint16_t)(strlen(hex) / 2);
+    uint16_t bytes = from_hex(hex, at + HEADER);
     at[0] = command;
     ect_store_le32(at + 2, address);
     ect_store_le16(at + 6, (uint16_t)(bytes | (more ? 0x8000 : 0)));
-    for (uint16_t i = 0; i < bytes; i++) {
-        const char digits[3] = {hex[2 * i], hex[2 * i + 1], 0};
-        at[HEADER + i] = (uint8_t)strtoul(digits, NULL, 16);
-    }
     ect_store_le16(at + HEADER + bytes, wkc);
     length += (size_t)HEADER + bytes + 2;
 }
