@@ -130,6 +130,38 @@ __attribute__((unused)) static void *fake_of(const fake_t *table, size_t count, 
     abort();
 }
 
+/* A function of up to six words, whatever their types: each is a register of its own. */
+#define FAKE_1(name)                                                                                                   \
+    long fake_##name(long a)                                                                                           \
+    {                                                                                                                  \
+        return CALLED(name, a);                                                                                        \
+    }
+#define FAKE_2(name)                                                                                                   \
+    long fake_##name(long a, long b)                                                                                   \
+    {                                                                                                                  \
+        return CALLED(name, a, b);                                                                                     \
+    }
+#define FAKE_3(name)                                                                                                   \
+    long fake_##name(long a, long b, long c)                                                                           \
+    {                                                                                                                  \
+        return CALLED(name, a, b, c);                                                                                  \
+    }
+#define FAKE_4(name)                                                                                                   \
+    long fake_##name(long a, long b, long c, long d)                                                                   \
+    {                                                                                                                  \
+        return CALLED(name, a, b, c, d);                                                                               \
+    }
+#define FAKE_5(name)                                                                                                   \
+    long fake_##name(long a, long b, long c, long d, long e)                                                           \
+    {                                                                                                                  \
+        return CALLED(name, a, b, c, d, e);                                                                            \
+    }
+#define FAKE_6(name)                                                                                                   \
+    long fake_##name(long a, long b, long c, long d, long e, long f)                                                   \
+    {                                                                                                                  \
+        return CALLED(name, a, b, c, d, e, f);                                                                         \
+    }
+
 /* An address that nothing reads, and of which the compiler does not know that there is nothing. */
 __attribute__((unused)) static void *AT(long number)
 {

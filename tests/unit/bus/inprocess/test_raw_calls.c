@@ -17,38 +17,6 @@ static ect_raw_call_t made; /* the newest call */
 /* --- the functions that the room replaces ---------------------------------------------------------------------------
  */
 
-#define FAKE_1(name)                                                                                                   \
-    long fake_##name(long a)                                                                                           \
-    {                                                                                                                  \
-        return CALLED(name, a);                                                                                        \
-    }
-#define FAKE_2(name)                                                                                                   \
-    long fake_##name(long a, long b)                                                                                   \
-    {                                                                                                                  \
-        return CALLED(name, a, b);                                                                                     \
-    }
-#define FAKE_3(name)                                                                                                   \
-    long fake_##name(long a, long b, long c)                                                                           \
-    {                                                                                                                  \
-        return CALLED(name, a, b, c);                                                                                  \
-    }
-#define FAKE_4(name)                                                                                                   \
-    long fake_##name(long a, long b, long c, long d)                                                                   \
-    {                                                                                                                  \
-        return CALLED(name, a, b, c, d);                                                                               \
-    }
-#define FAKE_5(name)                                                                                                   \
-    long fake_##name(long a, long b, long c, long d, long e)                                                           \
-    {                                                                                                                  \
-        return CALLED(name, a, b, c, d, e);                                                                            \
-    }
-#define FAKE_6(name)                                                                                                   \
-    long fake_##name(long a, long b, long c, long d, long e, long f)                                                   \
-    {                                                                                                                  \
-        return CALLED(name, a, b, c, d, e, f);                                                                         \
-    }
-
-/* Each argument is a register of its own, whatever its type. */
 FAKE_3(socket)
 FAKE_3(bind)
 FAKE_5(setsockopt)

@@ -58,22 +58,8 @@ long fake_lseek(int fd, long offset, int whence)
 /* --- the functions that the room replaces: each argument is a register of its own, whatever its type
  * -------------------- */
 
-#define FAKE_2(name)                                                                                                   \
-    long fake_##name(long a, long b)                                                                                   \
-    {                                                                                                                  \
-        return CALLED(name, a, b);                                                                                     \
-    }
-#define FAKE_3(name)                                                                                                   \
-    long fake_##name(long a, long b, long c)                                                                           \
-    {                                                                                                                  \
-        return CALLED(name, a, b, c);                                                                                  \
-    }
-#define FAKE_4(name)                                                                                                   \
-    long fake_##name(long a, long b, long c, long d)                                                                   \
-    {                                                                                                                  \
-        return CALLED(name, a, b, c, d);                                                                               \
-    }
-
+FAKE_1(time)
+FAKE_1(alarm)
 FAKE_2(clock_gettime)
 FAKE_2(gettimeofday)
 FAKE_2(nanosleep)
@@ -87,16 +73,7 @@ FAKE_3(setitimer)
 FAKE_2(getitimer)
 FAKE_4(wait4)
 FAKE_4(waitid)
-
-long fake_time(long a)
-{
-    return CALLED(time, a);
-}
-
-long fake_alarm(long a)
-{
-    return CALLED(alarm, a);
-}
+FAKE_5(select)
 
 long fake_sched_yield(void)
 {
@@ -106,11 +83,6 @@ long fake_sched_yield(void)
 long fake_pause(void)
 {
     return CALLED(pause);
-}
-
-long fake_select(long a, long b, long c, long d, long e)
-{
-    return CALLED(select, a, b, c, d, e);
 }
 
 long fake_syscall(long number, long a, long b, long c, long d, long e, long f)

@@ -2,28 +2,9 @@
 /* EXE, FLG and the eleven commands (Q179 §4-2, §4-3, §4-4). */
 #include <string.h>
 
-#include "support/sensor.h"
+#include "bench.h"
 
 enum { NG = -1, RESPONSE = 12 };
-
-static sensor_t s;
-static sensor_memory_t memory;
-
-static int setup(void **state)
-{
-    (void)state;
-    sensor_memory_open(&memory);
-    sensor_open_with(&s, &memory.storage);
-    return 0;
-}
-
-static int teardown(void **state)
-{
-    (void)state;
-    sensor_close(&s);
-    sensor_memory_close(&memory);
-    return 0;
-}
 
 static void measure(void)
 {

@@ -3,33 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "bench.h"
 #include "seams/record.h"
-#include "support/sensor.h"
-
-static sensor_t s;
-static sensor_memory_t memory;
-
-static int setup(void **state)
-{
-    (void)state;
-    sensor_memory_open(&memory);
-    sensor_open_with(&s, &memory.storage);
-    return 0;
-}
-
-static int teardown(void **state)
-{
-    (void)state;
-    sensor_close(&s);
-    sensor_memory_close(&memory);
-    return 0;
-}
-
-static void power_cycle(void)
-{
-    sensor_close(&s);
-    sensor_open_with(&s, &memory.storage);
-}
 
 /* By hand. @return whether all was saved */
 static bool save(void)

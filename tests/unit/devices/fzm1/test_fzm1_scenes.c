@@ -3,27 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "bench.h"
 #include "bus/chain/settings.h"
-#include "support/sensor.h"
-
-static sensor_t s;
-static sensor_memory_t memory;
-
-static int setup(void **state)
-{
-    (void)state;
-    sensor_memory_open(&memory);
-    sensor_open_with(&s, &memory.storage);
-    return 0;
-}
-
-static int teardown(void **state)
-{
-    (void)state;
-    sensor_close(&s);
-    sensor_memory_close(&memory);
-    return 0;
-}
 
 static void expect_text(const char *signal, const char *want)
 {

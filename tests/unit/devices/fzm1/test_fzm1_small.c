@@ -4,36 +4,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "support/sensor.h"
+#include "bench.h"
 
 _Static_assert(FZM1_KEPT == 2, "built with ECT_SMALL");
 
 enum { SAVED = 6 };
-
-static sensor_t s;
-static sensor_memory_t memory;
-
-static int setup(void **state)
-{
-    (void)state;
-    sensor_memory_open(&memory);
-    sensor_open_with(&s, &memory.storage);
-    return 0;
-}
-
-static int teardown(void **state)
-{
-    (void)state;
-    sensor_close(&s);
-    sensor_memory_close(&memory);
-    return 0;
-}
-
-static void power_cycle(void)
-{
-    sensor_close(&s);
-    sensor_open_with(&s, &memory.storage);
-}
 
 static void expect_data(const char *want)
 {
