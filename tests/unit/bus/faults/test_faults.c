@@ -171,6 +171,8 @@ static void refused(void **state)
         {"hang", "slave N"},
         {"hang slave 0", "1 to 65535"},
         {"hang slave 1 now", "nothing more"},
+        {"hang of 0x1018 slave 1", "nothing more, not 'of'"},
+        {"mail lost 0x1018 slave 1", "nothing more, not '0x1018'"},
         {"eeprom slave 1", "expected one of busy, nack, flip, ok after 'eeprom'"},
         {"mail slave 1", "expected one of toggle, counter, type, length, late, twice, lost after 'mail'"},
         {"al slave 1", "expected a code, as 0x001B"},
