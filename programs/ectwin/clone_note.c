@@ -41,7 +41,9 @@ static void print_reason(FILE *file, const ect_reader_gap_t *gap)
         [ECT_READER_SILENT] = "no reply",           [ECT_READER_WRONG] = "a wrong reply",
         [ECT_READER_TOO_LONG] = "too long",         [ECT_READER_LOST] = "no frame came back",
         [ECT_READER_STOPPED] = "not read any more", [ECT_READER_DECLINED] = "not read"};
-    if (gap->result == ECT_READER_ABORTED)
+    if (gap->result == ECT_READER_ABORTED && gap->code == 0)
+        fprintf(file, "refused without an abort code\n");
+    else if (gap->result == ECT_READER_ABORTED)
         fprintf(file, "abort code 0x%08X\n", (unsigned int)gap->code);
     else if (gap->result == ECT_READER_REFUSED)
         fprintf(file, "mailbox error 0x%04X\n", (unsigned int)gap->code);

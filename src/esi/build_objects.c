@@ -129,6 +129,8 @@ static void add_entry(maker_t *m, unsigned int subindex, const ect_esi_item_t *i
                       ect_build_access(&item->flags, &m->model->flags), display_of(item, info, name));
     entry->minimum = basic.minimum;
     entry->maximum = basic.maximum;
+    entry->reported_access = item->flags.reported_access;
+    entry->reported_bits = item->flags.reported_bits;
     take_info(entry, &item->info);
     if (info != NULL)
         take_info(entry, info);
@@ -227,7 +229,12 @@ static void add_object(ect_build_t *build, const ect_esi_dictionary_t *dictionar
         const ect_esi_item_t alone = {.info = model->info,
                                       .display = model->info.display,
                                       .line = model->line,
-                                      .flags = {.access = "", .read_in = "", .write_in = "", .mapping = ""}};
+                                      .flags = {.access = "",
+                                                .read_in = "",
+                                                .write_in = "",
+                                                .mapping = "",
+                                                .reported_access = model->flags.reported_access,
+                                                .reported_bits = model->flags.reported_bits}};
         add_entry(&maker, 0, &alone, model->name, model->type, model->bits);
     }
     if (maker.object->count == 0)

@@ -61,8 +61,9 @@ static const char *restriction_of(unsigned int states)
     return names[states & 7u];
 }
 
-static ect_esi_flags_t flags_of(uint16_t access)
+static ect_esi_flags_t flags_of(const ect_esi_found_entry_t *entry)
 {
+    const uint16_t access = entry->access;
     const bool readable = (access & ECT_ACCESS_RO) != 0, writable = (access & ECT_ACCESS_WO) != 0;
     const bool rx = (access & ECT_ACCESS_RXPDO) != 0, tx = (access & ECT_ACCESS_TXPDO) != 0;
     return (ect_esi_flags_t){
@@ -78,7 +79,17 @@ static ect_esi_flags_t flags_of(uint16_t access)
         .category = "",
         .backup = (access & ECT_ACCESS_BACKUP) != 0,
         .setting = (access & ECT_ACCESS_SETTING) != 0,
+        .reported_access = {.given = true, .value = access & ECT_ACCESS_WIRE},
+        .reported_bits = {.given = true, .value = entry->bits},
     };
+}
+
+/* SOES describes a text without a length: then the length is that of its value, at least one character. */
+static uint32_t bits_of(const ect_esi_found_entry_t *entry)
+{
+    if (entry->bits > 0 || entry->type != ECT_TYPE_VISIBLE_STRING)
+        return entry->bits;
+    return entry->value.length > 1 ? 8 * (uint32_t)entry->value.length : 8;
 }
 
 static ect_esi_number_t number_of(ect_esi_bytes_t bytes)
@@ -97,15 +108,16 @@ void ect_esi_found_entry(ect_esi_t *esi, const ect_esi_found_entry_t *entry)
     ECT_ASSERT(dictionary->type_count > 0);
     ect_esi_type_t *type = &((ect_esi_type_t *)OURS(dictionary->types))[dictionary->type_count - 1];
     ect_esi_item_t *items = ect_arena_grow(&esi->arena, OURS(type->items), type->item_count, sizeof *items);
-    const char *name = entry->bits > 0 ? ect_esi_type_name(entry->type, entry->bits, text, sizeof text) : "";
+    const uint32_t bits = bits_of(entry);
+    const char *name = bits > 0 ? ect_esi_type_name(entry->type, bits, text, sizeof text) : "";
     const ect_esi_number_t unit = number_of(entry->unit);
     items[type->item_count++] = (ect_esi_item_t){
         .subindex = entry->subindex,
         .name = copy_text(esi, entry->name),
         .display = "",
         .type = copy_text(esi, name),
-        .bits = entry->bits,
-        .flags = flags_of(entry->access),
+        .bits = bits,
+        .flags = flags_of(entry),
         .info = {.initial = copy_bytes(esi, entry->value),
                  .minimum = number_of(entry->minimum),
                  .maximum = number_of(entry->maximum),
@@ -270,7 +282,8 @@ static bool same_flags(const ect_esi_flags_t *a, const ect_esi_flags_t *b)
 {
     return strcmp(a->access, b->access) == 0 && strcmp(a->read_in, b->read_in) == 0 &&
            strcmp(a->write_in, b->write_in) == 0 && strcmp(a->mapping, b->mapping) == 0 && a->backup == b->backup &&
-           a->setting == b->setting;
+           a->setting == b->setting && a->reported_access.value == b->reported_access.value &&
+           a->reported_bits.value == b->reported_bits.value;
 }
 
 /* @return whether elements 1 to the last have the same type and access rights, as in an array of an ESI file */

@@ -32,6 +32,7 @@
  *   inits.c            start-up commands of the description
  *   change.c           modules that change while the twin runs
  *   network.c          EoE: an IP host; AoE
+ *   reported.c             SDO information that differs from the dictionary
  *   twin.c             the description and its behaviour
  *   rack.c             twins, with a description for each set of modules
  *   dialect.c          the words of SoE drives over axes of CiA 402
@@ -124,6 +125,7 @@ typedef struct ect_build_entry {
     size_t offset; /**< in the instance, after lay_out() */
     bool identity; /**< the data are a member of ect_standard_t at `offset`: 1018h, 1001h */
     bool constant; /**< no data: an element of a mapping that never changes */
+    ect_esi_number_t reported_access, reported_bits; /**< as in ect_esi_flags_t */
 } ect_build_entry_t;
 
 /** An object under construction; entries in any order. */
@@ -468,6 +470,12 @@ size_t ect_esi_change_size(const ect_esi_rack_t *rack);
 
 /** change.c: signals for the modules, before those of process data. */
 void ect_esi_change_signals(ect_build_t *build, ect_plant_t *plant);
+
+/**
+ * reported.c. Sets what SDO information reports: rights and lengths of the file where they differ from those of the
+ * twin. Call it after the objects and protocols of the device are set.
+ */
+void ect_esi_reported_set(const ect_build_t *build, ect_device_t *device);
 
 /** change.c: the functions of device and plant. */
 void ect_esi_change_set(const ect_build_t *build, ect_device_t *device, ect_plant_t *plant);

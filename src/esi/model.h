@@ -149,6 +149,8 @@ typedef struct ect_esi_flags {
     ect_esi_number_t attribute; /**< of an IDN, `<Attribute>` */
     bool backup;
     bool setting;
+    ect_esi_number_t reported_access; /**< access rights of SDO information, `<Property>` SdoInfoAccess of a clone */
+    ect_esi_number_t reported_bits;   /**< length of SDO information, `<Property>` SdoInfoBits of a clone */
 } ect_esi_flags_t;
 
 /** A type's or an object's default and limits. */

@@ -34,6 +34,22 @@ static void read_flags(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_flags_t 
     flags->setting = is_set(xml, node, "Setting");
 }
 
+/* Properties of `ectwin clone`: an entry that SDO information describes in another way than its use requires. */
+static void read_properties(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_flags_t *flags)
+{
+    ECT_ESI_EACH(property, ect_esi_child(node, "Properties"), "Property")
+    {
+        const char *name = ect_esi_text(xml, ect_esi_child(property, "Name"));
+        ect_esi_number_t *reported = strcmp(name, "SdoInfoAccess") == 0 ? &flags->reported_access
+                                     : strcmp(name, "SdoInfoBits") == 0 ? &flags->reported_bits
+                                                                        : NULL;
+        if (reported == NULL)
+            continue;
+        reported->value = ect_esi_number(xml, property, "Value", 0, UINT16_MAX, 0);
+        reported->given = true;
+    }
+}
+
 static ect_esi_bytes_t from_number(ect_esi_xml_t *xml, int64_t value)
 {
     uint8_t *bytes = ect_arena_alloc(xml->arena, 8);
@@ -95,6 +111,7 @@ static void read_item(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_item_t *i
     item->offset = (uint32_t)ect_esi_number(xml, node, "BitOffs", 0, UINT32_MAX, 0);
     item->line = ect_esi_line(node);
     read_flags(xml, ect_esi_child(node, "Flags"), &item->flags);
+    read_properties(xml, node, &item->flags);
     read_info(xml, node, &item->info);
 }
 
@@ -147,6 +164,7 @@ static void read_object(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_object_
     object->bits = (uint32_t)ect_esi_number(xml, node, "BitSize", 0, UINT32_MAX, 0);
     object->line = ect_esi_line(node);
     read_flags(xml, ect_esi_child(node, "Flags"), &object->flags);
+    read_properties(xml, node, &object->flags);
     read_info(xml, info, &object->info);
     ECT_ESI_EACH(child, info, "SubItem")
     {

@@ -234,7 +234,7 @@ static void add_protocol(ect_device_t *device, const ect_protocol_t **list, bool
 
 static void set_protocols(ect_build_t *build, ect_device_t *device)
 {
-    enum { MOST = 9 };
+    enum { MOST = 10 }; /* with one more by ect_esi_reported_set, and the end */
     const ect_esi_mailbox_t *m = &build->model->mailbox;
     const ect_protocol_t **list = ect_arena_alloc(build->arena, MOST * sizeof *list);
     add_protocol(device, list, m->coe, &ect_protocol_emergency);
@@ -854,6 +854,7 @@ static void build(ect_esi_twin_t *twin, const ect_module_choice_t *modules, size
         device->instance_size = rack_size(b);
     ect_build_toggles(b, device);
     set_objects(b, device);
+    ect_esi_reported_set(b, device);
     set_pdos(b, device);
     set_telegrams(b, device);
     if (can_be_configured(b))

@@ -99,6 +99,14 @@ ect_esi_twin_t *ect_esi_twin_without_modules(const ect_esi_twin_t *twin);
 /** Frees a twin, whose product must no longer be in a chain. NULL: no effect */
 void ect_esi_twin_free(ect_esi_twin_t *twin);
 
+/**
+ * The objects of a description as SDO information describes them: those of a clone may lack rights and lengths that the
+ * use of an entry requires.
+ * @return `object_count` objects, in the order of the device's own; without a difference, or for a description that is
+ * not of a twin: device->objects
+ */
+const ect_object_t *ect_esi_reported(const ect_device_t *device);
+
 ECT_C_END
 
 #endif

@@ -9,6 +9,7 @@
 /* The dictionary, and the written types. */
 typedef struct list {
     ect_xml_writer_t *xml;
+    const ect_device_t *device;
     ect_od_t od;
     const char **names; /* written basic types */
     size_t count;
@@ -130,6 +131,33 @@ static void write_flags(ect_xml_writer_t *xml, uint16_t index, uint16_t bits, bo
     ect_xml_close(xml);
 }
 
+static void write_property(ect_xml_writer_t *xml, const char *name, uint32_t value)
+{
+    ect_xml_open(xml, "Property");
+    ect_xml_text(xml, "Name", name);
+    ect_xml_hex(xml, "Value", value, 4);
+    ect_xml_close(xml);
+}
+
+/* Writes what SDO information describes in another way than the entry is. */
+static void write_properties(list_t *list, const ect_object_t *object, const ect_entry_t *entry)
+{
+    ect_xml_writer_t *xml = list->xml;
+    const ect_od_t reported = {.objects = ect_esi_reported(list->device), .count = list->device->object_count};
+    const ect_object_t *described = ect_od_find(&reported, object->index);
+    const ect_entry_t *other = described != NULL ? ect_od_entry(described, (uint8_t)entry->subindex) : NULL;
+    const bool access = other != NULL && ((other->access ^ entry->access) & ECT_ACCESS_WIRE) != 0;
+    const bool bits = other != NULL && other->bit_length != entry->bit_length;
+    if (!access && !bits)
+        return;
+    ect_xml_open(xml, "Properties");
+    if (access)
+        write_property(xml, "SdoInfoAccess", other->access & ECT_ACCESS_WIRE);
+    if (bits)
+        write_property(xml, "SdoInfoBits", other->bit_length);
+    ect_xml_close(xml);
+}
+
 static void write_item(list_t *list, const ect_object_t *object, const ect_entry_t *entry)
 {
     ect_xml_writer_t *xml = list->xml;
@@ -144,6 +172,7 @@ static void write_item(list_t *list, const ect_object_t *object, const ect_entry
     ect_xml_number(xml, "BitSize", ect_od_bits(&list->od, entry));
     ect_xml_number(xml, "BitOffs", ect_esi_item_offset(object, entry));
     write_flags(xml, object->index, entry->access, false);
+    write_properties(list, object, entry);
     ect_xml_close(xml);
 }
 
@@ -162,6 +191,7 @@ static void write_elements(list_t *list, const ect_object_t *object)
     ect_xml_number(xml, "BitSize", element_bits(object));
     ect_xml_number(xml, "BitOffs", ect_esi_item_offset(object, first));
     write_flags(xml, object->index, first->access, false);
+    write_properties(list, object, first);
     ect_xml_close(xml);
 }
 
@@ -307,12 +337,14 @@ static void write_object(list_t *list, const ect_object_t *object)
         write_info(list, object, object->entries, name_of_value(object));
     }
     write_flags(xml, object->index, access_of_all(object), record);
+    if (!record)
+        write_properties(list, object, object->entries);
     ect_xml_close(xml);
 }
 
 void ect_xml_dictionary(ect_xml_writer_t *xml, const ect_device_t *device, const ect_identity_t *identity)
 {
-    list_t list = {.xml = xml, .od = ect_esi_values(xml->arena, device, identity)};
+    list_t list = {.xml = xml, .device = device, .od = ect_esi_values(xml->arena, device, identity)};
     ect_xml_open(xml, "Dictionary");
     ect_xml_open(xml, "DataTypes");
     write_types(&list);

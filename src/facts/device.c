@@ -3,6 +3,7 @@
 #include <inttypes.h>
 #include <string.h>
 
+#include "esi/twin.h"
 #include "facts/facts.h"
 #include "sii/sii.h"
 #include "wire/assert.h"
@@ -182,8 +183,9 @@ static void add_entry(ect_facts_t *facts, const ect_od_t *od, uint16_t index, co
 
 static void add_dictionary(ect_facts_t *facts, const ect_device_t *device, const ect_od_t *od)
 {
+    const ect_object_t *objects = ect_esi_reported(device);
     for (uint16_t i = 0; i < device->object_count; i++) {
-        const ect_object_t *object = &device->objects[i];
+        const ect_object_t *object = &objects[i];
         (void)ect_facts_add(facts, ECT_FACT_OBJECT, object->index, 0, "code %u", object->object_code);
         if (!ect_facts_are_of_pdos(object->index))
             add_text(facts, ECT_FACT_OBJECT_NAME, object->index, 0, object->name);
