@@ -213,9 +213,9 @@ static void each_byte_of_General_is_a_fact(void **state)
         unsigned int at;
         const char *text;
     } rows[] = {
-        {0, "none"},  {1, "0x01"},  {2, "none"},   {3, "none"},   {4, "0x04"},   {5, "none"},  {6, "0x06"},
-        {11, "0x0B"}, {12, "none"}, {13, "none"},  {14, "none"},  {15, "0x0F"},  {16, "0x10"}, {31, "0x1F"},
-        {32, "0x20"}, {46, "0x2E"}, {254, "0xFE"}, {255, "0xFF"}, {256, "none"},
+        {0, "no text"}, {1, "0x01"},  {2, "no text"}, {3, "no text"},  {4, "0x04"},   {5, "none"},  {6, "0x06"},
+        {11, "0x0B"},   {12, "none"}, {13, "none"},   {14, "no text"}, {15, "0x0F"},  {16, "0x10"}, {31, "0x1F"},
+        {32, "0x20"},   {46, "0x2E"}, {254, "0xFE"},  {255, "0xFF"},   {256, "none"},
     };
     uint8_t image[512] = {0};
     ect_facts_t f = {.source = "image"};
