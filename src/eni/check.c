@@ -199,6 +199,23 @@ static void check_slave(checker_t *c)
     check_bits(c, true);
 }
 
+/* A request of FoE, with the name of its file, is one mail. */
+static void check_files(checker_t *c)
+{
+    enum { MAIL_HEADER = 6 };
+    const ect_eni_mailbox_t *mailbox = &c->slave->mailbox;
+    for (size_t i = 0; i < mailbox->mail_count; i++) {
+        const ect_eni_mail_t *mail = &mailbox->mails[i];
+        const size_t bytes =
+            mail->protocol == ECT_MAILBOX_TYPE_FOE ? MAIL_HEADER + ECT_ENI_FOE_HEADER + strlen(mail->file) : 0;
+        if (bytes > mailbox->send.length)
+            say(c, mail->line, "the FoE request of the file '%.60s' has %zu bytes, the mailbox %u", mail->file, bytes,
+                mailbox->send.length);
+        if (bytes > 0 && mail->type == ECT_ENI_FOE_READS && mail->data.length > 0)
+            say(c, mail->line, "the FoE command reads the file '%.60s', and has Data", mail->file);
+    }
+}
+
 /* --- process image -------------------------------------------------------------------------------------------------
  */
 
@@ -212,8 +229,29 @@ static void check_range(checker_t *c, const ect_eni_command_t *command, bool inp
             inputs ? "inputs" : "outputs", image->bytes);
 }
 
+/* A copy of bits of the inputs to the outputs. */
+static void check_copy(checker_t *c, const ect_eni_copy_t *copy)
+{
+    const ect_eni_network_t *network = ect_eni_network(c->eni);
+    const struct {
+        const ect_eni_image_t *image;
+        const char *name;
+        uint64_t end;
+    } ends[] = {{&network->inputs, "inputs", (uint64_t)copy->source + copy->bits},
+                {&network->outputs, "outputs", (uint64_t)copy->target + copy->bits}};
+    if (copy->bits == 0)
+        say(c, copy->line, "the CopyInfo copies no bits: BitSize is missing");
+    for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++) {
+        if (ends[i].image->given && ends[i].end > (uint64_t)ends[i].image->bytes * BYTE_BITS)
+            say(c, copy->line, "the CopyInfo reaches bit %" PRIu64 " of the %s, which have %u bytes", ends[i].end,
+                ends[i].name, ends[i].image->bytes);
+    }
+}
+
 static void check_cyclic(checker_t *c, const ect_eni_command_t *command)
 {
+    for (size_t i = 0; i < command->copy_count; i++)
+        check_copy(c, &command->copies[i]);
     if (command->command == ECT_LWR || command->command == ECT_LRW)
         check_range(c, command, false);
     if (command->command == ECT_LRD || command->command == ECT_LRW)
@@ -255,6 +293,7 @@ size_t ect_eni_check(const ect_eni_t *eni, void (*report)(void *ctx, const char 
         c.slave = &network->slaves[i];
         c.number = i + 1;
         check_slave(&c);
+        check_files(&c);
     }
     c.slave = NULL;
     for (size_t i = 0; i < network->cyclic_count; i++) {

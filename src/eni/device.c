@@ -287,6 +287,19 @@ static void copy_inits(const maker_t *m)
 }
 
 /* A drive of a command exists. */
+/* A request of FoE as the bytes of a mail, behind its header; the name ends with a zero, the file follows. */
+static ect_esi_bytes_t foe_request(const maker_t *m, const ect_eni_mail_t *mail)
+{
+    const size_t name = strlen(mail->file) + 1, length = ECT_ENI_FOE_HEADER + name + mail->data.length;
+    uint8_t *bytes = ect_arena_alloc(m->arena, length);
+    bytes[0] = mail->type;
+    ect_store_le32(bytes + 2, mail->password);
+    memcpy(bytes + ECT_ENI_FOE_HEADER, mail->file, name);
+    if (mail->data.length > 0)
+        memcpy(bytes + ECT_ENI_FOE_HEADER + name, mail->data.bytes, mail->data.length);
+    return (ect_esi_bytes_t){.bytes = bytes, .length = length};
+}
+
 static void copy_mails(const maker_t *m)
 {
     const ect_eni_mailbox_t *from = &m->slave->mailbox;
@@ -302,7 +315,8 @@ static void copy_mails(const maker_t *m)
                                     .elements = mail->elements,
                                     .idn = mail->idn,
                                     .disabled = mail->disabled,
-                                    .data = copy_bytes(m, &mail->data),
+                                    .data = mail->protocol == ECT_MAILBOX_TYPE_FOE ? foe_request(m, mail)
+                                                                                   : copy_bytes(m, &mail->data),
                                     .line = mail->line};
         copy_text(m, &mails[i].comment);
         if (mail->protocol == ECT_MAILBOX_TYPE_SOE && mail->drive >= mailbox->soe_channels)

@@ -62,6 +62,12 @@ typedef struct ect_eni_validate {
     uint32_t timeout_ms;
 } ect_eni_validate_t;
 
+/** `<CopyInfo>`: bits of the inputs that the master copies to the outputs, between two slaves. */
+typedef struct ect_eni_copy {
+    uint32_t source, target, bits; /**< places in the process image, bits */
+    int line;
+} ect_eni_copy_t;
+
 /** A datagram that the master sends: `<InitCmd>` of master or slave, `<Cmd>` of a cyclic frame. */
 typedef struct ect_eni_command {
     unsigned int transitions; /**< ECT_ENI_II …, of an InitCmd; 0: none is given */
@@ -76,6 +82,8 @@ typedef struct ect_eni_command {
     uint32_t retries;
     ect_eni_validate_t validate;
     uint32_t input_offset, output_offset; /**< of a cyclic command: bytes in the process image */
+    const ect_eni_copy_t *copies;
+    size_t copy_count;
     int line;
 } ect_eni_command_t;
 
@@ -93,18 +101,27 @@ typedef struct ect_eni_coe {
     int line;
 } ect_eni_coe_t;
 
-/** `<InitCmd>` of AoE, EoE or SoE. */
+/** Requests of FoE. */
+enum {
+    ECT_ENI_FOE_READS = 1,
+    ECT_ENI_FOE_WRITES = 2,
+    ECT_ENI_FOE_HEADER = 6 /**< bytes before the name of the file */
+};
+
+/** `<InitCmd>` of AoE, EoE, FoE or SoE. */
 typedef struct ect_eni_mail {
     unsigned int transitions; /**< ECT_ENI_II … */
     const char *comment;
     uint32_t timeout_ms;
-    uint8_t protocol; /**< ECT_MAILBOX_TYPE_AOE, ECT_MAILBOX_TYPE_EOE, ECT_MAILBOX_TYPE_SOE */
-    uint8_t type;  /**< of EoE: that of the mail, 2 sets the IP parameters; of SoE: ECT_INIT_READS, ECT_INIT_WRITES */
-    uint8_t drive; /**< of SoE, 0 to 7 */
+    uint8_t protocol; /**< ECT_MAILBOX_TYPE_AOE, _EOE, _FOE, _SOE */
+    uint8_t type;     /**< as ect_init_mail_t::type; of FoE: ECT_ENI_FOE_READS, ECT_ENI_FOE_WRITES */
+    uint8_t drive;    /**< of SoE, 0 to 7 */
     uint8_t elements; /**< of SoE: bit 6 is the value */
     uint16_t idn;     /**< of SoE */
     bool disabled;
-    ect_esi_bytes_t data; /**< behind the header of the mailbox, of EoE and SoE behind that of the protocol */
+    const char *file;     /**< of FoE; else "" */
+    uint32_t password;    /**< of FoE */
+    ect_esi_bytes_t data; /**< as ect_init_mail_t::data; of FoE: the content of the file */
     int line;
 } ect_eni_mail_t;
 
@@ -142,9 +159,9 @@ typedef struct ect_eni_mailbox {
     bool aoe, eoe, coe, foe, soe, voe;
     const ect_eni_coe_t *commands;
     size_t command_count;
-    const ect_eni_mail_t *mails; /**< of AoE, then of EoE, then of SoE */
+    const ect_eni_mail_t *mails; /**< of AoE, then of EoE, of SoE, of FoE */
     size_t mail_count;
-    size_t others; /**< number of other start-up commands: of FoE, or without a mail */
+    size_t others; /**< number of start-up commands that no player sends: of FoE, or without a mail */
 } ect_eni_mailbox_t;
 
 /** The selected `<PreviousPort>`, or the only one. */

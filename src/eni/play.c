@@ -134,7 +134,8 @@ static void play_mails(ect_eni_player_t *p, size_t slave, unsigned int transitio
     }
     for (size_t i = 0; i < mailbox->mail_count; i++) {
         const ect_eni_mail_t *mail = &mailbox->mails[i];
-        if ((mail->transitions & transition) == 0 || mail->disabled)
+        const bool sent = (mail->transitions & transition) != 0 && mail->protocol != ECT_MAILBOX_TYPE_FOE;
+        if (!sent || mail->disabled)
             continue;
         if (mail->protocol == ECT_MAILBOX_TYPE_SOE)
             eni_play_soe(p, slave, mail);

@@ -104,6 +104,21 @@ static void read_data(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_bytes_t *
     data->bytes = zeros;
 }
 
+static void read_copies(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_command_t *command)
+{
+    ect_eni_copy_t *copies = NULL;
+    ect_eni_copy_t *copy;
+    ECT_ESI_EACH(child, node, "CopyInfo")
+    {
+        ECT_APPEND(xml, copies, command->copy_count, copy);
+        copy->source = (uint32_t)ect_esi_number(xml, child, "SrcBitOffs", 0, UINT32_MAX, 0);
+        copy->target = (uint32_t)ect_esi_number(xml, child, "DstBitOffs", 0, UINT32_MAX, 0);
+        copy->bits = (uint32_t)ect_esi_number(xml, child, "BitSize", 0, UINT32_MAX, 0);
+        copy->line = ect_esi_line(child);
+    }
+    command->copies = copies;
+}
+
 void ect_eni_read_command(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_command_t *command)
 {
     command->transitions = ect_eni_transitions(xml, node);
@@ -116,6 +131,7 @@ void ect_eni_read_command(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_comma
     command->input_offset = (uint32_t)ect_esi_number(xml, node, "InputOffs", 0, UINT32_MAX, 0);
     command->output_offset = (uint32_t)ect_esi_number(xml, node, "OutputOffs", 0, UINT32_MAX, 0);
     command->line = ect_esi_line(node);
+    read_copies(xml, ect_esi_child(node, "CopyInfos"), command);
     if (ect_esi_child(node, "Cmd") == NULL)
         ect_esi_fail(xml, node, "%s has no Cmd", (const char *)node->name);
     read_address(xml, node, command);
@@ -149,6 +165,16 @@ static bool read_soe(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_mail_t *ma
     return ect_esi_child(node, "IDN") != NULL && (mail->type == ECT_INIT_READS || mail->type == ECT_INIT_WRITES);
 }
 
+/* Without an OpCode, a command with data writes. @return false: it has no name of a file, or another operation */
+static bool read_foe(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_mail_t *mail)
+{
+    const int usual = mail->data.length > 0 ? ECT_ENI_FOE_WRITES : ECT_ENI_FOE_READS;
+    mail->type = (uint8_t)ect_esi_number(xml, node, "OpCode", 0, UINT8_MAX, usual);
+    mail->password = (uint32_t)ect_esi_number(xml, node, "Password", 0, UINT32_MAX, 0);
+    mail->file = ect_esi_text(xml, ect_esi_child(node, "FileName"));
+    return *mail->file != '\0' && (mail->type == ECT_ENI_FOE_READS || mail->type == ECT_ENI_FOE_WRITES);
+}
+
 bool ect_eni_read_mail(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_mail_t *mail)
 {
     enum { AMS_HEADER = 32, EOE_TYPES = 15 };
@@ -158,8 +184,11 @@ bool ect_eni_read_mail(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_mail_t *
     mail->data = ect_esi_hex(xml, node, "Data");
     mail->disabled = says_true(xml, node, "Disabled");
     mail->line = ect_esi_line(node);
+    mail->file = "";
     if (mail->protocol == ECT_MAILBOX_TYPE_SOE)
         return read_soe(xml, node, mail);
+    if (mail->protocol == ECT_MAILBOX_TYPE_FOE)
+        return read_foe(xml, node, mail);
     mail->type = (uint8_t)ect_esi_number(xml, node, "Type", 0, EOE_TYPES, 0);
     return mail->protocol == ECT_MAILBOX_TYPE_AOE ? mail->data.length >= AMS_HEADER
                                                   : ect_esi_child(node, "Type") != NULL;

@@ -120,13 +120,16 @@ static const xmlNode *commands_of(const xmlNode *mailbox, const char *protocol)
     return ect_esi_child(node, "InitCmds") != NULL ? ect_esi_child(node, "InitCmds") : node;
 }
 
-/* A command without a mail of its protocol is only counted. */
+/* A command without a mail of its protocol is only counted, one of FoE too. */
 static void read_mails(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_mailbox_t *mailbox)
 {
     static const struct {
         const char *name;
         uint8_t protocol;
-    } protocols[] = {{"AoE", ECT_MAILBOX_TYPE_AOE}, {"EoE", ECT_MAILBOX_TYPE_EOE}, {"SoE", ECT_MAILBOX_TYPE_SOE}};
+    } protocols[] = {{"AoE", ECT_MAILBOX_TYPE_AOE},
+                     {"EoE", ECT_MAILBOX_TYPE_EOE},
+                     {"SoE", ECT_MAILBOX_TYPE_SOE},
+                     {"FoE", ECT_MAILBOX_TYPE_FOE}};
     ect_eni_mail_t *mails = NULL;
     ect_eni_mail_t *mail;
     for (size_t i = 0; i < sizeof protocols / sizeof protocols[0]; i++) {
@@ -134,10 +137,9 @@ static void read_mails(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_mailbox_
         {
             ECT_APPEND(xml, mails, mailbox->mail_count, mail);
             mail->protocol = protocols[i].protocol;
-            if (ect_eni_read_mail(xml, init, mail))
-                continue;
-            mailbox->mail_count--;
-            mailbox->others++;
+            const bool complete = ect_eni_read_mail(xml, init, mail);
+            mailbox->mail_count -= complete ? 0 : 1;
+            mailbox->others += complete && mail->protocol != ECT_MAILBOX_TYPE_FOE ? 0 : 1;
         }
     }
     mailbox->mails = mails;
@@ -168,8 +170,6 @@ static void read_mailbox(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_mailbo
     }
     mailbox->commands = commands;
     read_mails(xml, node, mailbox);
-    ECT_ESI_EACH(init, commands_of(node, "FoE"), "InitCmd")
-    mailbox->others++;
 }
 
 /* ------------------------------------------------------------------------------------------------------------------ */

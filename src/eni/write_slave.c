@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "eni/model.h"
 #include "esc/personality.h"
 #include "esc/route.h"
 #include "wire/bytes.h"
@@ -410,6 +411,23 @@ static void write_coe(const slave_t *s)
     ect_xml_close(xml);
 }
 
+/* Writes a request of FoE, the name of its file, and the content that may follow. */
+static void write_foe(ect_xml_writer_t *xml, const ect_init_mail_t *mail)
+{
+    const char *name = (const char *)mail->data + ECT_ENI_FOE_HEADER;
+    const size_t room = mail->size > ECT_ENI_FOE_HEADER ? (size_t)mail->size - ECT_ENI_FOE_HEADER : 0;
+    const char *end = room > 0 ? memchr(name, 0, room) : NULL;
+    if (end == NULL)
+        return;
+    ect_xml_number(xml, "OpCode", mail->data[0]);
+    if (ect_load_le32(mail->data + 2) != 0)
+        ect_xml_number(xml, "Password", ect_load_le32(mail->data + 2));
+    ect_xml_text(xml, "FileName", name);
+    const size_t left = room - (size_t)(end - name) - 1;
+    if (left > 0)
+        ect_xml_bytes(xml, "Data", (const uint8_t *)end + 1, left);
+}
+
 /* Writes what precedes the data of a mail: its type, or the elements of an IDN. */
 static void write_mail_head(ect_xml_writer_t *xml, const ect_init_mail_t *mail)
 {
@@ -444,7 +462,9 @@ static void write_mails(const slave_t *s, const char *element, uint8_t protocol)
             ect_xml_text(xml, "Comment", mail->comment);
         ect_xml_number(xml, "Timeout", MAILBOX_TIMEOUT_MS);
         write_mail_head(xml, mail);
-        if (mail->size > 0)
+        if (protocol == ECT_MAILBOX_TYPE_FOE)
+            write_foe(xml, mail);
+        else if (mail->size > 0)
             ect_xml_bytes(xml, "Data", mail->data, mail->size);
         if (mail->disabled)
             ect_xml_number(xml, "Disabled", 1);
@@ -486,6 +506,7 @@ static void write_mailbox(const slave_t *s)
     write_mails(s, "SoE", ECT_MAILBOX_TYPE_SOE);
     write_mails(s, "AoE", ECT_MAILBOX_TYPE_AOE);
     write_mails(s, "EoE", ECT_MAILBOX_TYPE_EOE);
+    write_mails(s, "FoE", ECT_MAILBOX_TYPE_FOE);
     ect_xml_close(xml);
 }
 

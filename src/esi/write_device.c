@@ -307,7 +307,7 @@ static void write_mailbox(ect_xml_writer_t *xml, const ect_device_t *device, con
             ect_xml_open(xml, protocols[i].element);
             if (protocols[i].bit == ECT_MAILBOX_SOE)
                 write_soe_attributes(xml, device, ect_esi_child(source, "SoE"));
-            if (source == NULL)
+            if (source == NULL && protocols[i].bit != ECT_MAILBOX_FOE) /* the schema has no start-up commands of FoE */
                 write_init_mails(xml, device, protocols[i].type);
             ect_xml_copy_children(xml, ect_esi_child(source, protocols[i].element), NULL);
             ect_xml_close(xml);

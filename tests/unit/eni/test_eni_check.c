@@ -35,6 +35,10 @@ static void collect(void *ctx, const char *line)
     ENI_HEAD ENI_SLAVE("", "") "<Cyclic><Frame>\n<Cmd>" command "</Cmd></Frame></Cyclic><ProcessImage>\n" image        \
                                "</ProcessImage>" ENI_TAIL
 
+#define COPY(source, target, bits)                                                                                     \
+    "<CopyInfos><CopyInfo><SrcBitOffs>" source "</SrcBitOffs><DstBitOffs>" target "</DstBitOffs><BitSize>" bits        \
+    "</BitSize></CopyInfo></CopyInfos>"
+
 static const struct {
     const char *title, *text, *lines;
 } rows[] = {
@@ -116,6 +120,21 @@ static const struct {
      CYCLIC("<Cmd>12</Cmd><Addr>0</Addr><DataLength>4</DataLength><InputOffs>4294967295</InputOffs>",
             "<Inputs><ByteSize>8</ByteSize></Inputs>"),
      "t.xml:2: the command reaches byte 4294967299 of the inputs, which have 8\n"},
+    {"ENI-019 copies inside the images",
+     CYCLIC("<Cmd>10</Cmd><Addr>0</Addr><DataLength>1</DataLength>" COPY("8", "0", "8"),
+            "<Inputs><ByteSize>2</ByteSize></Inputs><Outputs><ByteSize>1</ByteSize></Outputs>"),
+     ""},
+    {"ENI-019 a copy beyond the inputs",
+     CYCLIC("<Cmd>10</Cmd><Addr>0</Addr><DataLength>1</DataLength>" COPY("9", "0", "8"),
+            "<Inputs><ByteSize>2</ByteSize></Inputs><Outputs><ByteSize>1</ByteSize></Outputs>"),
+     "t.xml:2: the CopyInfo reaches bit 17 of the inputs, which have 2 bytes\n"},
+    {"ENI-019 a copy beyond the outputs, of the highest offset",
+     CYCLIC("<Cmd>10</Cmd><Addr>0</Addr><DataLength>1</DataLength>" COPY("0", "4294967295", "8"),
+            "<Inputs><ByteSize>2</ByteSize></Inputs><Outputs><ByteSize>1</ByteSize></Outputs>"),
+     "t.xml:2: the CopyInfo reaches bit 4294967303 of the outputs, which have 1 bytes\n"},
+    {"ENI-019 a copy of no bits",
+     CYCLIC("<Cmd>10</Cmd><Addr>0</Addr><DataLength>1</DataLength>" COPY("0", "0", "0"), ""),
+     "t.xml:2: the CopyInfo copies no bits: BitSize is missing\n"},
     {"ENI-017 variables side by side, in any order",
      CYCLIC("<Cmd>0</Cmd>",
             "<Inputs><ByteSize>2</ByteSize><Variable><BitSize>8</BitSize><BitOffs>8</BitOffs></Variable>"

@@ -267,6 +267,40 @@ static void ENI_025_commands_of_SoE_have_operation_drive_elements_and_IDN(void *
     }
 }
 
+static void ENI_025_commands_of_FoE_have_operation_file_and_password(void **state)
+{
+#define FOE(body) ENI_ONE("", "<Mailbox><FoE><InitCmds><InitCmd>" body "</InitCmd></InitCmds></FoE></Mailbox>")
+    static const struct {
+        const char *text;
+        uint8_t type; /* 0: counted only */
+        const char *file;
+        uint32_t password;
+        size_t bytes;
+    } rows[] = {
+        {FOE("<OpCode>2</OpCode><Password>4294967295</Password><FileName>a.bin</FileName><Data>0102</Data>"), 2,
+         "a.bin", UINT32_MAX, 2},
+        {FOE("<OpCode>1</OpCode><FileName>a.bin</FileName>"), 1, "a.bin", 0, 0},
+        {FOE("<FileName>b</FileName>"), 1, "b", 0, 0},
+        {FOE("<FileName>b</FileName><Data>01</Data>"), 2, "b", 0, 1},
+        {FOE("<OpCode>3</OpCode><FileName>b</FileName>"), 0, "", 0, 0},
+        {FOE("<OpCode>2</OpCode><Data>01</Data>"), 0, "", 0, 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_eni_t *eni = eni_of(rows[i].text, rows[i].text);
+        const ect_eni_mailbox_t *mailbox = &slave_of(eni, 0)->mailbox;
+        const ect_eni_mail_t *mail = mailbox->mails;
+        assert_int_equal(mailbox->mail_count, rows[i].type != 0);
+        assert_int_equal(mailbox->others, 1); /* not sent */
+        if (rows[i].type != 0 && (mail->protocol != ECT_MAILBOX_TYPE_FOE || mail->type != rows[i].type ||
+                                  mail->password != rows[i].password || strcmp(mail->file, rows[i].file) != 0 ||
+                                  mail->data.length != rows[i].bytes))
+            fail_msg("%s: operation %u, file %s, password %u, %zu bytes", rows[i].text, mail->type, mail->file,
+                     (unsigned int)mail->password, mail->data.length);
+        free_eni(eni);
+    }
+}
+
 static void ENI_025_commands_of_other_protocols_are_counted(void **state)
 {
     (void)state;
@@ -366,6 +400,7 @@ int main(void)
         CASE(ENI_006_007_data_makes_a_download_whatever_Ccs_and_a_disabled_command_is_kept),
         CASE(ENI_025_mails_of_AoE_and_EoE_have_their_data),
         CASE(ENI_025_commands_of_SoE_have_operation_drive_elements_and_IDN),
+        CASE(ENI_025_commands_of_FoE_have_operation_file_and_password),
         CASE(ENI_025_commands_of_other_protocols_are_counted),
         CASE(ENI_025_a_command_without_a_mail_is_counted),
         CASE(a_file_gives_its_slaves_in_order_with_process_data_and_mailbox),

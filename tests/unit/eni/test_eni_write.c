@@ -522,9 +522,12 @@ static void ENI_007_a_disabled_command_stays_disabled(void **state)
     drop(&w);
 }
 
-static void ENI_025_mails_of_AoE_EoE_and_SoE_come_back(void **state)
+static void ENI_025_mails_of_AoE_EoE_SoE_and_FoE_come_back(void **state)
 {
-    enum { MAILS = 5, BYTES = 40 };
+    enum { MAILS = 7, BYTES = 40 };
+    static const uint8_t writes[] = "\x02\0\x21\x43\x65\x87"
+                                    "a & b.bin\0\x01\x02",
+                         reads[] = "\x01\0\0\0\0\0log";
     static const uint8_t bytes[BYTES] = {10, 0, 0, 5};
     static const ect_init_mail_t mails[MAILS] = {
         /* in the order of a network file */
@@ -539,19 +542,29 @@ static void ENI_025_mails_of_AoE_EoE_and_SoE_come_back(void **state)
          .idn = 0x8102,
          .size = 2,
          .data = bytes},
-        {.transitions = "SO", .protocol = ECT_MAILBOX_TYPE_SOE, .type = ECT_INIT_READS, .elements = 0xC8, .idn = 17}};
+        {.transitions = "SO", .protocol = ECT_MAILBOX_TYPE_SOE, .type = ECT_INIT_READS, .elements = 0xC8, .idn = 17},
+        {.transitions = "PS",
+         .protocol = ECT_MAILBOX_TYPE_FOE,
+         .type = ECT_ENI_FOE_WRITES,
+         .size = sizeof writes - 1,
+         .data = writes},
+        {.transitions = "PS",
+         .protocol = ECT_MAILBOX_TYPE_FOE,
+         .type = ECT_ENI_FOE_READS,
+         .size = sizeof reads,
+         .data = reads}};
     char why[400] = "";
     written_t w = {.count = 0};
     (void)state;
     add_part(&w, "pmctendo-dd5");
     ect_device_t device = *w.parts[0].device;
-    device.mailbox_protocols |= ECT_MAILBOX_AOE | ECT_MAILBOX_EOE | ECT_MAILBOX_SOE;
+    device.mailbox_protocols |= ECT_MAILBOX_AOE | ECT_MAILBOX_EOE | ECT_MAILBOX_SOE | ECT_MAILBOX_FOE;
     device.init_mails = mails;
     device.init_mail_count = MAILS;
     w.parts[0].device = &device;
     write_parts("mails", &w);
     assert_int_equal(slave_of(w.eni, 0)->mailbox.mail_count, MAILS);
-    assert_int_equal(slave_of(w.eni, 0)->mailbox.others, 0);
+    assert_int_equal(slave_of(w.eni, 0)->mailbox.others, 2); /* FoE is not sent */
     ect_esi_t *esi = ect_eni_device(w.eni, 0, why, sizeof why);
     ect_esi_twin_t *twin = ect_esi_twin_take(esi, "", NULL, 0, why, sizeof why);
     assert_non_null(twin);
@@ -717,7 +730,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(ENI_019_commands_that_a_tool_adapts_have_the_cycle_of_the_bus),
         cmocka_unit_test(ENI_019_cycle_times_of_synchronisation_have_the_cycle_of_the_clock),
         cmocka_unit_test(ENI_020_mailboxes_have_a_bit_each),
-        cmocka_unit_test(ENI_025_mails_of_AoE_EoE_and_SoE_come_back),
+        cmocka_unit_test(ENI_025_mails_of_AoE_EoE_SoE_and_FoE_come_back),
         cmocka_unit_test(ENI_025_commands_of_an_ESI_file_are_those_of_the_written_file),
         cmocka_unit_test(ENI_006_uploads_and_transitions_come_back),
         cmocka_unit_test(ENI_007_a_disabled_command_stays_disabled),
