@@ -331,6 +331,23 @@ static unsigned int one_cycle(master_t *m, uint32_t bytes, uint32_t most, unsign
     return out - in;
 }
 
+/* Counts of sorted times, 20 steps for a factor of 10: step n has those below 1 us * 10^(n / 20), the last one all
+ * others.
+ */
+static void print_steps(const uint32_t *times, size_t count)
+{
+    enum { STEPS = 120 };
+    double edge_ns = 1000;
+    size_t at = 0;
+    for (unsigned int step = 0; step < STEPS; step++, edge_ns *= 1.1220184543) {
+        size_t before = at;
+        while (at < count && (step + 1 == STEPS || times[at] < edge_ns))
+            at++;
+        printf("%s%zu", step > 0 ? "," : "\"steps\":[", at - before);
+    }
+    printf("],");
+}
+
 static int cycles(char **argument)
 {
     const char *period_us = argument[5]; /* NULL: 1000 */
@@ -358,6 +375,7 @@ static int cycles(char **argument)
     }
     printf("{");
     print_times("exchange", times_ns, count);
+    print_steps(times_ns, count);
     printf("\"device\":\"%s\",\"present\":%zu,\"touched\":%s,\"bytes\":%u,\"cycles\":%lu,\"frames_lost\":%lu,"
            "\"longest_ns\":%u,\"cycles_too_long\":%lu}\n",
            argument[1], present, argument[3], bytes, count, lost, times_ns[count - 1], late);

@@ -4,7 +4,7 @@
   --build DIR   where ectwin and ectwin-bench are (default build/release)
   --quick       a tenth of the rounds
   --only        some of: instructions, round, spin, kernel, busy, inprocess, rates, cycle, start (default: all)
-  --write       the tables of docs/PERFORMANCE.md and the picture docs/performance.svg from the results
+  --write       the tables of docs/PERFORMANCE.md, and the pictures docs/performance.svg and docs/busy.svg, from the results
   -o FILE       the results as JSON (default: build/bench.json)
 
 Needs what tools/bootstrap.sh bench installs: ip (iproute2), unshare and taskset (util-linux), and valgrind for the instructions; no
@@ -15,6 +15,7 @@ measured three times too.
 """
 import argparse
 import json
+import math
 import os
 import pathlib
 import re
@@ -29,6 +30,7 @@ PARTS = ["instructions", "round", "spin", "kernel", "busy", "inprocess", "rates"
 UNIT = "vr-bu-ect-map1"
 STANDARD = "vr-bu-ect-map7"
 BUSY_LOOPS = 8
+SLICES = 5
 
 
 def run(*command):
@@ -162,18 +164,41 @@ def kernel(args):
 
 
 def busy(args):
-    """Cycles of 250 us of a real-time master beside busy loops, all programs on any core; None: not as root."""
+    """Cycles of 250 us of a real-time master beside busy loops, all programs on any core, both ways in turns, so that both have
+    the same load; None: not as root."""
     if os.geteuid() != 0 or os.readlink("/proc/self/ns/user") != os.environ.get("ECTWIN_BENCH_USERS"):
         print("run.py: cycles beside busy loops are measured as root only", file=sys.stderr)
         return None
-    rows, load = [], os.getloadavg()[0]
-    for options in [[], ["--in-kernel"]]:
-        command = [args.build / "ectwin", "run", "-i", "twin1", *options, STANDARD]
-        with Running([str(word) for word in command], True) as twin, BusyLoops(BUSY_LOOPS):
-            before, cycles = twin.ticks(), 4000 * args.busy_seconds
-            row = json.loads(run("chrt", "-f", 50, args.build / "ectwin-bench", "cycle", "twin0", STANDARD, 1, 1, cycles, 250))
-            rows.append(row | {"in_kernel": bool(options), "cpu_percent": percent(twin.ticks() - before, args.busy_seconds)})
-    return {"load": load, "cycles": rows}
+    ways, load = [[], ["--in-kernel"]], os.getloadavg()[0]
+    slices, ticks = [[], []], [0, 0]
+    for _ in range(SLICES):
+        for way, options in enumerate(ways):
+            command = [args.build / "ectwin", "run", "-i", "twin1", *options, STANDARD]
+            with Running([str(word) for word in command], True) as twin, BusyLoops(BUSY_LOOPS):
+                before, cycles = twin.ticks(), 4000 * args.busy_seconds // SLICES
+                slices[way].append(json.loads(run("chrt", "-f", 50, args.build / "ectwin-bench", "cycle", "twin0", STANDARD, 1, 1,
+                                                  cycles, 250)))
+                ticks[way] += twin.ticks() - before
+    return {"load": load, "cycles": [whole(slices[way]) | {"in_kernel": bool(options), "cpu_percent": percent(ticks[way],
+                                                                                                        args.busy_seconds)}
+                                     for way, options in enumerate(ways)]}
+
+
+def step_ns(step):
+    """Upper edge of a step of the bench's cycles."""
+    return 1000 * 10 ** (step / 20)
+
+
+def whole(slices):
+    """The sum of runs; median and p99 are upper edges of steps, 12 % apart."""
+    steps = [sum(counts) for counts in zip(*(row["steps"] for row in slices))]
+    total = {key: sum(row[key] for row in slices) for key in ("cycles", "frames_lost", "cycles_too_long")}
+
+    def quantile(share):
+        return step_ns(next(n for n in range(len(steps)) if sum(steps[:n + 1]) >= share * sum(steps)))
+
+    return total | {"steps": steps, "longest_ns": max(row["longest_ns"] for row in slices),
+                    "exchange": {"median_ns": quantile(0.5), "p99_ns": quantile(0.99)}}
 
 
 def in_process(args, devices, *words, options=(), core=()):
@@ -418,6 +443,46 @@ def picture(result):
         + "".join(parts) + "</svg>\n")
 
 
+def curve(steps, color, x_of, y_of):
+    """A histogram as an area of stairs."""
+    shown = [n for n, count in enumerate(steps) if count]
+    points = [f"{x_of(step_ns(shown[0] - 1)):.1f},{y_of(0):.1f}"]
+    for n in range(shown[0], shown[-1] + 1):
+        points += [f"{x_of(step_ns(n - 1)):.1f},{y_of(steps[n]):.1f}", f"{x_of(step_ns(n)):.1f},{y_of(steps[n]):.1f}"]
+    points.append(f"{x_of(step_ns(shown[-1])):.1f},{y_of(0):.1f}")
+    return f'<polygon points="{" ".join(points)}" fill="{color}" fill-opacity="0.45" stroke="{color}"/>'
+
+
+def busy_picture(result):
+    """Both histograms of the cycles beside busy loops, one above the other; both axes are logarithmic."""
+    rows = sorted(result["cycles"], key=lambda row: row["in_kernel"])
+    most = max(max(row["steps"]) for row in rows)
+    left, right, bottom, tall = 70, 700, 300, 230
+
+    def x_of(ns):
+        return left + (right - left) * min(max(math.log10(ns / 1000), 0), 6) / 6
+
+    def y_of(count):
+        return bottom - tall * (math.log10(count) + 0.3) / (math.log10(most) + 0.3) if count else bottom
+
+    parts = [f'<text x="10" y="18">From the sending of a frame to its reply, {rows[0]["cycles"]} cycles of 250 µs each way, '
+             f'beside {BUSY_LOOPS} busy loops</text>']
+    for power, name in enumerate(["1 µs", "10 µs", "100 µs", "1 ms", "10 ms", "100 ms", "1 s"]):
+        x = x_of(1000 * 10 ** power)
+        parts.append(f'<line x1="{x:.1f}" y1="{bottom - tall}" x2="{x:.1f}" y2="{bottom}" stroke="#d5dae0"/>'
+                     f'<text x="{x:.1f}" y="{bottom + 18}" text-anchor="middle">{name}</text>')
+    for power in range(int(math.log10(most)) + 1):
+        y = y_of(10 ** power)
+        parts.append(f'<text x="{left - 8}" y="{y + 4:.1f}" text-anchor="end">{10 ** power}</text>')
+    for n, (row, color, name) in enumerate(zip(rows, ["#d98032", "#2f6fb0"], ["by the twins' process", "in the kernel"])):
+        parts.append(curve(row["steps"], color, x_of, y_of))
+        parts.append(f'<text x="{left + 130}" y="{42 + 17 * n}" fill="{color}">{name}: half within {us(row["exchange"])} µs, 99 % within '
+                     f'{row["exchange"]["p99_ns"] / 1000:.0f} µs, {row["frames_lost"]} frames lost</text>')
+    (ROOT / "docs" / "busy.svg").write_text(
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{right + 40}" height="{bottom + 30}" font-family="sans-serif" font-size="12">'
+        '<rect width="100%" height="100%" fill="#ffffff"/>' + "".join(parts) + "</svg>\n")
+
+
 def main():
     parser = argparse.ArgumentParser(usage=__doc__.split("usage: ")[1].split("\n\n")[0])
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "release")
@@ -453,6 +518,8 @@ def main():
         write_tables(result)
         if "round" in result:
             picture(result)
+        if result.get("busy"):
+            busy_picture(result["busy"])
     else:
         print(json.dumps(tables(json.loads(args.output.read_text())), indent=1, ensure_ascii=False))
 
