@@ -121,11 +121,11 @@ def curve(change, start, end, factor, x, high, low):
 
 
 def svg(changes, start, end, width, factor):
-    left, row, height, top = 90, 34, 18, 14
-    if factor:
-        row, height = 104, 88
+    left, top, gap = 90, 14, 16
+    heights = [88 if factor and not is_level(change) else 18 for change in changes.values()]
+    tops = [top + sum(heights[:n]) + gap * n for n in range(len(heights) + 1)]
     scale = (width - left - 20) / (end - start)
-    bottom = top + row * len(changes)
+    bottom = tops[-1]
 
     def x(t):
         return f"{left + (t - start) * scale:.1f}"
@@ -146,8 +146,9 @@ def svg(changes, start, end, width, factor):
                 at = float(x(t))
     out.append(f'<text x="8" y="{bottom + 16}" fill="#555">ms</text>')
     for n, (name, change) in enumerate(changes.items()):
-        high, low = top + n * row, top + n * row + height
-        out.append(f'<text x="8" y="{(high + low) / 2 if factor else low - 3}">{html.escape(name.upper())}</text>')
+        height = heights[n]
+        high, low = tops[n], tops[n] + height
+        out.append(f'<text x="8" y="{(high + low) / 2 if height > 18 else low - 3}">{html.escape(name.upper())}</text>')
         if is_level(change):
             points = []
             for begin, stop, value in spans(change, start, end):
