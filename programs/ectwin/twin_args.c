@@ -102,8 +102,9 @@ static const struct argp_option options[] = {
     {"module", KEY_MODULE, "[N:]SLOT=IDENT", 0,
      "ModuleIdent of the module in a slot of twin N (default 1), a modular device of an ESI file. May be repeated", 1},
     {"behaviour", KEY_BEHAVIOUR, "[N:]KIND", 0,
-     "Behaviour of twin N of an ESI file, or of all twins without N: cia402, a drive for each axis; cia406, an "
-     "encoder; or none (default: cia406 if ProfileNo is 406, cia402 if the file has 6040h and 6041h). May be repeated",
+     "Behaviour of twin N of an ESI file, or of all twins without N: cia402, a drive for each axis; cia404, a "
+     "measuring device; cia406, an encoder; or none (default: cia404 or cia406 if ProfileNo is 404 or 406, cia402 if "
+     "the file has 6040h and 6041h). May be repeated",
      1},
     {"connect", KEY_CONNECT, "SIGNAL=SIGNAL", 0,
      "Set a signal from another one, N.NAME=M.NAME of twins N and M, modified by ,factor=F ,offset=O ,delay=10ms "
@@ -223,7 +224,10 @@ static bool parse_behaviour(const char *word, ect_behaviour_t *behaviour)
     static const struct {
         const char *word;
         ect_behaviour_t behaviour;
-    } words[] = {{"none", ECT_BEHAVIOUR_NONE}, {"cia402", ECT_BEHAVIOUR_CIA402}, {"cia406", ECT_BEHAVIOUR_CIA406}};
+    } words[] = {{"none", ECT_BEHAVIOUR_NONE},
+                 {"cia402", ECT_BEHAVIOUR_CIA402},
+                 {"cia404", ECT_BEHAVIOUR_CIA404},
+                 {"cia406", ECT_BEHAVIOUR_CIA406}};
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         if (strcmp(word, words[i].word) == 0) {
             *behaviour = words[i].behaviour;
@@ -238,7 +242,8 @@ static void add_behaviour(twin_args_t *args, const struct argp_state *state, con
     const char *word = text;
     twin_behaviour_t one = {.twin = twin_of(args->names, &word, 0)};
     if ((word != text && one.twin == 0) || !parse_behaviour(word, &one.behaviour))
-        argp_error(state, "--behaviour takes cia402, cia406 or none, or one of them for a twin, as 2:none, not '%s'",
+        argp_error(state,
+                   "--behaviour takes cia402, cia404, cia406 or none, or one of them for a twin, as 2:none, not '%s'",
                    text);
     args->behaviours = grow(state, args->behaviours, args->behaviour_count, sizeof *args->behaviours);
     args->behaviours[args->behaviour_count++] = one;

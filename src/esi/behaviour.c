@@ -400,28 +400,27 @@ static void lay_out(ect_esi_twin_t *twin, ect_esi_drives_t *drives)
     twin->device.instance_size = drives->outside + twin->plant.outside_size;
 }
 
-/* Makes the signals of actual values read-only, because the drive writes these values. */
-static void lock(const ect_esi_drives_t *drives, ect_signal_t *signal)
+static bool writes(const ect_esi_twin_t *twin, uint32_t offset)
 {
+    const ect_esi_drives_t *drives = twin->drives;
     for (unsigned int a = 0; a < drives->count; a++) {
         for (unsigned int i = 0; i < ECT_402_VALUE_COUNT; i++) {
             const ect_402_link_t *link = &drives->axes[a].links[i];
             bool actual = ect_402_object((ect_402_value_t)i)->kind == ECT_402_ACTUAL;
-            if (actual && link->bytes != 0 && link->offset == signal->offset)
-                signal->access = ECT_SIGNAL_READ;
+            if (actual && link->bytes != 0 && link->offset == offset)
+                return true;
         }
-        if (drives->axes[a].is_soe && ect_esi_dialect_writes(&drives->axes[a].dialect, signal->offset))
-            signal->access = ECT_SIGNAL_READ;
+        if (drives->axes[a].is_soe && ect_esi_dialect_writes(&drives->axes[a].dialect, offset))
+            return true;
     }
+    return false;
 }
 
-/* The signals of the axes come first: a PDO of the file may have the same name. */
-static void set_signals(ect_esi_twin_t *twin, const ect_esi_drives_t *drives)
+static void set_signals(ect_esi_twin_t *twin)
 {
     ect_plant_t *plant = &twin->plant;
-    size_t count = plant->signal_group_count;
-    const uint16_t own = drives->axes[0].is_soe ? 3 : 2;
-    ect_signal_group_t *groups = ect_arena_alloc(&twin->arena, (count + own) * sizeof *groups);
+    const ect_esi_drives_t *drives = twin->drives;
+    ect_signal_group_t groups[3];
     groups[0] = (ect_signal_group_t){.prefix = "axis",
                                      .count = (uint16_t)drives->count,
                                      .signal_count = ect_402_drive_signal_count,
@@ -438,13 +437,7 @@ static void set_signals(ect_esi_twin_t *twin, const ect_esi_drives_t *drives)
                                          .signal_count = ect_esi_report_signal_count,
                                          .offset = (uint32_t)drives->reports,
                                          .signals = ect_esi_report_signals};
-    for (size_t g = 0; g < count; g++) {
-        groups[g + own] = plant->signal_groups[g];
-        for (unsigned int i = 0; i < groups[g + own].signal_count; i++)
-            lock(drives, (ect_signal_t *)(uintptr_t)&groups[g + own].signals[i]); /* made by build_signals.c */
-    }
-    plant->signal_groups = groups;
-    plant->signal_group_count = (uint16_t)(count + own);
+    ect_esi_profile_signals(twin, groups, drives->axes[0].is_soe ? 3 : 2, writes);
     plant->signal_write = signal_write;
     plant->signal_written = signal_written;
     plant->signal_describe = ect_402_drive_signal_describe;
@@ -503,7 +496,9 @@ static bool is_simulated(uint16_t index)
 /* The objects of the profile's range without a behaviour. */
 static const char *rest_of(ect_esi_twin_t *twin, const axis_t *axis)
 {
-    return axis->is_soe ? "" : ect_esi_objects_without(twin, axis->number * ECT_402_AXIS_OBJECTS, is_simulated);
+    return axis->is_soe ? ""
+                        : ect_esi_objects_without(twin, FIRST_OBJECT + axis->number * ECT_402_AXIS_OBJECTS,
+                                                  ECT_402_AXIS_OBJECTS, is_simulated);
 }
 
 static void add_note(ect_esi_twin_t *twin, const ect_esi_drives_t *drives)
@@ -515,16 +510,18 @@ static void add_note(ect_esi_twin_t *twin, const ect_esi_drives_t *drives)
                                modes_of(twin, &drives->axes[i]));
         rest = ect_arena_print(&twin->arena, "%s%s", rest, rest_of(twin, &drives->axes[i]));
     }
-    ect_build_note(&twin->build, "%s%s%s", text, *rest != '\0' ? "; without behaviour:" : "", rest);
+    ect_esi_profile_note(twin, text, rest);
 }
 
 bool ect_esi_twin_behave(ect_esi_twin_t *twin, ect_behaviour_t behaviour, char *text, size_t room)
 {
-    ECT_ASSERT(twin->drives == NULL && twin->encoders == NULL);
+    ECT_ASSERT(twin->drives == NULL && twin->encoders == NULL && twin->measuring == NULL);
     if (behaviour == ECT_BEHAVIOUR_NONE)
         return true;
     if (ect_esi_encoders_wanted(twin, behaviour))
         return ect_esi_encoders_set(twin, behaviour, text, room);
+    if (ect_esi_measuring_wanted(twin, behaviour))
+        return ect_esi_measuring_set(twin, behaviour, text, room);
     ect_esi_drives_t *drives = ect_arena_alloc(&twin->arena, sizeof *drives);
     find_axes(twin, drives);
     if (drives->count == 0 && behaviour == ECT_BEHAVIOUR_CIA402) {
@@ -543,7 +540,7 @@ bool ect_esi_twin_behave(ect_esi_twin_t *twin, ect_behaviour_t behaviour, char *
     lay_out(twin, drives);
     add_note(twin, drives);
     set_functions(twin, drives);
-    set_signals(twin, drives);
     twin->drives = drives;
+    set_signals(twin);
     return true;
 }

@@ -92,7 +92,7 @@ static const struct {
     {404, 0x9130, 0x6131, 0x6132}, {404, 0x9148, 0x6131, 0x6132}, {404, 0x9149, 0x6131, 0x6132},
 };
 
-static uint32_t default_of(const ect_build_t *build, uint16_t index, uint8_t subindex)
+uint32_t ect_build_default(const ect_build_t *build, uint16_t index, uint8_t subindex)
 {
     const ect_build_object_t *object = ect_build_find(build, index);
     const ect_build_entry_t *entry = object != NULL ? ect_build_entry(object, subindex) : NULL;
@@ -106,14 +106,14 @@ static uint32_t unit_of(const ect_build_t *build, uint16_t index, const ect_buil
     for (size_t i = 0; unit == 0 && i < sizeof unit_objects / sizeof unit_objects[0]; i++) {
         if (unit_objects[i].value != index || unit_objects[i].profile != (build->model->profile & UINT16_MAX))
             continue;
-        unit = default_of(build, unit_objects[i].unit, entry->subindex);
+        unit = ect_build_default(build, unit_objects[i].unit, entry->subindex);
         if (unit != 0 && unit_objects[i].digits != 0)
-            unit -= default_of(build, unit_objects[i].digits, entry->subindex) << 24; /* of the power of ten */
+            unit -= ect_build_default(build, unit_objects[i].digits, entry->subindex) << 24; /* of the power of ten */
     }
     return unit;
 }
 
-static const char *unit_name(ect_build_t *build, uint32_t unit)
+const char *ect_build_unit_name(ect_build_t *build, uint32_t unit)
 {
     char text[ECT_BUILD_TEXT];
     return ect_esi_unit_text(unit, text, sizeof text) != NULL ? ect_arena_print(build->arena, "%s", text) : NULL;
@@ -157,7 +157,7 @@ static void add_signal(list_t *list, uint16_t index, const ect_build_entry_t *en
     ect_signal_t *signal = &list->signals[list->count++];
     signal->name = name;
     signal->meaning = ect_build_text(build, meaning, ECT_BUILD_TEXT);
-    signal->unit = unit_name(build, unit_of(build, index, entry));
+    signal->unit = ect_build_unit_name(build, unit_of(build, index, entry));
     signal->type = type_of(entry);
     const bool own = (entry->access & ECT_ACCESS_RXPDO) != 0 || ect_build_is_toggle(build, entry);
     signal->access = own ? ECT_SIGNAL_READ : ECT_SIGNAL_WRITE;

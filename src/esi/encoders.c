@@ -5,7 +5,7 @@
 #include "esi/internal.h"
 #include "profiles/encoder/encoder.h"
 
-enum { PROFILE_406 = 406, CONTROL_WORD = 0x6040 };
+enum { PROFILE_406 = 406, FIRST_OBJECT = 0x6000, CONTROL_WORD = 0x6040 };
 
 typedef struct sensor {
     unsigned int number; /* from 0, as ect_encoder_links_find has it */
@@ -121,25 +121,24 @@ static void signal_written(void *instance, const ect_signal_t *signal, uint16_t 
     ect_encoder_moved(e, now_ns);
 }
 
-/* Makes the signals of actual values read-only, because the encoder writes these values. */
-static void lock(const ect_esi_encoders_t *encoders, ect_signal_t *signal)
+static bool writes(const ect_esi_twin_t *twin, uint32_t offset)
 {
+    const ect_esi_encoders_t *encoders = twin->encoders;
     for (unsigned int a = 0; a < encoders->count; a++) {
         for (unsigned int i = 0; i < ECT_ENCODER_VALUE_COUNT; i++) {
             const ect_link_t *link = &encoders->sensors[a].links[i];
-            if (ect_encoder_is_actual((ect_encoder_value_t)i) && link->bytes != 0 && link->offset == signal->offset)
-                signal->access = ECT_SIGNAL_READ;
+            if (ect_encoder_is_actual((ect_encoder_value_t)i) && link->bytes != 0 && link->offset == offset)
+                return true;
         }
     }
+    return false;
 }
 
-/* The signals of the encoders come first: a PDO of the file may have the same name. */
-static void set_signals(ect_esi_twin_t *twin, const ect_esi_encoders_t *encoders)
+static void set_signals(ect_esi_twin_t *twin)
 {
-    ect_plant_t *plant = &twin->plant;
+    const ect_esi_encoders_t *encoders = twin->encoders;
     const bool linear = ect_encoder_is_linear(encoders->sensors[0].links);
-    size_t count = plant->signal_group_count;
-    ect_signal_group_t *groups = ect_arena_alloc(&twin->arena, (count + 2) * sizeof *groups);
+    ect_signal_group_t groups[2];
     groups[0] = (ect_signal_group_t){.prefix = "encoder",
                                      .count = (uint16_t)encoders->count,
                                      .signal_count = ect_encoder_signal_count,
@@ -151,15 +150,9 @@ static void set_signals(ect_esi_twin_t *twin, const ect_esi_encoders_t *encoders
     groups[1].offset = (uint32_t)encoders->outside;
     groups[1].stride = sizeof(ect_encoder_shaft_t);
     groups[1].signals = linear ? ect_encoder_linear_signals : ect_encoder_rotary_signals;
-    for (size_t g = 0; g < count; g++) {
-        groups[g + 2] = plant->signal_groups[g];
-        for (unsigned int i = 0; i < groups[g + 2].signal_count; i++)
-            lock(encoders, (ect_signal_t *)(uintptr_t)&groups[g + 2].signals[i]); /* made by build_signals.c */
-    }
-    plant->signal_groups = groups;
-    plant->signal_group_count = (uint16_t)(count + 2);
-    plant->signal_write = signal_write;
-    plant->signal_written = signal_written;
+    ect_esi_profile_signals(twin, groups, 2, writes);
+    twin->plant.signal_write = signal_write;
+    twin->plant.signal_written = signal_written;
 }
 
 /* --- the twin ----------------------------------------------------------------------------------------------------- */
@@ -172,15 +165,6 @@ static void find_sensors(const ect_esi_twin_t *twin, ect_esi_encoders_t *encoder
         sensor->number = n;
         encoders->count += ect_encoder_links_find(&od, n, sensor->links);
     }
-}
-
-static void lay_out(ect_esi_twin_t *twin, ect_esi_encoders_t *encoders)
-{
-    encoders->offset = ect_esi_aligned(twin->device.instance_size);
-    encoders->outside = ect_esi_aligned(encoders->offset + encoders->count * sizeof(ect_encoder_t));
-    twin->plant.outside_offset = encoders->outside;
-    twin->plant.outside_size = encoders->count * sizeof(ect_encoder_shaft_t);
-    twin->device.instance_size = encoders->outside + twin->plant.outside_size;
 }
 
 static void set_functions(ect_esi_twin_t *twin, ect_esi_encoders_t *encoders)
@@ -218,14 +202,14 @@ static const char *abilities(ect_esi_twin_t *twin, const ect_link_t *links)
 static void add_note(ect_esi_twin_t *twin, const ect_esi_encoders_t *encoders)
 {
     const char *text = "CiA 406:";
-    const char *rest = ect_esi_objects_without(twin, 0, ect_encoder_knows);
+    const char *rest = ect_esi_objects_without(twin, FIRST_OBJECT, ECT_402_AXIS_OBJECTS, ect_encoder_knows);
     for (unsigned int i = 0; i < encoders->count; i++) {
         const ect_link_t *links = encoders->sensors[i].links;
         text =
             ect_arena_print(&twin->arena, "%s%s %s %u%s", text, i > 0 ? ";" : "",
                             ect_encoder_is_linear(links) ? "linear encoder" : "encoder", i + 1, abilities(twin, links));
     }
-    ect_build_note(&twin->build, "%s%s%s", text, *rest != '\0' ? "; without behaviour:" : "", rest);
+    ect_esi_profile_note(twin, text, rest);
 }
 
 /* A file without ProfileNo is an encoder with a position and the resolution of the position, unless it is a drive. */
@@ -258,10 +242,11 @@ bool ect_esi_encoders_set(ect_esi_twin_t *twin, ect_behaviour_t behaviour, char 
                        encoders->count == 0 ? "has no position 6004h, 6008h or 6020h" : "has modules that change");
         return false;
     }
-    lay_out(twin, encoders);
+    ect_esi_profile_place(twin, encoders->count * sizeof(ect_encoder_t), encoders->count * sizeof(ect_encoder_shaft_t),
+                          &encoders->offset, &encoders->outside);
     add_note(twin, encoders);
     set_functions(twin, encoders);
-    set_signals(twin, encoders);
     twin->encoders = encoders;
+    set_signals(twin);
     return true;
 }

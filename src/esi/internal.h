@@ -37,6 +37,7 @@
  *   rack.c             twins, with a description for each set of modules
  *   dialect.c          the words of SoE drives over axes of CiA 402
  *   encoders.c         encoders with objects of CiA 406
+ *   measuring.c        measuring devices with objects of CiA 404
  *   homing.c           the homing procedure of SoE drives
  *   reports.c          notifications and emergencies of SoE drives
  *   behaviour.c        drives with objects of CiA 402, or IDNs
@@ -409,6 +410,12 @@ uint32_t ect_build_largest_bits(const ect_build_t *build, int sm);
 /** build_signals.c: sets the plant's signals. Entries must have their offsets. */
 void ect_build_signals(ect_build_t *build, ect_plant_t *plant);
 
+/** build_signals.c: the default of an entry; 0: the file has none, or no such entry. */
+uint32_t ect_build_default(const ect_build_t *build, uint16_t index, uint8_t subindex);
+
+/** build_signals.c: the name of a unit of ETG.1004; NULL: it has none. */
+const char *ect_build_unit_name(ect_build_t *build, uint32_t unit);
+
 /**
  * network.c: EoE of a twin, if the file has EoE.
  * @param device  with its SyncManagers
@@ -494,6 +501,9 @@ typedef struct ect_esi_drives ect_esi_drives_t;
 /** The encoders of a twin: encoders.c. */
 typedef struct ect_esi_encoders ect_esi_encoders_t;
 
+/** The measuring inputs of a twin: measuring.c. */
+typedef struct ect_esi_measuring ect_esi_measuring_t;
+
 struct ect_esi_twin {
     ect_arena_t arena;
     ect_arena_t racks; /* of the first set of modules: the rack */
@@ -504,8 +514,9 @@ struct ect_esi_twin {
     ect_device_t device;
     ect_plant_t plant;
     ect_product_t product;
-    ect_esi_drives_t *drives;     /* NULL: no drive */
-    ect_esi_encoders_t *encoders; /* NULL: no encoder */
+    ect_esi_drives_t *drives;       /* NULL: no drive */
+    ect_esi_encoders_t *encoders;   /* NULL: no encoder */
+    ect_esi_measuring_t *measuring; /* NULL: no measuring device */
 };
 
 /** profile.c. @return a number in the wire form of an entry */
@@ -516,16 +527,38 @@ bool ect_esi_wire_finite(const ect_link_t *link, const uint8_t *data, uint16_t s
 size_t ect_esi_aligned(size_t at);
 /**
  * profile.c: the objects of a profile without behaviour, as " 6040 6200".
- * @param distance   of the profile's first object from 6000h
- * @param simulated  @return whether an object of the profile has a behaviour
+ * @param first      object of the profile
+ * @param count      of its objects
+ * @param simulated  @return whether the profile whose first object is 6000h has a behaviour for an object
  */
-const char *ect_esi_objects_without(struct ect_esi_twin *twin, unsigned int distance,
+const char *ect_esi_objects_without(struct ect_esi_twin *twin, unsigned int first, unsigned int count,
                                     bool (*simulated)(uint16_t index));
+/** profile.c: the note of a behaviour. @param rest  of ::ect_esi_objects_without */
+void ect_esi_profile_note(struct ect_esi_twin *twin, const char *text, const char *rest);
+/**
+ * profile.c: adds the memory of a behaviour to the instance.
+ * @param size          bytes that a power cycle clears, at `offset`
+ * @param outside_size  bytes that outlast it, at `outside`
+ */
+void ect_esi_profile_place(struct ect_esi_twin *twin, size_t size, size_t outside_size, size_t *offset,
+                           size_t *outside);
+/**
+ * profile.c: puts the signals of a behaviour before those of the file, which may have the same name, and makes the
+ * signals of entries that the behaviour writes read-only.
+ * @param writes  @return whether the behaviour writes the value at an offset of the instance
+ */
+void ect_esi_profile_signals(struct ect_esi_twin *twin, const ect_signal_group_t *groups, uint16_t count,
+                             bool (*writes)(const struct ect_esi_twin *twin, uint32_t offset));
 
 /** encoders.c. @return whether a twin is an encoder: by request, by its ProfileNo, or by its objects */
 bool ect_esi_encoders_wanted(const struct ect_esi_twin *twin, ect_behaviour_t behaviour);
 /** encoders.c: as ::ect_esi_twin_behave. */
 bool ect_esi_encoders_set(struct ect_esi_twin *twin, ect_behaviour_t behaviour, char *text, size_t room);
+
+/** measuring.c. @return whether a twin is a measuring device: by request, or by its ProfileNo */
+bool ect_esi_measuring_wanted(const struct ect_esi_twin *twin, ect_behaviour_t behaviour);
+/** measuring.c: as ::ect_esi_twin_behave. */
+bool ect_esi_measuring_set(struct ect_esi_twin *twin, ect_behaviour_t behaviour, char *text, size_t room);
 
 /** The words of a SoE drive, as an axis of CiA 402 has them; in the instance. */
 typedef struct ect_esi_words {

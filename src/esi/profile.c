@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Parts that the behaviour of every profile needs. */
+#include <string.h>
+
 #include "esi/internal.h"
 
 enum { FIRST_OBJECT = 0x6000, ALIGNMENT = 16, MOST_LISTED = 12 };
@@ -27,19 +29,52 @@ size_t ect_esi_aligned(size_t at)
     return (at + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
 }
 
-const char *ect_esi_objects_without(ect_esi_twin_t *twin, unsigned int distance, bool (*simulated)(uint16_t index))
+const char *ect_esi_objects_without(ect_esi_twin_t *twin, unsigned int first, unsigned int count,
+                                    bool (*simulated)(uint16_t index))
 {
     const char *text = "";
-    size_t count = 0;
+    size_t found = 0;
     for (unsigned int i = 0; i < twin->device.object_count; i++) {
-        unsigned int first = FIRST_OBJECT + distance;
         uint16_t index = twin->device.objects[i].index;
-        if (index < first || index >= first + ECT_402_AXIS_OBJECTS || simulated((uint16_t)(index - distance)))
+        if (index < first || index - first >= count || simulated((uint16_t)(index - first + FIRST_OBJECT)))
             continue;
-        if (++count <= MOST_LISTED)
+        if (++found <= MOST_LISTED)
             text = ect_arena_print(&twin->arena, "%s %04X", text, (unsigned int)index);
     }
-    if (count > MOST_LISTED)
-        text = ect_arena_print(&twin->arena, "%s and %zu more", text, count - MOST_LISTED);
+    if (found > MOST_LISTED)
+        text = ect_arena_print(&twin->arena, "%s and %zu more", text, found - MOST_LISTED);
     return text;
+}
+
+void ect_esi_profile_note(ect_esi_twin_t *twin, const char *text, const char *rest)
+{
+    ect_build_note(&twin->build, "%s%s%s", text, *rest != '\0' ? "; without behaviour:" : "", rest);
+}
+
+void ect_esi_profile_place(ect_esi_twin_t *twin, size_t size, size_t outside_size, size_t *offset, size_t *outside)
+{
+    *offset = ect_esi_aligned(twin->device.instance_size);
+    *outside = ect_esi_aligned(*offset + size);
+    twin->plant.outside_offset = *outside;
+    twin->plant.outside_size = outside_size;
+    twin->device.instance_size = *outside + outside_size;
+}
+
+void ect_esi_profile_signals(ect_esi_twin_t *twin, const ect_signal_group_t *groups, uint16_t count,
+                             bool (*writes)(const ect_esi_twin_t *twin, uint32_t offset))
+{
+    ect_plant_t *plant = &twin->plant;
+    const uint16_t of_file = plant->signal_group_count;
+    ect_signal_group_t *all = ect_arena_alloc(&twin->arena, (size_t)(count + of_file) * sizeof *all);
+    memcpy(all, groups, count * sizeof *all);
+    for (uint16_t g = 0; g < of_file; g++) {
+        all[count + g] = plant->signal_groups[g];
+        for (uint16_t i = 0; i < all[count + g].signal_count; i++) {
+            ect_signal_t *signal = (ect_signal_t *)(uintptr_t)&all[count + g].signals[i]; /* made by build_signals.c */
+            if (writes(twin, signal->offset))
+                signal->access = ECT_SIGNAL_READ;
+        }
+    }
+    plant->signal_groups = all;
+    plant->signal_group_count = (uint16_t)(count + of_file);
 }

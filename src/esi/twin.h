@@ -6,7 +6,7 @@
  *
  * The twin has the identity, layout, PDOs, dictionary and clocks of the file, but no behaviour: inputs are set by
  * signals (or by SDO), outputs are readable as signals, and return to their defaults when the twin leaves OP.
- * ::ect_esi_twin_behave adds the behaviour of a CiA 402 drive or a CiA 406 encoder.
+ * ::ect_esi_twin_behave adds the behaviour of a CiA 402 drive, a CiA 404 measuring device or a CiA 406 encoder.
  * Notes list every feature of the file that the twin does not have.
  *
  * Host only. Context: mainline.
@@ -59,22 +59,25 @@ ect_esi_twin_t *ect_esi_twin_take(ect_esi_t *esi, const char *selector, const ec
 
 /** The behaviour of a twin. */
 typedef enum ect_behaviour {
-    ECT_BEHAVIOUR_BY_FILE, /**< an encoder if ProfileNo is 406; a drive if the file has controlword 6040h and statusword
-                              6041h of an axis, or SoE drives with S-0-0134 and S-0-0135 */
+    ECT_BEHAVIOUR_BY_FILE, /**< an encoder if ProfileNo is 406, a measuring device if it is 404; a drive if the file has
+                              controlword 6040h and statusword 6041h of an axis, or SoE drives with S-0-0134 and
+                              S-0-0135 */
     ECT_BEHAVIOUR_NONE,    /**< no behaviour */
     ECT_BEHAVIOUR_CIA402,  /**< a drive */
+    ECT_BEHAVIOUR_CIA404,  /**< a measuring device */
     ECT_BEHAVIOUR_CIA406,  /**< an encoder */
 } ect_behaviour_t;
 
 /**
  * Sets the behaviour of a twin: encoders of CiA 406 with a position 6004h, 6008h or 6020h, and the signals encoder1 to
- * encoder8 of their shafts; or axes of CiA 402 at 6000h, 6800h to 9800h, with the objects of the file, else an axis
+ * encoder8 of their shafts; inputs of CiA 404 with a process value 6130h, 7130h or 9130h, and the signals measure1 to
+ * measure32 of their sensors; or axes of CiA 402 at 6000h, 6800h to 9800h, with the objects of the file, else an axis
  * for each SoE drive, with its IDNs; and the signals axis1 to axis8 of their surroundings. A note lists the axes with
  * their modes, and the objects of the profile that the drive does not simulate. Call it once, before the first power-on
  * of the twin. The description of the device remains that of the file.
  * @param[out] text, room  the reason of the failure, one line
- * @return false: ECT_BEHAVIOUR_CIA402 and the file has no axis, or ECT_BEHAVIOUR_CIA406 and it has no position; the
- * twin is without behaviour
+ * @return false: ECT_BEHAVIOUR_CIA402 and the file has no axis, ECT_BEHAVIOUR_CIA404 and it has no process value, or
+ * ECT_BEHAVIOUR_CIA406 and it has no position; the twin is without behaviour
  */
 bool ect_esi_twin_behave(ect_esi_twin_t *twin, ect_behaviour_t behaviour, char *text, size_t room);
 

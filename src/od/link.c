@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "od/link.h"
 
+#include <float.h>
 #include <string.h>
 
 static bool is_signed(uint16_t type)
@@ -30,6 +31,15 @@ ect_link_t ect_link_to(const ect_od_t *od, uint16_t index, uint8_t subindex)
     const ect_entry_t *entry = NULL;
     (void)ect_od_lookup(od, index, subindex, &object, &entry);
     return entry != NULL ? link_to(entry) : (ect_link_t){0};
+}
+
+ect_link_t ect_link_to_element(const ect_od_t *od, uint16_t index, unsigned int number)
+{
+    const ect_object_t *object = ect_od_find(od, index);
+    const bool is_var = object != NULL && object->object_code == ECT_OBJECT_VAR;
+    if ((is_var && number > 0) || number >= UINT8_MAX)
+        return (ect_link_t){0};
+    return ect_link_to(od, index, is_var ? 0 : (uint8_t)(number + 1));
 }
 
 static int64_t load_signed(const uint8_t *at, unsigned int bytes)
@@ -72,16 +82,16 @@ static int64_t whole(double x)
     return x < 0 ? (int64_t)(x - 0.5) : x >= 0 ? (int64_t)(x + 0.5) : 0;
 }
 
-static int64_t load_real(const uint8_t *at, unsigned int bytes)
+static double load_real(const uint8_t *at, unsigned int bytes)
 {
     float f;
     double d;
     if (bytes == sizeof f) {
         memcpy(&f, at, sizeof f);
-        return whole((double)f);
+        return (double)f;
     }
     memcpy(&d, at, sizeof d);
-    return whole(d);
+    return d;
 }
 
 int64_t ect_link_load(const void *instance, const ect_link_t *link)
@@ -90,7 +100,7 @@ int64_t ect_link_load(const void *instance, const ect_link_t *link)
         return 0;
     const uint8_t *at = (const uint8_t *)instance + link->offset;
     if (link->is_real)
-        return load_real(at, link->bytes);
+        return whole(load_real(at, link->bytes));
     int64_t value = load_signed(at, link->bytes);
     if (link->is_signed || link->bytes == 8)
         return bounded(value);
@@ -107,14 +117,15 @@ static int64_t within(const ect_link_t *link, int64_t value)
     return value > highest ? highest : value < lowest ? lowest : value;
 }
 
-static void store_real(uint8_t *at, unsigned int bytes, int64_t value)
+static void store_real(uint8_t *at, unsigned int bytes, double value)
 {
-    float f = (float)value;
-    double d = (double)value;
-    if (bytes == sizeof f)
-        memcpy(at, &f, sizeof f);
-    else
-        memcpy(at, &d, sizeof d);
+    float f;
+    if (bytes != sizeof f) {
+        memcpy(at, &value, sizeof value);
+        return;
+    }
+    f = value > (double)FLT_MAX ? FLT_MAX : value < -(double)FLT_MAX ? -FLT_MAX : (float)value;
+    memcpy(at, &f, sizeof f);
 }
 
 void ect_link_store(void *instance, const ect_link_t *link, int64_t value)
@@ -123,7 +134,7 @@ void ect_link_store(void *instance, const ect_link_t *link, int64_t value)
         return;
     uint8_t *at = (uint8_t *)instance + link->offset;
     if (link->is_real) {
-        store_real(at, link->bytes, value);
+        store_real(at, link->bytes, (double)value);
         return;
     }
     uint64_t bits = (uint64_t)within(link, value);
@@ -144,4 +155,19 @@ void ect_link_store(void *instance, const ect_link_t *link, int64_t value)
         memcpy(at, &bits, sizeof bits);
         break;
     }
+}
+
+double ect_link_load_real(const void *instance, const ect_link_t *link)
+{
+    if (link->bytes != 0 && link->is_real)
+        return load_real((const uint8_t *)instance + link->offset, link->bytes);
+    return (double)ect_link_load(instance, link);
+}
+
+void ect_link_store_real(void *instance, const ect_link_t *link, double value)
+{
+    if (link->bytes != 0 && link->is_real)
+        store_real((uint8_t *)instance + link->offset, link->bytes, value);
+    else
+        ect_link_store(instance, link, whole(value));
 }

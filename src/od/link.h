@@ -32,6 +32,12 @@ typedef struct ect_link {
 ect_link_t ect_link_to(const ect_od_t *od, uint16_t index, uint8_t subindex);
 
 /**
+ * Links to element `number`, from 0, of an array or record; an array of one element may be a VAR.
+ * @return as ::ect_link_to
+ */
+ect_link_t ect_link_to_element(const ect_od_t *od, uint16_t index, unsigned int number);
+
+/**
  * The value in the instance: floating point rounded, numbers and infinities limited to 2^53 and -2^53, a NaN as 0; 0
  * for an entry that the dictionary lacks.
  */
@@ -39,6 +45,12 @@ int64_t ect_link_load(const void *instance, const ect_link_t *link);
 
 /** Stores a value, at the limits of the entry's type when it is beyond them. */
 void ect_link_store(void *instance, const ect_link_t *link, int64_t value);
+
+/** As ::ect_link_load, with the fraction of floating point and without the limit; not a number stays so. */
+double ect_link_load_real(const void *instance, const ect_link_t *link);
+
+/** As ::ect_link_store, with a fraction where the entry has one, rounded elsewhere; not a number is 0 in an integer. */
+void ect_link_store_real(void *instance, const ect_link_t *link, double value);
 
 ECT_C_END
 

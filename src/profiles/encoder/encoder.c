@@ -32,21 +32,11 @@ static bool has(const ect_link_t *links, ect_encoder_value_t value)
     return links[value].bytes != 0;
 }
 
-/* An array of one element may be a VAR. */
-static ect_link_t element(const ect_od_t *od, unsigned int number, uint16_t index)
-{
-    const ect_object_t *object = ect_od_find(od, index);
-    const bool is_var = object != NULL && object->object_code == ECT_OBJECT_VAR;
-    if (is_var && number > 0)
-        return (ect_link_t){0};
-    return ect_link_to(od, index, is_var ? 0 : (uint8_t)(number + 1));
-}
-
 bool ect_encoder_links_find(const ect_od_t *od, unsigned int number, ect_link_t *links)
 {
     for (unsigned int i = 0; i < ECT_ENCODER_VALUE_COUNT; i++) {
         if (rows[i].kind == EACH)
-            links[i] = element(od, number, rows[i].index);
+            links[i] = ect_link_to_element(od, rows[i].index, number);
         else if (rows[i].kind == FIRST && number > 0)
             links[i] = (ect_link_t){0};
         else

@@ -28,15 +28,26 @@ static inline ect_esi_twin_t *make(const char *file, const char *type, ect_behav
     return made;
 }
 
-/* In PREOP. */
-static inline void open_sensor(const char *file, const char *type)
+static inline void open_behaviour(const char *file, const char *type, ect_behaviour_t behaviour)
 {
-    twin = make(file, type, ECT_BEHAVIOUR_BY_FILE);
+    twin = make(file, type, behaviour);
     const ect_product_t *product = ect_esi_twin_product(twin);
     ect_twin_config_t config = ect_twin_default(product->device, product->plant);
     memset(&wire, 0, sizeof wire);
     wire_open_twins(&wire, &config, 1);
     wire_go(&wire, 0, ECT_STATE_PREOP);
+}
+
+/* In PREOP. */
+static inline void open_sensor(const char *file, const char *type)
+{
+    open_behaviour(file, type, ECT_BEHAVIOUR_BY_FILE);
+}
+
+/* In PREOP, without behaviour. */
+static inline void open_shell(const char *file, const char *type)
+{
+    open_behaviour(file, type, ECT_BEHAVIOUR_NONE);
 }
 
 static inline int close_sensor(void **state)

@@ -46,7 +46,7 @@ static void values_arrive(void **state)
 {
     uint8_t in[8];
     (void)state;
-    open_sensor("sensors.xml", "PRESSURE");
+    open_shell("sensors.xml", "PRESSURE");
     wire_go(&wire, 0, ECT_STATE_SAFEOP);
     set("inputs.pressure_16", "1250");
     assert_false(try_set("inputs.temperature_16", "8501"));

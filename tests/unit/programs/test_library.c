@@ -127,7 +127,7 @@ static void wrong_words(void **state)
         {{"--set", "data1", "fzm1"}, "--set takes NAME=VALUE"},
         {{"--set", "data1=1", "--set", "data1"}, "--set takes NAME=VALUE"},
         {{"--module", "1=0x120", "--module", "x", "fzm1"}, "--module takes SLOT=IDENT"},
-        {{"--behaviour", "none", "--behaviour", "x", "fzm1"}, "--behaviour takes cia402, cia406 or none"},
+        {{"--behaviour", "none", "--behaviour", "x", "fzm1"}, "--behaviour takes cia402, cia404, cia406 or none"},
         {{"--faults", "/nonexistent", "fzm1"}, "/nonexistent: No such file"},
         {{"--esc", "help", "fzm1"}, "a list of names is no bus"},
         {{"--set", "nosuch=1", "fzm1"}, "nosuch"},
