@@ -4,6 +4,7 @@
 #
 #   tidy      clang-tidy finds nothing in the sources
 #   coverage  branch coverage of the unit tests is not below the floors in tests/budget/coverage
+#   release   unit tests built as the product is, at -O3
 #   clang     unit tests built by the second compiler; each fuzz target over its committed seeds and 5 s beyond
 #   conform   each deliberate defect fails its case of the whole catalogue, and no other
 #   sizes     text, RAM and stack of the core and of the firmware are within tests/budget
@@ -23,6 +24,11 @@ coverage() {
   stage "coverage: build" preset coverage
   stage "coverage: unit tests" ctest --test-dir build/coverage -L unit -j "$jobs"
   shown coverage tests/check/coverage.sh build/coverage
+}
+
+release() {
+  stage "release: build" preset release-tests
+  stage "release: unit tests" ctest --test-dir build/release-tests -L unit -j "$jobs"
 }
 
 clang() {
@@ -66,8 +72,8 @@ matrix() {
 }
 
 shown packages tools/bootstrap.sh test
-for stage in "${@:-tidy coverage clang conform sizes presets docs matrix}"; do
-  case " tidy coverage clang conform sizes presets docs matrix " in
+for stage in "${@:-tidy coverage release clang conform sizes presets docs matrix}"; do
+  case " tidy coverage release clang conform sizes presets docs matrix " in
     *" $stage "*) ;;
     *) [ $# -eq 0 ] || { echo "check.sh: no stage is named \"$stage\"; the stages are in the first lines of $0" >&2; exit 1; } ;;
   esac
