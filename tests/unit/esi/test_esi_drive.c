@@ -399,7 +399,7 @@ int main(void)
         {"DRV-096 DRV-098 DRV-295 settings out of range are refused", refused_settings, NULL, close_drive, NULL},
         {"settings have the file's default, 0 too; without one, the twin's", defaults_of_nothing, NULL, close_drive,
          NULL},
-        {"DRV-421 DRV-097 DRV-230 units of a screw", screw, NULL, close_drive, NULL},
+        {"DRV-015 DRV-049 DRV-051 DRV-421 DRV-097 DRV-230 units of a screw", screw, NULL, close_drive, NULL},
         {"DRV-422 DRV-231 polarity turns positions round", positions_are_inverted, NULL, close_drive, NULL},
         {"DRV-294 DRV-427 DRV-277 DRV-268 home is here", home_here, NULL, close_drive, NULL},
         {"DRV-293 home is the next index pulse", home_at_the_index, NULL, close_drive, NULL},

@@ -331,15 +331,15 @@ static void gravity_and_brake(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        {"DRV-282..292 DRV-274..276 each method from each side ends at its point", each_method, NULL, close_drive,
-         NULL},
+        {"DRV-279 DRV-282..292 DRV-274..276 each method from each side ends at its point", each_method, NULL,
+         close_drive, NULL},
         {"DRV-278 a limit switch that the method does not seek ends a run", wrong_limit, NULL, close_drive, NULL},
-        {"DRV-301..304 DRV-306..308 touch probes store positions at the edge", probes, NULL, close_drive, NULL},
+        {"DRV-062 DRV-301..304 DRV-306..308 touch probes store positions at the edge", probes, NULL, close_drive, NULL},
         {"DRV-067 the source of a probe by 60D0h", probe_source, NULL, close_drive, NULL},
-        {"DRV-423 DRV-224 DRV-234 targets of a rotary axis", rotary, NULL, close_drive, NULL},
+        {"DRV-036 DRV-423 DRV-224 DRV-234 targets of a rotary axis", rotary, NULL, close_drive, NULL},
         {"DRV-234 a rotary axis in csp turns on over its end", rotary_cyclic, NULL, close_drive, NULL},
         {"DRV-416 DRV-232 DRV-233 an endless axis passes 2^31", past_the_end, NULL, close_drive, NULL},
-        {"DRV-424 DRV-235 DRV-236 software limits in csp", soft_limits, NULL, close_drive, NULL},
+        {"DRV-038 DRV-424 DRV-235 DRV-236 software limits in csp", soft_limits, NULL, close_drive, NULL},
         {"DRV-411 DRV-222 DRV-223 relative targets", relative_targets, NULL, close_drive, NULL},
         {"DRV-420 units of a tenth of a degree behind a gear", fine_units, NULL, close_drive, NULL},
         {"DRV-414 DRV-245 DRV-205 DRV-247 profile velocity, and halt", profile_velocity, NULL, close_drive, NULL},

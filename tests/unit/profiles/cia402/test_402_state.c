@@ -277,7 +277,8 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"PLZ-022: every control word stands for the command of the truth table: bit 1 before 2 before 0 before 3",
          control_words, NULL, NULL, NULL},
-        {"PLZ-021 PLZ-022: each command leads from each state to the one of the table", transitions, NULL, NULL, NULL},
+        {"PLZ-021 PLZ-022 DRV-126: each command leads from each state to the one of the table", transitions, NULL, NULL,
+         NULL},
         {"PLZ-021: no single word enables: Ready to Switch On, Switched On, and an edge of bit 3", whole_sequence, NULL,
          NULL, NULL},
         {"PLZ-022 PLZ-023: bits 0, 2 and 3 falling brake first, bit 1 does not", ramps, NULL, NULL, NULL},
@@ -287,7 +288,7 @@ int main(int argc, char **argv)
          NULL},
         {"DRV-117 DRV-123: by its level, bit 3 enables from Switched On alone", level, NULL, NULL, NULL},
         {"DRV-147: 605Ch 0 takes the torque in Switched On alone", coasting, NULL, NULL, NULL},
-        {"PLZ-024: the status word codes the state as CiA 402 does", status_words, NULL, NULL, NULL},
+        {"PLZ-024 DRV-101: the status word codes the state as CiA 402 does", status_words, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -1,91 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A drive over a dictionary: entries of each width, cycle times, losses of supply and of OP, refused values. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-#include "profiles/cia402/drive.h"
-
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-#define MS           1000000ull
-enum { VALUES = ECT_402_VALUE_COUNT, STATE_MASK = 0x6F };
-
-/* A drive whose entries are all there, 32 bits with a sign. */
-typedef struct rig {
-    ect_402_drive_t d;
-    ect_402_surroundings_t around;
-    ect_402_link_t links[VALUES];
-    int32_t value[VALUES];
-    ect_host_t host;
-    uint64_t now_ns;
-    unsigned int emergencies;
-    uint16_t code;
-    uint8_t error_register;
-} rig_t;
-
-static rig_t r;
-
-static void emergency(void *ctx, uint16_t code, uint8_t error_register, const uint8_t data[5])
-{
-    rig_t *rig = ctx;
-    (void)data;
-    rig->emergencies++;
-    rig->code = code;
-    rig->error_register = error_register;
-}
-
-static void prepare(void)
-{
-    memset(&r, 0, sizeof r);
-    r.host = (ect_host_t){.ctx = &r, .emergency = emergency};
-    r.now_ns = 1000 * MS;
-    for (unsigned int i = 0; i < VALUES; i++)
-        r.links[i] = (ect_402_link_t){.offset = (uint32_t)(i * sizeof r.value[0]),
-                                      .bytes = 4,
-                                      .is_signed = true,
-                                      .output = ect_402_object((ect_402_value_t)i)->kind == ECT_402_COMMAND};
-}
-
-static void power_on(void)
-{
-    ect_402_drive_init(&r.d, r.links, &r.around, r.value, &r.host, r.now_ns);
-    ect_402_drive_enter_op(&r.d, r.now_ns);
-}
-
-static void cycle(unsigned int ms)
-{
-    for (unsigned int i = 0; i < ms; i++) {
-        r.now_ns += MS;
-        ect_402_drive_outputs(&r.d, r.now_ns);
-        ect_402_drive_advance(&r.d, r.now_ns);
-        ect_402_drive_publish(&r.d);
-    }
-}
-
-static unsigned int state(void)
-{
-    return (unsigned int)r.value[ECT_402_V_STATUS] & STATE_MASK;
-}
-
-static void control(int32_t word)
-{
-    r.value[ECT_402_V_CONTROL] = word;
-    cycle(2);
-}
-
-static void enable(void)
-{
-    r.value[ECT_402_V_MODE] = ECT_402_CSV;
-    control(0x06);
-    control(0x07);
-    control(0x0F);
-    assert_int_equal(state(), 0x27);
-}
+#include "drive_rig.h"
 
 /* --- entries ------------------------------------------------------------------------------------------------------ */
 
@@ -187,6 +102,23 @@ static void links(void **unused)
 }
 
 /* --- the drive ---------------------------------------------------------------------------------------------------- */
+
+/* Not ready lasts until the first decision. */
+static void power_up(void **unused)
+{
+    (void)unused;
+    prepare();
+    assert_int_equal(r.d.axis.state, ECT_402_NOT_READY);
+    r.value[ECT_402_V_STATUS] = -1;
+    ect_402_drive_init(&r.d, r.links, &r.around, r.value, &r.host, r.now_ns);
+    ect_402_drive_publish(&r.d);
+    assert_int_equal(state() & 0x4F, 0x40);
+    ect_402_drive_enter_op(&r.d, r.now_ns);
+    cycle(100);
+    assert_int_equal(state() & 0x4F, 0x40); /* 06h alone leads on */
+    control(0x06);
+    assert_int_equal(state(), 0x21);
+}
 
 static void loses_op(void **unused)
 {
@@ -446,7 +378,8 @@ static void defaults(void **unused)
     } rows[] = {
         {"DRV-002 6007h", ECT_402_V_ABORT_OPTION, 1},
         {"DRV-003 603Fh", ECT_402_V_ERROR_CODE, 0},
-        {"DRV-006 605Ah", ECT_402_V_QUICK_OPTION, 2},
+        {"DRV-004 6040h", ECT_402_V_CONTROL, 0},
+        {"DRV-006 DRV-507 605Ah", ECT_402_V_QUICK_OPTION, 2},
         {"DRV-007 605Bh", ECT_402_V_SHUTDOWN_OPTION, 0},
         {"DRV-007 605Ch", ECT_402_V_DISABLE_OPTION, 1},
         {"DRV-009 605Dh", ECT_402_V_HALT_OPTION, 1},
@@ -458,11 +391,14 @@ static void defaults(void **unused)
         {"DRV-018 6068h", ECT_402_V_POSITION_TIME, 10},
         {"DRV-024 606Eh", ECT_402_V_SPEED_TIME, 10},
         {"DRV-025 6070h", ECT_402_V_ZERO_TIME, 10},
+        {"DRV-026 6071h", ECT_402_V_TARGET_TORQUE, 0},
         {"DRV-027 6072h", ECT_402_V_MAX_TORQUE, 3000},
         {"DRV-027 6073h", ECT_402_V_MAX_CURRENT, 3000},
         {"DRV-030 6075h", ECT_402_V_RATED_CURRENT, 5000},
         {"DRV-030 6076h", ECT_402_V_RATED_TORQUE, 3000},
         {"DRV-034 6079h", ECT_402_V_DC_LINK, 325000},
+        {"DRV-035 607Ah", ECT_402_V_TARGET_POSITION, 0},
+        {"DRV-037 607Ch", ECT_402_V_HOME_OFFSET, 0},
         {"DRV-039 607Eh", ECT_402_V_POLARITY, 0},
         {"DRV-040 607Fh", ECT_402_V_SPEED_LIMIT, 104857600},
         {"DRV-041 6080h", ECT_402_V_MOTOR_SPEED, 6000},
@@ -477,6 +413,9 @@ static void defaults(void **unused)
         {"DRV-056 6099h:1", ECT_402_V_HOME_SEARCH, 2097152},
         {"DRV-056 6099h:2", ECT_402_V_HOME_ZERO, 524288},
         {"DRV-057 609Ah", ECT_402_V_HOME_ACCELERATION, 10485760},
+        {"DRV-058 60B0h", ECT_402_V_POSITION_OFFSET, 0},
+        {"DRV-058 60B1h", ECT_402_V_SPEED_OFFSET, 0},
+        {"DRV-058 60B2h", ECT_402_V_TORQUE_OFFSET, 0},
         {"DRV-060 60B9h", ECT_402_V_PROBE_STATUS, 0},
         {"DRV-064 60C0h", ECT_402_V_SUB_MODE, 0},
         {"DRV-066 60C5h", ECT_402_V_MOST_ACCELERATION, INT32_MAX},
@@ -487,6 +426,7 @@ static void defaults(void **unused)
         {"DRV-073 60F2h", ECT_402_V_POSITIONING, 0},
         {"DRV-078 60FDh", ECT_402_V_INPUTS, 0},
         {"DRV-079 60FEh:1", ECT_402_V_OUTPUTS, 0},
+        {"DRV-080 60FFh", ECT_402_V_TARGET_SPEED, 0},
         {"DRV-082 6502h", ECT_402_V_MODES, 0x3ED},
     };
     (void)unused;
@@ -676,14 +616,6 @@ static void motor_speeds(void **unused)
 }
 
 /* --- settings ----------------------------------------------------------------------------------------------------- */
-
-/* A drive in PREOP whose entries are all there; a turn has 2^20 increments. */
-static void preop(void)
-{
-    prepare();
-    ect_402_drive_init(&r.d, r.links, &r.around, r.value, &r.host, r.now_ns);
-    ect_402_drive_below_op(&r.d, ECT_STATE_PREOP);
-}
 
 static int64_t member(size_t offset, size_t size)
 {
@@ -1210,7 +1142,9 @@ int main(void)
         {"Numbers in entries of each width, with the nearest for one that does not fit", widths, NULL, NULL, NULL},
         {"Numbers in floating point are rounded", fractions, NULL, NULL, NULL},
         {"Entries without a number are not used", links, NULL, NULL, NULL},
-        {"DRV-155 DRV-156: the end of OP, by 6007h", loses_op, NULL, NULL, NULL},
+        {"DRV-125 DRV-126 DRV-504: power-on leads to Switch on disabled, 06h alone leads on", power_up, NULL, NULL,
+         NULL},
+        {"DRV-155 DRV-156 DRV-175 DRV-515: the end of OP, by 6007h", loses_op, NULL, NULL, NULL},
         {"A loss of supply is a fault that is reset when the supply is back", loses_supply, NULL, NULL, NULL},
         {"Bits of the error register, by the code of the fault", error_registers, NULL, NULL, NULL},
         {"The cycle is that of 60C2h, or that of the outputs", cycle_times, NULL, NULL, NULL},
@@ -1219,7 +1153,7 @@ int main(void)
         {"A drive at rest has no deadline", rests, NULL, NULL, NULL},
         {"Modes are those for which the objects exist", modes, NULL, NULL, NULL},
         {"DRV-002 DRV-006 DRV-007 DRV-009 DRV-010 defaults where the file has none", defaults, NULL, NULL, NULL},
-        {"DRV-005 DRV-014 DRV-022 DRV-023 DRV-032 actual values of a motion", actual_values, NULL, NULL, NULL},
+        {"DRV-005 DRV-014 DRV-015 DRV-022 DRV-023 DRV-032 actual values of a motion", actual_values, NULL, NULL, NULL},
         {"DRV-047 DRV-048 DRV-064 profiles other than the linear ones are refused", refused_profiles, NULL, NULL, NULL},
         {"DRV-246 DRV-247: bit 10 within 606Dh of the target, bit 12 up to 606Fh", speed_windows, NULL, NULL, NULL},
         {"DRV-027 DRV-032: 6077h rises to 6072h and not beyond", most_torque, NULL, NULL, NULL},
@@ -1227,13 +1161,15 @@ int main(void)
         {"DRV-041: 6080h limits the speed, from one turn a minute on", motor_speeds, NULL, NULL, NULL},
         {"DRV-519: speeds in turns a minute, and in tenths", speed_units, NULL, NULL, NULL},
         {"DRV-097 DRV-519: each setting acts at its place in the axis", settings, NULL, NULL, NULL},
-        {"DRV-231 DRV-235 DRV-237: limits and ranges by offset and polarity", ranges, NULL, NULL, NULL},
+        {"DRV-036 DRV-037 DRV-038 DRV-231 DRV-235 DRV-237: limits and ranges by offset and polarity", ranges, NULL,
+         NULL, NULL},
         {"DRV-096 DRV-223 DRV-263: pairs that cross, and values out of range", refused_pairs, NULL, NULL, NULL},
         {"DRV-263: units with torque, cycle times from SAFEOP on are refused", refused_states, NULL, NULL, NULL},
-        {"DRV-231 DRV-256: set values by mode, offset and polarity", set_values, NULL, NULL, NULL},
+        {"DRV-026 DRV-035 DRV-058 DRV-080 DRV-231 DRV-256: set values by mode, offset and polarity", set_values, NULL,
+         NULL, NULL},
         {"DRV-311: 60FDh and bits 4, 7 and 11, by input", inputs_and_bits, NULL, NULL, NULL},
         {"DRV-230: a finer unit leaves the machine as it is", finer_units, NULL, NULL, NULL},
-        {"DRV-154 DRV-151: control words by SDO below OP", by_mailbox_below_op, NULL, NULL, NULL},
+        {"DRV-004 DRV-154 DRV-151: control words by SDO below OP", by_mailbox_below_op, NULL, NULL, NULL},
         {"DRV-301 DRV-302 DRV-304 DRV-306 DRV-307: edges of probes, once and all", probes, NULL, NULL, NULL},
         {"A fault by hand; the names of states", fault_by_hand, NULL, NULL, NULL},
         {"DRV-241: 8611h beyond 6065h, FFFFFFFFh is off", following_error, NULL, NULL, NULL},
