@@ -226,8 +226,7 @@ const ect_product_t *product_find(const char *name, const ect_module_choice_t *m
     if (prefix) {
         (void)snprintf(message, PRODUCT_MESSAGE, "'%.200s' is the name of a file: write %s:%.200s for a device of it%s",
                        name, prefix, name,
-                       strcmp(prefix, "yaml") == 0 ? "; a bus file is a whole bus: name it alone, to check, run or with"
-                                                   : "");
+                       strcmp(prefix, "yaml") == 0 ? "; a bus file is the only operand of run, with or check" : "");
         return NULL;
     }
     int used = snprintf(message, PRODUCT_MESSAGE, "there is no device '%.60s'; there are: ", name);

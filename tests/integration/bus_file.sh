@@ -100,9 +100,9 @@ check "a mistake of the command line has no line of the file" "ectwin check: --a
 "$ectwin" with --in-process "$work/wrong.yaml" -- true 2>"$work/err"
 check "... in the master's process" 1 "$(grep -c "wrong.yaml:3: 'count' takes" "$work/err")"
 "$ectwin" check "fzm1,$work/bus.yaml" 2>"$work/err"
-check "a bus file among devices" 1 "$(grep -c 'a bus file is a whole bus: name it alone' "$work/err")"
+check "a bus file among devices" 1 "$(grep -c 'a bus file is the only operand of run, with or check' "$work/err")"
 "$ectwin" verify "$work/bus.yaml" fzm1 2>"$work/err"
-check "a bus file as a device of verify" 1 "$(grep -c 'a bus file is a whole bus: name it alone' "$work/err")"
+check "a bus file as a device of verify" 1 "$(grep -c 'a bus file is the only operand of run, with or check' "$work/err")"
 
 "$ectwin" run -i nosuch0 "$work/nothing.yaml" 2>"$work/err"
 check "no such file: exit code" 2 $?

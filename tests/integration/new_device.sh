@@ -28,7 +28,7 @@ done
 
 cp "$root/examples/new/gauge.yaml" "$work/gauge.yaml"
 check "the file's name without its prefix is refused with the cure" \
-  "ectwin sii: 'gauge.yaml' is the name of a file: write yaml:gauge.yaml for a device of it" \
+  "ectwin sii: 'gauge.yaml' is the name of a file: write yaml:gauge.yaml for a device of it; a bus file is the only operand of run, with or check" \
   "$(cd "$work" && "$ectwin" sii gauge.yaml 2>&1)"
 check "a device file in place of a bus file is refused with the cure" "gauge.yaml:1: a device, not a bus: write yaml:gauge.yaml" \
   "$(cd "$work" && "$ectwin" with gauge.yaml -- true 2>&1 | sed 's/^[^:]*: //')"
