@@ -52,7 +52,7 @@ PROGRAMS = {
                         "command", "completion", "control", "eni", "esi_files", "external", "modbus_command", "replay", "save_bus",
                         "scenarios", "session", "verify"],
     "programs/ectwin-board": ["lan9252"],
-    "programs/ectwin-conform": ["test_conform_*", "conformance", "conform_others", "conform_defects", "conform_command"],
+    "programs/ectwin-conform": ["test_conform_*", "conformance", "conform_others", "conform_whole", "conform_command"],
     "programs/ectwin-panel": ["test_panel_*", "panel"],
     "programs/ectwin-probe": ["capture", "lies", "replay", "verify"],
 }
