@@ -170,6 +170,23 @@ static void guess_resolution(const ect_402_link_t *links, const void *instance, 
         around->resolution = (uint32_t)counts * WINDOWS;
 }
 
+enum { METHODS = 0x60E3 };
+
+/* The methods of 60E3h. */
+static uint64_t methods_of(void *instance, const axis_t *axis)
+{
+    enum { MOST = 64 };
+    ect_od_t od = ect_device_od(((const ect_standard_t *)instance)->device, NULL);
+    uint64_t methods = 0;
+    for (unsigned int n = 1; n < MOST && !axis->is_soe; n++) {
+        const ect_link_t link = ect_link_to(&od, (uint16_t)(METHODS + axis->number * ECT_402_AXIS_OBJECTS), (uint8_t)n);
+        const int64_t method = ect_link_load(instance, &link);
+        if (method > 0 && method < MOST)
+            methods |= UINT64_C(1) << method;
+    }
+    return methods;
+}
+
 static void init(void *instance, const ect_host_t *host, uint64_t now_ns)
 {
     const ect_esi_drives_t *drives = drives_of(instance);
@@ -187,6 +204,7 @@ static void init(void *instance, const ect_host_t *host, uint64_t now_ns)
     {
         const axis_t *axis = axis_of(instance, d);
         d->config.cyclic_halts = axis->is_soe;
+        d->methods = methods_of(instance, axis);
         if (axis->is_soe)
             words_out(instance, axis, d);
     }
@@ -490,7 +508,7 @@ static bool is_simulated(uint16_t index)
         if (ect_402_value_of(index, (uint8_t)subindex, &value))
             return true;
     }
-    return false;
+    return index == METHODS;
 }
 
 /* The objects of the profile's range without a behaviour. */

@@ -91,6 +91,10 @@ typedef struct ect_402_plant {
     int32_t index_at; /**< an index pulse, and one every turn from there */
 } ect_402_plant_t;
 
+/** Bits 10 and 12 of the status word in mode 8. */
+enum { ECT_402_BIT10_ZERO, ECT_402_BIT10_WINDOW, ECT_402_BIT10_TOGGLES };
+enum { ECT_402_BIT12_FOLLOWS, ECT_402_BIT12_ONE, ECT_402_BIT12_ZERO };
+
 /** The motor, and the choices of a product. Constant. */
 typedef struct ect_402_config {
     double turn;            /**< counts */
@@ -103,6 +107,13 @@ typedef struct ect_402_config {
     bool ip_waits;          /**< mode 7 follows while bit 4 of the control word is 1 */
     bool overspeed_at_once; /**< 1.2 times the speed limit of the mode is a fault; else 1.2 times 6080h for 10 ms */
     bool cyclic_halts;      /**< bit 8 of the control word acts in modes 8 to 10 too */
+    bool torque_releases;   /**< halt and disable operation take the torque of mode 4 on 6087h; else they brake */
+    bool zero_window;       /**< 6065h of 0 is a window; else none */
+    bool homing_by_level;   /**< bit 4 that is 1 at the entry of mode 6 starts a run */
+    bool home_stays;        /**< the shaft stays where it stops behind home; else it returns */
+    bool no_buffer;         /**< each set-point of mode 1 counts at once */
+    uint8_t csp_bit10;      /**< ECT_402_BIT10_... */
+    uint8_t csp_bit12;      /**< ECT_402_BIT12_... */
 } ect_402_config_t;
 
 /** The set value of the controllers. */
@@ -166,6 +177,7 @@ typedef struct ect_402_axis {
     uint16_t max_torque, max_current, torque_limit[2];         /**< per mille; positive, negative */
     uint32_t motor_speed;                                      /**< turns a minute */
     uint32_t torque_slope;                                     /**< per mille a second; mode 4 */
+    uint32_t max_slippage;                                     /**< counts/s; mode 3; 0: none */
     uint32_t most_acceleration, most_deceleration;
     uint32_t physical[2]; /**< 60FEh: outputs, mask */
     int8_t home_method;
@@ -199,6 +211,7 @@ typedef struct ect_402_axis {
     uint32_t segment_steps; /**< remaining steps to the newest set position */
     double segment_target;
     bool set_new;
+    bool toggle;     /**< changes with each set position */
     bool task;       /**< under way */
     bool task_known; /**< task_target is the target of the last one */
     bool task_reached;
@@ -251,6 +264,10 @@ bool ect_402_take_mode(ect_402_axis_t *a);
 void ect_402_follow(ect_402_axis_t *a);
 void ect_402_hold_begin(ect_402_axis_t *a);
 void ect_402_brake_begin(ect_402_axis_t *a);
+/** One step of 6087h to no torque. */
+void ect_402_release(ect_402_axis_t *a);
+/** Halt and disable operation take the torque, and do not brake. */
+bool ect_402_releases(const ect_402_axis_t *a);
 /** One step of a ramp to a standstill. */
 void ect_402_brake(ect_402_axis_t *a, double deceleration);
 /** Bit 10, without the times of its windows; while set values are followed. */

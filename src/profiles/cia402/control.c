@@ -86,7 +86,8 @@ static void monitor(ect_402_axis_t *a)
 {
     const ect_402_reference_t *r = &a->reference;
     double error = r->position - a->plant->position;
-    bool watched = r->loop == ECT_402_LOOP_POSITION && a->error_window != 0 && !blocked(a, error);
+    bool window = a->error_window != 0 || a->config->zero_window;
+    bool watched = r->loop == ECT_402_LOOP_POSITION && window && !blocked(a, error);
     bool late = watched && ect_402_size(error) > a->error_window;
     a->error_steps = late ? a->error_steps + 1 : 0;
     if (ect_402_following_late(a))

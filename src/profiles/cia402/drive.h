@@ -30,6 +30,28 @@ ECT_C_BEGIN
 /** Units of speeds and accelerations on the bus, DRV-519. */
 enum { ECT_402_UNIT_POSITION, ECT_402_UNIT_RPM, ECT_402_UNIT_TENTH_RPM };
 
+/** Choices that the profile leaves to vendors, DRV-501 to DRV-530. 0 is the twin's own. */
+typedef struct ect_402_choices {
+    uint8_t home_offset_added; /**< 607Ch: home has the position 607Ch instead of -607Ch */
+    uint8_t following_zero;    /**< 6065h of 0 is a window instead of none */
+    uint8_t following_warns;   /**< bit 13 without fault 8611h */
+    uint8_t switched_on_holds; /**< Switched on has torque */
+    uint8_t csp_bit10;         /**< ECT_402_BIT10_... */
+    uint8_t csp_bit12;         /**< ECT_402_BIT12_... */
+    uint8_t homing_by_level;   /**< bit 4 that is 1 at the entry of homing mode starts a run */
+    uint8_t home_stays;        /**< the shaft stays where it stops behind home */
+    uint8_t limits_absolute;   /**< 607Dh without 607Ch */
+    uint8_t switch_faults;     /**< a limit switch on the way is fault 8612h */
+    uint8_t no_buffer;         /**< each set-point of mode 1 counts at once */
+    uint8_t mode_zero;         /**< 6060h of 0 is no mode instead of the last one */
+    uint8_t mode_change;       /**< ECT_402_CHANGE_... */
+    uint8_t reset_needs_zero;  /**< bits 0 to 3 of the word that resets a fault are 0 */
+    uint8_t sync_check;        /**< 60C2h beside another cycle is fault 8700h, and the end of OP */
+} ect_402_choices_t;
+
+/** Mode changes in Operation enabled: at any time, at a standstill, none. */
+enum { ECT_402_CHANGE_ANY, ECT_402_CHANGE_STANDING, ECT_402_CHANGE_NONE };
+
 /** The surroundings of a drive. They outlast a power cycle of it. */
 typedef struct ect_402_surroundings {
     bool known;
@@ -38,6 +60,7 @@ typedef struct ect_402_surroundings {
     uint8_t power, enable, sto, warning;
     uint8_t velocity_unit; /**< ECT_402_UNIT_... */
     uint32_t resolution;   /**< increments a turn, when there is no 608Fh */
+    ect_402_choices_t choices;
 } ect_402_surroundings_t;
 
 /** Touch probes, 60B8h. */
@@ -68,6 +91,8 @@ typedef struct ect_402_drive {
     bool control_known;            /**< a control word was received in this OP: edges count from it */
     bool fresh;                    /**< outputs wait for SYNC0 */
     bool cycle_written;            /**< 60C2h is the master's */
+    uint8_t wrong_cycles;          /**< in succession, against 60C2h */
+    uint64_t methods;              /**< 60E3h: bit n for method n of 6098h; 0: all that are known */
     uint64_t sync0_ns, outputs_ns; /**< the last of each; 0: none */
 
     /* as signals */

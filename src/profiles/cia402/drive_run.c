@@ -11,7 +11,10 @@ enum {
     COMMUNICATION = 0x7500,
     OVERSPEED = 0x8400,
     FOLLOWING = 0x8611,
+    LIMIT_SWITCH = 0x8612,
+    SYNCHRONISATION = 0x8700,
 };
+enum { AL_SYNC_ERROR = 0x001A, WRONG_CYCLES = 20, CYCLE_TOLERANCE = 5 /* parts of 60C2h */ };
 enum { LEAVES_NOTHING, LEAVES_FAULT, LEAVES_OFF, LEAVES_QUICK_STOP }; /* 6007h */
 
 /* --- the state machine -------------------------------------------------------------------------------------------- */
@@ -32,6 +35,13 @@ static bool cause_is_gone(const ect_402_drive_t *d)
            !ect_402_fault_restarts(d->error_code);
 }
 
+/* DRV-530. */
+static bool may_reset(const ect_402_drive_t *d)
+{
+    enum { COMMAND_BITS = 0x0F };
+    return d->around->choices.reset_needs_zero == 0 || (d->axis.set.control & COMMAND_BITS) == 0;
+}
+
 static void settle(ect_402_drive_t *d, uint16_t rising)
 {
     const ect_402_surroundings_t *s = d->around;
@@ -39,7 +49,7 @@ static void settle(ect_402_drive_t *d, uint16_t rising)
     d->axis.conditions = (ect_402_conditions_t){
         .supplied = s->power && s->enable && !s->sto,
         .fault = d->error_code != 0,
-        .resettable = cause_is_gone(d),
+        .resettable = cause_is_gone(d) && may_reset(d),
         .fault_brakes = d->error_code == 0 || ect_402_fault_brakes(d->error_code),
         .by_level = true,
     };
@@ -51,9 +61,20 @@ static void settle(ect_402_drive_t *d, uint16_t rising)
 
 /* --- a step ------------------------------------------------------------------------------------------------------- */
 
+/* The shaft goes on into a limit switch. */
+static bool hits_switch(const ect_402_axis_t *a)
+{
+    double speed = a->plant->speed;
+    bool into = (speed > 0 && !a->level[ECT_402_POSITIVE]) || (speed < 0 && !a->level[ECT_402_NEGATIVE]);
+    return into && a->state == ECT_402_OPERATION_ENABLED && !a->homing.active;
+}
+
 static void raise_faults(ect_402_drive_t *d)
 {
-    if ((d->axis.troubles & ECT_402_LATE) != 0)
+    const ect_402_choices_t *c = &d->around->choices;
+    if (c->switch_faults != 0 && hits_switch(&d->axis))
+        ect_402_drive_fault(d, LIMIT_SWITCH);
+    if ((d->axis.troubles & ECT_402_LATE) != 0 && c->following_warns == 0)
         ect_402_drive_fault(d, FOLLOWING);
     if ((d->axis.troubles & ECT_402_OVERSPEED) != 0)
         ect_402_drive_fault(d, OVERSPEED);
@@ -121,7 +142,7 @@ void ect_402_drive_init(ect_402_drive_t *d, const ect_402_link_t *links, ect_402
     d->around = around;
     d->instance = instance;
     d->host = host;
-    d->config.coasts = d->config.cyclic_is_free = d->config.ip_waits = true;
+    d->config.coasts = d->config.cyclic_is_free = d->config.ip_waits = d->config.torque_releases = true;
     d->axis.config = &d->config;
     d->axis.plant = &around->machine;
     d->axis.time_ns = now_ns;
@@ -163,11 +184,16 @@ void ect_402_drive_touched(ect_402_drive_t *d)
 
 /* --- outputs ------------------------------------------------------------------------------------------------------ */
 
+static uint64_t written_cycle(const ect_402_drive_t *d)
+{
+    int64_t units = d->value[ECT_402_V_CYCLE_UNITS];
+    return d->cycle_written ? ect_402_drive_cycle_ns(units, d->value[ECT_402_V_CYCLE_POWER]) : 0;
+}
+
 /* The time from one set position to the next: 60C2h of the master, else as the last two came. */
 static uint32_t cycle_steps(const ect_402_drive_t *d, uint64_t now_ns)
 {
-    int64_t units = d->value[ECT_402_V_CYCLE_UNITS];
-    uint64_t ns = d->cycle_written ? ect_402_drive_cycle_ns(units, d->value[ECT_402_V_CYCLE_POWER]) : 0;
+    uint64_t ns = written_cycle(d);
     if (ns == 0 && d->outputs_ns != 0)
         ns = now_ns - d->outputs_ns;
     uint64_t steps = (ns + ECT_402_STEP_NS / 2) / ECT_402_STEP_NS;
@@ -194,22 +220,43 @@ static bool sync0_runs(const ect_402_drive_t *d, uint64_t now_ns)
     return d->sync0_ns != 0 && now_ns - d->sync0_ns <= CYCLES_WITHOUT_SYNC0 * cycle;
 }
 
+/* 60C2h against the time from one SYNC0 or, without it, from one frame to the next (DRV-159). */
+static void check_cycle(ect_402_drive_t *d, uint64_t before_ns, uint64_t now_ns)
+{
+    uint64_t want = written_cycle(d);
+    uint64_t got = now_ns - before_ns;
+    uint64_t off = got > want ? got - want : want - got;
+    bool checked = d->around->choices.sync_check != 0 && want != 0 && before_ns != 0 && d->axis.mode >= ECT_402_IP;
+    d->wrong_cycles = checked && off > want / CYCLE_TOLERANCE ? (uint8_t)(d->wrong_cycles + 1) : 0;
+    if (d->wrong_cycles < WRONG_CYCLES)
+        return;
+    d->wrong_cycles = 0;
+    ect_402_drive_fault(d, SYNCHRONISATION);
+    settle(d, 0);
+    d->host->drop(d->host->ctx, ECT_STATE_SAFEOP, AL_SYNC_ERROR);
+}
+
 void ect_402_drive_outputs(ect_402_drive_t *d, uint64_t now_ns)
 {
+    uint64_t before_ns = d->outputs_ns;
     d->axis.live = true;
     ect_402_drive_read(d, false);
-    if (sync0_runs(d, now_ns))
+    if (sync0_runs(d, now_ns)) {
         d->fresh = true;
-    else
-        take(d, now_ns);
+        return;
+    }
+    take(d, now_ns);
+    check_cycle(d, before_ns, now_ns);
 }
 
 void ect_402_drive_sync0(ect_402_drive_t *d, uint64_t now_ns)
 {
+    uint64_t before_ns = d->sync0_ns;
     d->sync0_ns = now_ns;
     if (d->fresh)
         take(d, now_ns);
     d->fresh = false;
+    check_cycle(d, before_ns, now_ns);
 }
 
 /* --- AL states ---------------------------------------------------------------------------------------------------- */
@@ -220,6 +267,7 @@ void ect_402_drive_enter_op(ect_402_drive_t *d, uint64_t now_ns)
     d->al = ECT_STATE_OP;
     d->control_known = false;
     d->sync0_ns = d->outputs_ns = 0;
+    d->wrong_cycles = 0;
     ect_402_drive_read(d, true);
 }
 

@@ -11,6 +11,7 @@
 #define W(member, name, kind, minimum, maximum, unit, meaning)                                                         \
     ECT_SIGNAL(ect_402_surroundings_t, member, name, kind, WRITE, minimum, maximum, unit, meaning)
 #define R_COUNTS(member, name, meaning) R(member, name, I32, INT32_MIN, INT32_MAX, "counts", meaning)
+#define CHOICE(member, most, meaning)   W(choices.member, #member, U8, 0, most, NULL, meaning)
 #define W_COUNTS(member, name, meaning) W(member, name, I32, INT32_MIN, INT32_MAX, "counts", meaning)
 
 const ect_signal_t ect_402_drive_signals[] = {
@@ -66,6 +67,21 @@ const ect_signal_t ect_402_around_signals[] = {
       "increments a turn where the dictionary has no 608Fh; 0: 1048576"),
     W(velocity_unit, "velocity_unit", U8, 0, ECT_402_UNIT_TENTH_RPM, NULL,
       "speeds on the bus: 0 position units a second, 1 turns a minute, 2 tenths of them"),
+    CHOICE(home_offset_added, 1, "607Ch: 0 home is at -607Ch, 1 at 607Ch"),
+    CHOICE(following_zero, 1, "6065h of 0: 0 no window, 1 any following error counts"),
+    CHOICE(following_warns, 1, "following error: 0 fault 8611h, 1 bit 13 alone"),
+    CHOICE(switched_on_holds, 1, "Switched on: 0 no torque, 1 holds the position"),
+    CHOICE(csp_bit10, ECT_402_BIT10_TOGGLES, "bit 10 in csp: 0 zero, 1 position in its window, 2 toggles"),
+    CHOICE(csp_bit12, ECT_402_BIT12_ZERO, "bit 12 in csp: 0 the drive follows, 1 one, 2 zero"),
+    CHOICE(homing_by_level, 1, "start of homing: 0 edge of bit 4, 1 its level too"),
+    CHOICE(home_stays, 1, "end of homing: 0 the shaft returns to home, 1 stays where it stops"),
+    CHOICE(limits_absolute, 1, "607Dh: 0 less 607Ch, 1 as it is"),
+    CHOICE(switch_faults, 1, "limit switch: 0 stops the shaft, 1 is fault 8612h"),
+    CHOICE(no_buffer, 1, "set-points of pp: 0 one waits, 1 each counts at once"),
+    CHOICE(mode_zero, 1, "6060h of 0: 0 keeps the mode, 1 ends it"),
+    CHOICE(mode_change, ECT_402_CHANGE_NONE, "mode in Operation enabled: 0 any time, 1 at a standstill, 2 fixed"),
+    CHOICE(reset_needs_zero, 1, "fault reset: 0 any bits beside bit 7, 1 bits 0 to 3 are 0"),
+    CHOICE(sync_check, 1, "60C2h beside the cycle: 0 passes, 1 fault 8700h and SAFEOP"),
     ECT_SIGNAL(ect_402_surroundings_t, machine.position, "machine_position", REAL, READ, -FARTHEST, FARTHEST, "counts",
                "position of the shaft on the machine, whatever the reference; does not wrap"),
 };

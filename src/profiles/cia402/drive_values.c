@@ -171,6 +171,7 @@ static void take_speeds(ect_402_drive_t *d)
                           : a->acceleration;
     a->quick_deceleration = speed_u32(d, ECT_402_V_QUICK_DECELERATION);
     a->speed_limit = speed_u32(d, ECT_402_V_SPEED_LIMIT);
+    a->max_slippage = speed_u32(d, ECT_402_V_MAX_SLIPPAGE);
     a->motor_speed = setting_u32(d, ECT_402_V_MOTOR_SPEED);
     a->most_acceleration = speed_u32(d, ECT_402_V_MOST_ACCELERATION);
     a->most_deceleration = speed_u32(d, ECT_402_V_MOST_DECELERATION);
@@ -182,8 +183,9 @@ static void take_speeds(ect_402_drive_t *d)
 static void take_windows(ect_402_drive_t *d)
 {
     ect_402_axis_t *a = &d->axis;
-    a->error_window = has(d, ECT_402_V_ERROR_WINDOW) ? setting_u32(d, ECT_402_V_ERROR_WINDOW) : 0;
-    a->error_window = a->error_window == UINT32_MAX ? 0 : a->error_window;
+    bool watched = has(d, ECT_402_V_ERROR_WINDOW) && setting_u32(d, ECT_402_V_ERROR_WINDOW) != UINT32_MAX;
+    a->error_window = watched ? setting_u32(d, ECT_402_V_ERROR_WINDOW) : 0;
+    d->config.zero_window = watched && d->around->choices.following_zero != 0;
     a->error_time = setting_u16(d, ECT_402_V_ERROR_TIME);
     a->position_window = setting_u32(d, ECT_402_V_POSITION_WINDOW);
     a->position_time = setting_u16(d, ECT_402_V_POSITION_TIME);
@@ -209,17 +211,24 @@ static void take_torques(ect_402_drive_t *d)
 }
 
 /* 607Dh counts from the machine home (DRV-235); both outermost are none (DRV-237). */
-static void take_positions(ect_402_drive_t *d)
+static void take_limits(ect_402_drive_t *d, int64_t offset, bool turned)
 {
     ect_402_axis_t *a = &d->axis;
-    int64_t offset = d->value[ECT_402_V_HOME_OFFSET];
     int64_t lower = d->value[ECT_402_V_LIMIT_MIN];
     int64_t upper = d->value[ECT_402_V_LIMIT_MAX];
     bool none = lower >= upper || (lower <= INT32_MIN && upper >= INT32_MAX);
-    bool turned = ((unsigned int)d->value[ECT_402_V_POLARITY] & POSITION_TURNED) != 0;
-    a->home_offset = ect_402_saturated((double)(turned ? offset : -offset));
     a->limit[0] = none ? 0 : ect_402_saturated((double)(turned ? offset - upper : lower - offset));
     a->limit[1] = none ? 0 : ect_402_saturated((double)(turned ? offset - lower : upper - offset));
+}
+
+static void take_positions(ect_402_drive_t *d)
+{
+    ect_402_axis_t *a = &d->axis;
+    const ect_402_choices_t *c = &d->around->choices;
+    int64_t offset = (c->home_offset_added != 0 ? -1 : 1) * d->value[ECT_402_V_HOME_OFFSET];
+    bool turned = ((unsigned int)d->value[ECT_402_V_POLARITY] & POSITION_TURNED) != 0;
+    a->home_offset = ect_402_saturated((double)(turned ? offset : -offset));
+    take_limits(d, c->limits_absolute != 0 ? 0 : offset, turned);
     int64_t lowest = d->value[ECT_402_V_RANGE_MIN];
     int64_t highest = d->value[ECT_402_V_RANGE_MAX];
     bool endless = lowest >= highest || (lowest <= INT32_MIN && highest >= INT32_MAX);
@@ -232,8 +241,20 @@ static void take_positions(ect_402_drive_t *d)
     a->physical[1] = op ? (uint32_t)d->value[ECT_402_V_OUTPUT_MASK] : 0;
 }
 
+static void take_choices(ect_402_drive_t *d)
+{
+    const ect_402_choices_t *c = &d->around->choices;
+    d->config.coasts = c->switched_on_holds == 0;
+    d->config.csp_bit10 = c->csp_bit10;
+    d->config.csp_bit12 = c->csp_bit12;
+    d->config.homing_by_level = c->homing_by_level != 0;
+    d->config.home_stays = c->home_stays != 0;
+    d->config.no_buffer = c->no_buffer != 0;
+}
+
 static void take_settings(ect_402_drive_t *d)
 {
+    take_choices(d);
     take_units(d);
     take_options(d);
     take_speeds(d);
@@ -281,6 +302,13 @@ static bool is_cycle(int64_t units, int64_t power)
     return power >= -6 && power <= 0 && ect_402_drive_cycle_ns(units, power) % ECT_402_STEP_NS == 0;
 }
 
+/* 60E3h lists the methods, where the dictionary has it (DRV-280). */
+static bool is_method(const ect_402_drive_t *d, int64_t number)
+{
+    bool listed = d->methods == 0 || (number < 64 && (d->methods >> number & 1u) != 0);
+    return number <= INT8_MAX && ect_402_homing_known((int8_t)number) && listed;
+}
+
 static bool is_known(const ect_402_drive_t *d, ect_402_value_t value, int64_t number)
 {
     uint16_t index = ect_402_object(value)->index;
@@ -296,13 +324,15 @@ static bool is_known(const ect_402_drive_t *d, ect_402_value_t value, int64_t nu
     case ECT_402_V_MODE:
         return number <= 0 || (number <= 32 && (d->modes >> (number - 1) & 1u) != 0);
     case ECT_402_V_HOME_METHOD:
-        return number <= 0 || (number <= INT8_MAX && ect_402_homing_known((int8_t)number));
+        return number <= 0 || is_method(d, number);
     case ECT_402_V_POSITIONING: /* base of relative targets, way of rotary axes; the rest is 0 */
         return (number & ~INT64_C(0xC3)) == 0 && (number & 3) != 3;
     case ECT_402_V_PROFILE_TYPE:
     case ECT_402_V_TORQUE_PROFILE:
     case ECT_402_V_SUB_MODE:
         return number <= 0;
+    case ECT_402_V_SYNC_FUNCTIONS: /* 60D9h: none */
+        return number == 0;
     case ECT_402_V_CYCLE_UNITS: /* may precede its power, which decides */
         return number >= 1 && number <= UINT8_MAX;
     case ECT_402_V_CYCLE_POWER:
@@ -354,9 +384,22 @@ static int8_t fixed_mode(const ect_402_drive_t *d)
     return has(d, ECT_402_V_TARGET_SPEED) ? ECT_402_CSV : ECT_402_CST;
 }
 
+/* DRV-529. */
+static bool mode_is_held(const ect_402_drive_t *d)
+{
+    uint8_t change = d->around->choices.mode_change;
+    if (d->axis.state != ECT_402_OPERATION_ENABLED || change == ECT_402_CHANGE_ANY)
+        return false;
+    return change == ECT_402_CHANGE_NONE || !ect_402_standing(&d->axis);
+}
+
 static void take_mode(ect_402_drive_t *d)
 {
     int64_t mode = has(d, ECT_402_V_MODE) ? d->value[ECT_402_V_MODE] : fixed_mode(d);
+    if (mode_is_held(d))
+        return;
+    if (mode == 0 && d->around->choices.mode_zero != 0)
+        d->axis.mode = ECT_402_NO_MODE;
     if (mode > 0 && mode <= 32 && (d->modes >> (mode - 1) & 1u) != 0)
         d->axis.mode = (int8_t)mode;
 }

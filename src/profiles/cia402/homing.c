@@ -182,12 +182,23 @@ static void go(ect_402_axis_t *a)
                                          a->home_acceleration * ECT_402_STEP_S);
 }
 
-static void go_back(ect_402_axis_t *a)
+static bool returns(ect_402_axis_t *a)
 {
     bool there =
         ect_402_ramp(&a->reference, a->homing.found, a->home_speed[1], a->home_acceleration, a->home_acceleration);
-    double off = ect_402_size(a->plant->position - a->homing.found);
-    if (!there || !ect_402_standing(a) || off > AT_THE_POINT || a->homing.steps < SHORTEST_STEPS)
+    return there && ect_402_size(a->plant->position - a->homing.found) <= AT_THE_POINT;
+}
+
+static bool stops(ect_402_axis_t *a)
+{
+    ect_402_brake(a, a->home_acceleration);
+    return a->reference.loop == ECT_402_LOOP_POSITION;
+}
+
+static void go_back(ect_402_axis_t *a)
+{
+    bool there = a->config->home_stays ? stops(a) : returns(a);
+    if (!there || !ect_402_standing(a) || a->homing.steps < SHORTEST_STEPS)
         return;
     a->zero = a->homing.found - a->home_offset;
     a->homing.active = false;

@@ -43,6 +43,14 @@ bool ect_402_halted(const ect_402_axis_t *a)
            ect_402_command(a->set.control, a->live) == ECT_402_ENABLE_OPERATION;
 }
 
+/* By its level, the bit starts the first run in its mode. */
+static bool starts_homing(const ect_402_axis_t *a, uint16_t rising)
+{
+    const ect_402_homing_t *h = &a->homing;
+    bool level = a->config->homing_by_level && a->mode == ECT_402_HM && (a->set.control & ECT_402_START) != 0;
+    return rising != 0 || (level && !h->active && !h->done && !h->error);
+}
+
 void ect_402_set_values(ect_402_axis_t *a, uint16_t rising)
 {
     int8_t mode = a->mode;
@@ -53,7 +61,7 @@ void ect_402_set_values(ect_402_axis_t *a, uint16_t rising)
         return;
     if (ect_402_take_mode(a))
         rising &= (uint16_t)~(bit | ECT_402_START); /* a bit that is 1 at the entry of its mode is no edge (DRV-145) */
-    if ((rising & bit) != 0 && a->action == ECT_402_FOLLOW)
+    if (starts_homing(a, rising & bit) && a->action == ECT_402_FOLLOW)
         ect_402_homing_start(a);
     else if ((a->set.control & bit) == 0)
         ect_402_homing_abort(a);
@@ -71,6 +79,7 @@ static void follow_position(ect_402_axis_t *a)
         r->position = a->plant->position;
     if (a->set_new) {
         a->set_new = false;
+        a->toggle = !a->toggle;
         a->segment_steps = a->cycle_steps;
         a->segment_steps = a->segment_steps > 0 ? a->segment_steps : 1;
         a->segment_target = ect_402_absolute(a, r->position, a->set.position);
@@ -117,13 +126,28 @@ static void follow_speed(ect_402_axis_t *a)
         a->reference = (ect_402_reference_t){.loop = ECT_402_LOOP_SPEED, .speed = target};
 }
 
+static double on_slope(const ect_402_axis_t *a, double torque)
+{
+    double most = a->torque_slope / 1000.0 * a->config->rated_torque * ECT_402_STEP_S;
+    return ect_402_towards(a->reference.torque, torque, most);
+}
+
+bool ect_402_releases(const ect_402_axis_t *a)
+{
+    return a->config->torque_releases && a->action == ECT_402_RAMP && a->mode == ECT_402_TQ;
+}
+
+void ect_402_release(ect_402_axis_t *a)
+{
+    a->reference = (ect_402_reference_t){.loop = ECT_402_LOOP_TORQUE, .torque = on_slope(a, 0)};
+}
+
 /* Mode 4 has a slope, mode 10 has none. */
 static void follow_torque(ect_402_axis_t *a)
 {
     double torque = a->set.torque / 1000.0 * a->config->rated_torque;
     if (a->mode == ECT_402_TQ)
-        torque = ect_402_towards(a->reference.torque, torque,
-                                 a->torque_slope / 1000.0 * a->config->rated_torque * ECT_402_STEP_S);
+        torque = on_slope(a, torque);
     if (!ect_402_limit_holds_torque(a, torque))
         a->reference = (ect_402_reference_t){.loop = ECT_402_LOOP_TORQUE, .torque = torque};
 }

@@ -46,7 +46,8 @@ static void begin(ect_402_axis_t *a)
         ect_402_brake_begin(a);
         break;
     case ECT_402_RAMP:
-        ect_402_brake_begin(a);
+        if (!ect_402_releases(a))
+            ect_402_brake_begin(a);
         break;
     }
 }
@@ -65,6 +66,15 @@ static uint16_t control_word(const ect_402_axis_t *a)
     return cyclic && !a->config->cyclic_halts ? word & (uint16_t)~ECT_402_HALT : word;
 }
 
+/* A stop in mode 4 ends without torque, whatever the speed (DRV-251). */
+static bool has_stopped(const ect_402_axis_t *a)
+{
+    bool releases = a->config->torque_releases && a->mode == ECT_402_TQ && a->action != ECT_402_STOP;
+    if (!releases || a->reference.loop != ECT_402_LOOP_TORQUE)
+        return ect_402_standing(a);
+    return a->reference.torque == 0;
+}
+
 static void read_inputs(ect_402_axis_t *a, uint16_t rising)
 {
     a->inputs = (ect_402_inputs_t){
@@ -76,7 +86,7 @@ static void read_inputs(ect_402_axis_t *a, uint16_t rising)
         .fault = a->conditions.fault,
         .resettable = a->conditions.resettable,
         .can_brake = can_brake(a),
-        .standing = ect_402_standing(a) || !ect_402_stop_waits(a),
+        .standing = has_stopped(a) || !ect_402_stop_waits(a),
         .stays = ect_402_stop_stays(a),
         .coasts = a->config->coasts || a->disable_option == 0,
     };
@@ -131,6 +141,8 @@ void ect_402_step(ect_402_axis_t *a)
     a->held = false;
     if (a->action == ECT_402_FOLLOW)
         ect_402_follow(a);
+    else if (ect_402_releases(a))
+        ect_402_release(a);
     else if (a->action == ECT_402_RAMP || a->action == ECT_402_STOP)
         ect_402_brake(a, ect_402_stop_deceleration(a));
     if (ect_402_powered(a))

@@ -64,7 +64,7 @@ static void begin(ect_402_axis_t *a)
 void ect_402_task_take(ect_402_axis_t *a)
 {
     ect_402_set_point_t *next = &a->next;
-    bool at_once = (a->set.control & ECT_402_AT_ONCE) != 0;
+    bool at_once = (a->set.control & ECT_402_AT_ONCE) != 0 || a->config->no_buffer;
     if (next->valid && !at_once)
         return;
     *next = (ect_402_set_point_t){

@@ -109,10 +109,12 @@ enum { ECT_402_AXIS_OBJECTS = 0x800, ECT_402_AXES = 8 };
     V(PROBE_1_NEGATIVES, 0x60D6, 0, ACTUAL, PLAIN, 0)                                                                  \
     V(PROBE_2_POSITIVES, 0x60D7, 0, ACTUAL, PLAIN, 0)                                                                  \
     V(PROBE_2_NEGATIVES, 0x60D8, 0, ACTUAL, PLAIN, 0)                                                                  \
+    V(SYNC_FUNCTIONS, 0x60DA, 0, SETTING, PLAIN, 0)                                                                    \
     V(TORQUE_POSITIVE, 0x60E0, 0, LIMIT, PLAIN, 3000)                                                                  \
     V(TORQUE_NEGATIVE, 0x60E1, 0, LIMIT, PLAIN, 3000)                                                                  \
     V(POSITIONING, 0x60F2, 0, SETTING, PLAIN, 0)                                                                       \
     V(FOLLOWING_ERROR, 0x60F4, 0, ACTUAL, PLAIN, 0)                                                                    \
+    V(MAX_SLIPPAGE, 0x60F8, 0, SETTING, PLAIN, 0)                                                                      \
     V(EFFORT, 0x60FA, 0, ACTUAL, PLAIN, 0)                                                                             \
     V(INTERNAL_DEMAND, 0x60FC, 0, ACTUAL, PLAIN, 0)                                                                    \
     V(INPUTS, 0x60FD, 0, ACTUAL, PLAIN, 0)                                                                             \

@@ -286,6 +286,17 @@ static void refused_settings(void **state)
     }
 }
 
+/* SMALL lists methods 35 and 37. */
+static void listed_methods(void **state)
+{
+    (void)state;
+    open_drive("SMALL");
+    assert_int_equal(write_sdo(0x6098, 0, 37, 1), 0);
+    assert_int_equal(write_sdo(0x6098, 0, 34, 1), 0x06090030);
+    assert_int_equal(write_sdo(0x6098, 0, 35, 1), 0);
+    assert_int_equal(write_sdo(0x6098, 0, 0, 1), 0);
+}
+
 static void defaults_of_nothing(void **state)
 {
     (void)state;
@@ -397,6 +408,7 @@ int main(void)
         {"DRV-155 DRV-156 6007h when OP ends", operation_lost, NULL, close_drive, NULL},
         {"DRV-241 DRV-207 a shaft that is stuck ends in a following error", shaft_is_stuck, NULL, close_drive, NULL},
         {"DRV-096 DRV-098 DRV-295 settings out of range are refused", refused_settings, NULL, close_drive, NULL},
+        {"DRV-072 DRV-280 6098h takes the methods that 60E3h lists", listed_methods, NULL, close_drive, NULL},
         {"settings have the file's default, 0 too; without one, the twin's", defaults_of_nothing, NULL, close_drive,
          NULL},
         {"DRV-015 DRV-049 DRV-051 DRV-421 DRV-097 DRV-230 units of a screw", screw, NULL, close_drive, NULL},
