@@ -34,7 +34,7 @@ extern const struct argp wiring_argp;
  * Applies the options to the twins. An impossible value ends the program with a line that gives the reason.
  * @param seed  of the random generators for drifts, delays and jitter
  */
-void wiring_args_apply(wiring_args_t *args, const struct argp_state *state, ect_twin_config_t *twins, size_t count,
+void wiring_args_apply(wiring_args_t *args, const struct argp_state *parser, ect_twin_config_t *twins, size_t count,
                        uint32_t seed);
 
 void wiring_args_free(wiring_args_t *args);

@@ -339,11 +339,12 @@ static void print_steps(const uint32_t *times, size_t count)
     enum { STEPS = 120 };
     double edge_ns = 1000;
     size_t at = 0;
-    for (unsigned int step = 0; step < STEPS; step++, edge_ns *= 1.1220184543) {
+    for (unsigned int step = 0; step < STEPS; step++) {
         size_t before = at;
         while (at < count && (step + 1 == STEPS || times[at] < edge_ns))
             at++;
         printf("%s%zu", step > 0 ? "," : "\"steps\":[", at - before);
+        edge_ns *= 1.1220184543;
     }
     printf("],");
 }
