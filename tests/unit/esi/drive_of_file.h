@@ -24,6 +24,8 @@ enum { SEARCH = 20000, ZERO = 5000 }; /* speeds of 6099h */
 static wire_t wire;
 static ect_esi_twin_t *twin;
 static uint8_t out[64], in[64];
+static const uint32_t
+    *remapped[2]; /* entries of 1600h and 1A00h, up to a 0, that a test has written; NULL: the file's */
 
 /* --- the twin, its process data ----------------------------------------------------------------------------------- */
 
@@ -60,11 +62,19 @@ static inline int close_drive(void **state)
         wire_close(&wire);
     ect_esi_twin_free(twin);
     twin = NULL;
+    remapped[0] = remapped[1] = NULL;
     return 0;
 }
 
 static inline uint32_t value_of(uint16_t index, uint8_t subindex)
 {
+    const uint32_t *entries = index == 0x1600 ? remapped[0] : index == 0x1A00 ? remapped[1] : NULL;
+    uint32_t count = 0;
+    if (entries != NULL) {
+        while (entries[count] != 0)
+            count++;
+        return subindex == 0 ? count : entries[subindex - 1];
+    }
     ect_od_t od = ect_device_od(device(), NULL);
     const ect_object_t *object;
     const ect_entry_t *entry = NULL;
@@ -111,7 +121,13 @@ static inline int64_t get(uint16_t index)
 
 static inline uint16_t size_of(unsigned int sm)
 {
-    return ect_device_sm_bytes(device(), sm);
+    const uint32_t *entries = remapped[sm - 2];
+    unsigned int bits = 0;
+    if (entries == NULL)
+        return ect_device_sm_bytes(device(), sm);
+    for (; *entries != 0; entries++)
+        bits += *entries & 0xFF;
+    return (uint16_t)(bits / 8);
 }
 
 static inline void cycles(unsigned int count)
@@ -144,6 +160,29 @@ static inline int64_t read_sdo(uint16_t index, uint8_t subindex)
     if (abort != 0)
         fail_msg("%04X:%u: abort %08X", (unsigned int)index, (unsigned int)subindex, (unsigned int)abort);
     return size == 4 ? (int32_t)ect_load_le32(bytes) : (int64_t)ect_load_le64(bytes);
+}
+
+static inline void map(uint16_t pdo, uint8_t entry, uint32_t value, uint32_t abort)
+{
+    uint32_t got = write_sdo(pdo, entry, value, entry == 0 ? 1 : 4);
+    if (got != abort)
+        fail_msg("%04X:%u = %08X: expected %08X, got %08X", (unsigned int)pdo, entry, (unsigned int)value,
+                 (unsigned int)abort, (unsigned int)got);
+}
+
+static inline void next_state(uint8_t al)
+{
+    uint16_t code = 0;
+    if (al == SAFEOP) {
+        wire_configure_process_data(&wire, 0);
+        for (unsigned int sm = 2; sm <= 3; sm++)
+            wire_set_sm(&wire, 0, sm, device()->sm[sm].start, size_of(sm), sm == 2 ? 0x64 : 0x20);
+    } else {
+        (void)wire_write(&wire, 0, device()->sm[2].start, out, size_of(2));
+    }
+    assert_int_equal(wire_al(&wire, 0, al, &code) & 0x0F, al);
+    if (al == OP)
+        cycles(1);
 }
 
 static inline void set(const char *name, const char *value)

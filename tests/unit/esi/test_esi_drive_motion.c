@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Set values, limits and their bits of a drive of an ESI file, and the sequences of masters. A turn has 10 000 counts.
- */
+/* Set values, limits and their bits of a drive of an ESI file. A turn has 10 000 counts. */
 #include "drive_of_file.h"
 
 enum { FAST = 50000, BIT_TARGET = 0x0400, BIT_LIMIT = 0x0800, BIT_ATTAINED = 0x1000 };
@@ -469,83 +468,6 @@ static void probe_levels(void **state)
     assert_int_equal(read_sdo(0x60B9, 0) & 0xC0, 0);
 }
 
-/* --- masters ------------------------------------------------------------------------------------------------------ */
-
-/* A control word, held until the status word has these bits. */
-typedef struct step_of_master {
-    uint16_t control, mask, value;
-} step_of_master_t;
-enum { STEPS = 8 };
-
-static void sequences(void **state)
-{
-    static const struct {
-        const char *what;
-        bool fault; /* present before */
-        step_of_master_t steps[STEPS];
-    } rows[] = {
-        {"DRV-604 KickCAT", false, {{0x06, 0x11, 0x11}, {0x0F, 0x37, 0x37}, {0x00, 0x40, 0x40}}},
-        {"DRV-605 KickCAT's reset",
-         true,
-         {{0x00, 0x08, 0x08}, {0x80, 0x08, 0}, {0x00, 0x40, 0x40}, {0x06, 0x11, 0x11}}},
-        {"DRV-610 hal-cia402", false, {{0x06, 0x01, 0x01}, {0x07, 0x02, 0x02}, {0x0F, 0x04, 0x04}, {0x04, 0x40, 0x40}}},
-        {"DRV-612 hal-cia402's reset", true, {{0x04, 0x08, 0x08}, {0x84, 0x08, 0}, {0x06, 0x01, 0x01}}},
-        {"DRV-613 ros2", false, {{0x06, 0x6F, 0x21}, {0x07, 0x6F, 0x23}, {0x0F, 0x6F, 0x27}}},
-        {"DRV-615 ros2's reset",
-         true,
-         {{0x0F, 0x4F, 0x08},
-          {0x8F, 0x4F, 0x40},
-          {0x8F, 0x4F, 0x40},
-          {0x0E, 0x6F, 0x21},
-          {0x07, 0x6F, 0x23},
-          {0x0F, 0x6F, 0x27}}},
-        {"DRV-621 TwinCAT", false, {{0x06, 0x6F, 0x21}, {0x07, 0x6F, 0x23}, {0x0F, 0x106F, 0x1027}}},
-    };
-    for (size_t i = 0; i < COUNT(rows); i++) {
-        servo(CSP, 10000);
-        if (rows[i].fault) {
-            set("axis1.fault", "16912");
-            cycles(2);
-        }
-        for (size_t k = 0; k < STEPS && rows[i].steps[k].mask != 0; k++) {
-            const step_of_master_t *s = &rows[i].steps[k];
-            put(CONTROL, s->control);
-            put(TARGET, get(ACTUAL));
-            cycles(1);
-            for (unsigned int n = 0; n < 100 && (get(STATUS) & s->mask) != s->value; n++)
-                cycles(1);
-            if ((get(STATUS) & s->mask) != s->value)
-                fail_msg("%s: hangs at step %zu, status word is %04X", rows[i].what, k + 1, (unsigned int)get(STATUS));
-        }
-        close_drive(state);
-    }
-}
-
-static void homing_of_linuxcnc(void **state)
-{
-    (void)state;
-    servo(CSP, 10000);
-    enable(0);
-    assert_int_equal(write_sdo(0x6098, 0, 34, 1), 0);
-    set("axis1.index_at", "3000");
-    put(MODE, HM);
-    cycles(1);
-    assert_int_equal(get(SHOWN), HM);
-    put(CONTROL, START);
-    unsigned int held = 0;
-    for (unsigned int n = 0; n < 20000 && held < 100; n++) {
-        cycles(1);
-        held = (get(STATUS) & 0x1400) == 0x1400 ? held + 1 : 0;
-    }
-    assert_int_equal(held, 100);
-    put(TARGET, get(ACTUAL));
-    put(CONTROL, ENABLE);
-    put(MODE, CSP);
-    cycles(50);
-    assert_int_equal(state_of(get(STATUS)), ENABLED);
-    assert_true(llabs(get(ACTUAL)) <= 1);
-}
-
 int main(void)
 {
 #define TEST(title, function) {title, function, NULL, close_drive, NULL}
@@ -569,9 +491,6 @@ int main(void)
         TEST("DRV-431 DRV-278 the other limit switch ends a run", crosswise),
         TEST("DRV-311 60FDh", digital_inputs),
         TEST("DRV-303 DRV-305 DRV-307 DRV-309 touch probes: levels, arming, sources", probe_levels),
-        TEST("DRV-604 DRV-605 DRV-610 DRV-612 DRV-613 DRV-615 DRV-621 the enabling and resetting of masters",
-             sequences),
-        TEST("DRV-611 DRV-272 the homing of LinuxCNC", homing_of_linuxcnc),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -356,18 +356,6 @@ static void second_fault(void **state)
 }
 
 /* The state that follows PREOP or SAFEOP, with the outputs of the test as the first ones. */
-static void next_state(uint8_t al)
-{
-    uint16_t code = 0;
-    if (al == SAFEOP)
-        wire_configure_process_data(&wire, 0);
-    else
-        (void)wire_write(&wire, 0, device()->sm[2].start, out, size_of(2));
-    assert_int_equal(wire_al(&wire, 0, al, &code) & 0x0F, al);
-    if (al == OP)
-        cycles(1);
-}
-
 /* --- edges -------------------------------------------------------------------------------------------------------- */
 
 static void first_word(void **state)
@@ -552,14 +540,6 @@ static void cycle_time(void **state)
 
 /* --- mapping ------------------------------------------------------------------------------------------------------ */
 
-static void map(uint16_t pdo, uint8_t entry, uint32_t value, uint32_t abort)
-{
-    uint32_t got = write_sdo(pdo, entry, value, entry == 0 ? 1 : 4);
-    if (got != abort)
-        fail_msg("%04X:%u = %08X: expected %08X, got %08X", (unsigned int)pdo, entry, (unsigned int)value,
-                 (unsigned int)abort, (unsigned int)got);
-}
-
 /* KickCAT maps a PDO while it is assigned, and assigns it after that. */
 static void mapped_while_assigned(void **state)
 {
@@ -609,6 +589,71 @@ static void refused_mappings(void **state)
         map(0x1600, 1, rows[i].entry, rows[i].abort);
 }
 
+/* Each SM of the process data, a byte longer than the mapping. */
+static void lengths_that_do_not_fit(void **state)
+{
+    static const struct {
+        unsigned int sm;
+        uint16_t start;
+        uint8_t control;
+        uint16_t code;
+    } rows[] = {{2, 0x1800, 0x64, 0x001D}, {3, 0x1C00, 0x20, 0x001E}};
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        uint16_t code = 0;
+        open_drive("SERVO");
+        wire_configure_process_data(&wire, 0);
+        wire_set_sm(&wire, 0, rows[i].sm, rows[i].start, (uint16_t)(size_of(rows[i].sm) + 1), rows[i].control);
+        assert_int_equal(wire_al(&wire, 0, SAFEOP, &code) & 0x0F, PREOP);
+        assert_int_equal(code, rows[i].code);
+        (void)wire_al(&wire, 0, PREOP | 0x10, NULL);
+        next_state(SAFEOP);
+        close_drive(state);
+    }
+}
+
+static void free_and_fixed(void **state)
+{
+    static const struct {
+        const char *type;
+        uint32_t abort;
+    } rows[] = {{"SERVO", 0}, {"SMALL", 0x06010002}};
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        open_drive(rows[i].type);
+        map(0x1600, 0, 0, rows[i].abort);
+        map(0x1A00, 0, 0, rows[i].abort);
+        close_drive(state);
+    }
+}
+
+static void pdos_of_axes(void **state)
+{
+    static const struct {
+        uint16_t assignment, pdo;
+        uint8_t place;
+        uint32_t first;
+    } rows[] = {{0x1C12, 0x1600, 1, 0x60400010},
+                {0x1C12, 0x1610, 2, 0x68400010},
+                {0x1C13, 0x1A00, 1, 0x60410010},
+                {0x1C13, 0x1A10, 2, 0x68410010}};
+    (void)state;
+    open_drive("DUAL");
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        assert_int_equal(read_sdo(rows[i].assignment, rows[i].place), rows[i].pdo);
+        assert_int_equal(read_sdo(rows[i].pdo, 1), rows[i].first);
+    }
+}
+
+static void device_types(void **state)
+{
+    static const char *const types[] = {"SERVO", "SMALL", "SPEED", "DUAL", "WIDE", "SCREW", "CYCLIC"};
+    for (size_t i = 0; i < COUNT(types); i++) {
+        open_drive(types[i]);
+        if (read_sdo(0x1000, 0) != 0x00020192)
+            fail_msg("%s: device type %08X", types[i], (unsigned int)read_sdo(0x1000, 0));
+        close_drive(state);
+    }
+}
+
 static void mapped_objects_by_mailbox(void **state)
 {
     (void)state;
@@ -649,6 +694,10 @@ int main(void)
         TEST("DRV-154 DRV-513 a control word by SDO holds until the next frame", control_by_mailbox_in_op),
         TEST("DRV-601 DRV-602 DRV-092..094 a PDO mapped while it is assigned", mapped_while_assigned),
         TEST("DRV-095 DRV-093 entries that cannot be mapped, and padding", refused_mappings),
+        TEST("DRV-160 SAFEOP is refused for lengths that the mapping does not have", lengths_that_do_not_fit),
+        TEST("DRV-527 PDOs that are free, and fixed ones", free_and_fixed),
+        TEST("DRV-091 1610h and 1A10h are those of the second axis", pdos_of_axes),
+        TEST("DRV-001 1000h of each shape of file: servo, CiA 402", device_types),
         TEST("DRV-099 a mapped object by SDO is the value taken last", mapped_objects_by_mailbox),
         TEST("DRV-263 DRV-065 60C2h: range, whole steps, not in SAFEOP and OP", cycle_time),
     };

@@ -529,7 +529,7 @@ int main(int argc, char **argv)
         {"DRV-265..270 DRV-271 DRV-272 DRV-278: HM: bits 13, 12, 10", homing_bits, setup, teardown, NULL},
         {"DRV-246 DRV-247 DRV-414: PV: bit 10 after 606Eh in the window, bit 12 speed is 0", speed_bits, setup,
          teardown, NULL},
-        {"DRV-258 DRV-259: CSP, CSV, CST: bit 12 follows, bit 10 is 0", cyclic_bits, NULL, NULL, NULL},
+        {"DRV-258 DRV-259 DRV-502: CSP, CSV, CST: bit 12 follows, bit 10 is 0", cyclic_bits, NULL, NULL, NULL},
         {"DRV-262: IP: bit 10 in position, bit 12 follows", interpolated_bits, setup, teardown, NULL},
         {"DRV-258 DRV-113: CSP: bit 12 is 0 and bit 11 is 1 beyond 607Dh", position_at_a_limit, setup, teardown, NULL},
         {"DRV-241 DRV-413: 8611h after 6066h beyond 6065h, not before", following_error_time, setup, teardown, NULL},

@@ -474,7 +474,7 @@ int main(int argc, char **argv)
         {"friction and load take their share", load_and_friction, setup, teardown, NULL},
         {"6072h limits the torque", torque_limits, setup, teardown, NULL},
         {"607Fh limits the speed, of a torque too", speed_limit, setup, teardown, NULL},
-        {"PLZ-024: a motion task: bit 15 while it is under way, bit 10 at its target, in its time", task, setup,
+        {"PLZ-024 DRV-502: a motion task: bit 15 while it is under way, bit 10 at its target, in its time", task, setup,
          teardown, NULL},
         {"short ways, and targets that change", short_and_changed_tasks, setup, teardown, NULL},
         {"PLZ-023 PLZ-022: falling bits: which stop, on which ramp, how long, where it ends", stopping, NULL, NULL,

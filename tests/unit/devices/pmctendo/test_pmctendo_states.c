@@ -474,7 +474,7 @@ int main(int argc, char **argv)
          setup, teardown, NULL},
         {"PLZ-017: sync_tolerance that is set in SAFEOP ends a rhythm that 60C2h cannot have", tolerance_in_safeop,
          setup, teardown, NULL},
-        {"PLZ-025: a SYNC0 below 0.25 ms is refused", shorter_than_allowed, setup, teardown, NULL},
+        {"PLZ-025 DRV-160: a SYNC0 below 0.25 ms is refused", shorter_than_allowed, setup, teardown, NULL},
         {"PLZ-017: sync_tolerance: the master's frames within 1000 ppm", tolerance, NULL, NULL, NULL},
         {"PLZ-017 PLZ-020: a rhythm that is lost in OP: F28, the drive brakes and is off", sync_lost, NULL, NULL, NULL},
         {"PLZ-020: every fault shows its number and sends an emergency; PREOP to SAFEOP clears those that need no "
