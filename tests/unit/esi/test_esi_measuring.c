@@ -168,6 +168,25 @@ static void autozero(void **state)
     expect(OFFSET, 2, 0);
 }
 
+static void other_objects(void **state)
+{
+    static const struct {
+        uint16_t index;
+        int64_t value;
+        size_t size;
+    } rows[] = {{0x6110, 50, 2}, {0x6133, 0x7FC00000, 4}};
+    (void)state;
+    open_input();
+    set("measure1.value", "300");
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        write_ok(rows[i].index, 1, rows[i].value, rows[i].size);
+        if (read_sdo(rows[i].index, 1) != rows[i].value)
+            fail_msg("%04X: expected %lld, got %lld", (unsigned int)rows[i].index, (long long)rows[i].value,
+                     (long long)read_sdo(rows[i].index, 1));
+        expect(PROCESS, 1, 3000);
+    }
+}
+
 static void status(void **state)
 {
     static const struct {
@@ -254,6 +273,8 @@ int main(void)
         {"entries of a quantity in several formats agree", formats_agree, NULL, close_sensor, NULL},
         {"6132h shifts integers, at most 9 places", decimal_digits, NULL, close_sensor, NULL},
         {"the signature in 6125h makes the process value 0 by the offset, any other value is refused", autozero, NULL,
+         close_sensor, NULL},
+        {"an object without behaviour keeps what a master writes, and changes no value", other_objects, NULL,
          close_sensor, NULL},
         {"6150h has overload beyond the span, and a value that is not valid", status, NULL, close_sensor, NULL},
         {"without scaling the process value is the physical value, in all formats", without_scaling, NULL, close_sensor,
