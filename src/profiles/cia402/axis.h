@@ -91,10 +91,6 @@ typedef struct ect_402_plant {
     int32_t index_at; /**< an index pulse, and one every turn from there */
 } ect_402_plant_t;
 
-/** Bits 10 and 12 of the status word in mode 8. */
-enum { ECT_402_BIT10_ZERO, ECT_402_BIT10_WINDOW, ECT_402_BIT10_TOGGLES };
-enum { ECT_402_BIT12_FOLLOWS, ECT_402_BIT12_ONE, ECT_402_BIT12_ZERO };
-
 /** The motor, and the choices of a product. Constant. */
 typedef struct ect_402_config {
     double turn;            /**< counts */
@@ -112,8 +108,6 @@ typedef struct ect_402_config {
     bool homing_by_level;   /**< bit 4 that is 1 at the entry of mode 6 starts a run */
     bool home_stays;        /**< the shaft stays where it stops behind home; else it returns */
     bool no_buffer;         /**< each set-point of mode 1 counts at once */
-    uint8_t csp_bit10;      /**< ECT_402_BIT10_... */
-    uint8_t csp_bit12;      /**< ECT_402_BIT12_... */
 } ect_402_config_t;
 
 /** The set value of the controllers. */
@@ -177,7 +171,6 @@ typedef struct ect_402_axis {
     uint16_t max_torque, max_current, torque_limit[2];         /**< per mille; positive, negative */
     uint32_t motor_speed;                                      /**< turns a minute */
     uint32_t torque_slope;                                     /**< per mille a second; mode 4 */
-    uint32_t max_slippage;                                     /**< counts/s; mode 3; 0: none */
     uint32_t most_acceleration, most_deceleration;
     uint32_t physical[2]; /**< 60FEh: outputs, mask */
     int8_t home_method;

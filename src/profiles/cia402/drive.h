@@ -30,6 +30,10 @@ ECT_C_BEGIN
 /** Units of speeds and accelerations on the bus, DRV-519. */
 enum { ECT_402_UNIT_POSITION, ECT_402_UNIT_RPM, ECT_402_UNIT_TENTH_RPM };
 
+/** Bits 10 and 12 of the status word in mode 8. */
+enum { ECT_402_BIT10_ZERO, ECT_402_BIT10_WINDOW, ECT_402_BIT10_TOGGLES };
+enum { ECT_402_BIT12_FOLLOWS, ECT_402_BIT12_ONE, ECT_402_BIT12_ZERO };
+
 /** Choices that the profile leaves to vendors, DRV-501 to DRV-530. 0 is the twin's own. */
 typedef struct ect_402_choices {
     uint8_t home_offset_added; /**< 607Ch: home has the position 607Ch instead of -607Ch */
@@ -92,6 +96,7 @@ typedef struct ect_402_drive {
     bool fresh;                    /**< outputs wait for SYNC0 */
     bool cycle_written;            /**< 60C2h is the master's */
     uint8_t wrong_cycles;          /**< in succession, against 60C2h */
+    uint32_t max_slippage;         /**< 60F8h, counts/s; mode 3; 0: none */
     uint64_t methods;              /**< 60E3h: bit n for method n of 6098h; 0: all that are known */
     uint64_t sync0_ns, outputs_ns; /**< the last of each; 0: none */
 

@@ -171,7 +171,7 @@ static void take_speeds(ect_402_drive_t *d)
                           : a->acceleration;
     a->quick_deceleration = speed_u32(d, ECT_402_V_QUICK_DECELERATION);
     a->speed_limit = speed_u32(d, ECT_402_V_SPEED_LIMIT);
-    a->max_slippage = speed_u32(d, ECT_402_V_MAX_SLIPPAGE);
+    d->max_slippage = speed_u32(d, ECT_402_V_MAX_SLIPPAGE);
     a->motor_speed = setting_u32(d, ECT_402_V_MOTOR_SPEED);
     a->most_acceleration = speed_u32(d, ECT_402_V_MOST_ACCELERATION);
     a->most_deceleration = speed_u32(d, ECT_402_V_MOST_DECELERATION);
@@ -245,8 +245,6 @@ static void take_choices(ect_402_drive_t *d)
 {
     const ect_402_choices_t *c = &d->around->choices;
     d->config.coasts = c->switched_on_holds == 0;
-    d->config.csp_bit10 = c->csp_bit10;
-    d->config.csp_bit12 = c->csp_bit12;
     d->config.homing_by_level = c->homing_by_level != 0;
     d->config.home_stays = c->home_stays != 0;
     d->config.no_buffer = c->no_buffer != 0;
@@ -447,11 +445,35 @@ static void put_bits(const ect_402_drive_t *d, ect_402_value_t value, uint32_t b
     ect_402_store(d->instance, &d->links[value], bits);
 }
 
+/* DRV-075: the shaft is slower or faster than its demand. */
+static bool slips(const ect_402_drive_t *d)
+{
+    const ect_402_axis_t *a = &d->axis;
+    return a->mode == ECT_402_PV && d->max_slippage != 0 && a->action == ECT_402_FOLLOW &&
+           ect_402_size(a->reference.speed - a->plant->speed) > d->max_slippage;
+}
+
+/* Bits of the mode, by the choices of vendors in mode 8 (DRV-510, DRV-511). */
+static uint16_t mode_bits(const ect_402_drive_t *d)
+{
+    const ect_402_axis_t *a = &d->axis;
+    const ect_402_choices_t *c = &d->around->choices;
+    uint16_t bits = ect_402_mode_bits(a) | (slips(d) ? ECT_402_STATUS_MODE_ERROR : 0);
+    if (a->mode != ECT_402_CSP)
+        return bits;
+    bool target =
+        c->csp_bit10 == ECT_402_BIT10_TOGGLES ? a->toggle : c->csp_bit10 == ECT_402_BIT10_WINDOW && ect_402_reached(a);
+    if (c->csp_bit12 != ECT_402_BIT12_FOLLOWS)
+        bits &= (uint16_t)~ECT_402_STATUS_ATTAINED;
+    return (uint16_t)(bits | (target ? ECT_402_STATUS_TARGET : 0) |
+                      (c->csp_bit12 == ECT_402_BIT12_ONE ? ECT_402_STATUS_ATTAINED : 0));
+}
+
 static uint16_t status_word(const ect_402_drive_t *d)
 {
     const ect_402_axis_t *a = &d->axis;
     bool stop = !a->level[ECT_402_POSITIVE] || !a->level[ECT_402_NEGATIVE];
-    return (uint16_t)(ect_402_status(a->state, &a->inputs) | ect_402_mode_bits(a) |
+    return (uint16_t)(ect_402_status(a->state, &a->inputs) | mode_bits(d) |
                       (d->around->power ? ECT_402_STATUS_VOLTAGE : 0) |
                       (d->around->warning ? ECT_402_STATUS_WARNING : 0) |
                       (a->live && d->al == ECT_STATE_OP ? ECT_402_STATUS_REMOTE : 0) |

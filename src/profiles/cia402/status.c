@@ -67,22 +67,6 @@ static bool follows(const ect_402_axis_t *a)
     return a->action == ECT_402_FOLLOW && !a->homing.active && !ect_402_limit_acts(a);
 }
 
-static uint16_t cyclic_position_bits(const ect_402_axis_t *a)
-{
-    uint8_t ten = a->config->csp_bit10;
-    uint8_t twelve = a->config->csp_bit12;
-    bool target = ten == ECT_402_BIT10_TOGGLES ? a->toggle : ten == ECT_402_BIT10_WINDOW && ect_402_reached(a);
-    bool attained = twelve == ECT_402_BIT12_FOLLOWS ? follows(a) : twelve == ECT_402_BIT12_ONE;
-    return (uint16_t)(bit(target, ECT_402_STATUS_TARGET) | bit(attained, ECT_402_STATUS_ATTAINED));
-}
-
-/* Bit 13 of mode 3: the shaft is slower or faster than its demand. */
-static bool slips(const ect_402_axis_t *a)
-{
-    return a->max_slippage != 0 && a->action == ECT_402_FOLLOW &&
-           ect_402_size(a->reference.speed - a->plant->speed) > a->max_slippage;
-}
-
 uint16_t ect_402_mode_bits(const ect_402_axis_t *a)
 {
     uint16_t target = bit(ect_402_reached(a), ECT_402_STATUS_TARGET);
@@ -91,8 +75,7 @@ uint16_t ect_402_mode_bits(const ect_402_axis_t *a)
     case ECT_402_PP:
         return (uint16_t)(target | bit(a->task_taken, ECT_402_STATUS_ATTAINED) | error);
     case ECT_402_PV:
-        return (uint16_t)(target | bit(a->speed_is_zero, ECT_402_STATUS_ATTAINED) |
-                          bit(slips(a), ECT_402_STATUS_MODE_ERROR));
+        return (uint16_t)(target | bit(a->speed_is_zero, ECT_402_STATUS_ATTAINED));
     case ECT_402_NO_MODE:
     case ECT_402_TQ:
         return target;
@@ -101,7 +84,7 @@ uint16_t ect_402_mode_bits(const ect_402_axis_t *a)
     case ECT_402_IP:
         return (uint16_t)(target | bit(follows(a) && ect_402_ip_active(a), ECT_402_STATUS_ATTAINED) | error);
     case ECT_402_CSP:
-        return cyclic_position_bits(a) | error;
+        return (uint16_t)(bit(follows(a), ECT_402_STATUS_ATTAINED) | error);
     default: /* cyclic speed and torque */
         return bit(follows(a), ECT_402_STATUS_ATTAINED);
     }
