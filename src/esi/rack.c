@@ -142,6 +142,8 @@ ect_esi_twin_t *ect_esi_twin_of(const ect_esi_t *esi, const ect_esi_device_t *mo
         rack->sets[0].idents = twin->build.idents;
         rack->sets[0].twin = twin;
         rack->set_count = 1;
+    } else {
+        ect_arena_free(&arena); /* of a rack that would be too large */
     }
     return twin;
 }
