@@ -351,6 +351,133 @@ static void too_many(void **state)
     close_rig(&r);
 }
 
+/* A rack whose parts vary. */
+#define PARTS(objects, pdos, protocols, most, modules)                                                                 \
+    ESI_HEAD "\n<Device Physics='YY'><Type ProductCode='#x1' RevisionNo='#x2'>RACK</Type><Name>A rack</Name>"          \
+             "<Profile><ProfileNo>5001</ProfileNo>" objects "</Profile><Fmmu>Outputs</Fmmu><Fmmu>Inputs</"             \
+             "Fmmu>" ESI_MAILBOX_SMS ESI_PROCESS_SMS pdos "<Mailbox>" protocols "</Mailbox>"                           \
+             "<Slots MaxSlotCount='" most "' SlotPdoIncrement='1' SlotIndexIncrement='#x10' " DOWNLOAD ">"             \
+             "<Slot MinInstances='0' MaxInstances='" most "'><Name>Slots</Name><ModuleClass><Class>IO</Class>"         \
+             "</ModuleClass></Slot></Slots>" ESI_EEPROM "</Device></Devices><Modules>" modules                         \
+             "</Modules></Descriptions></EtherCATInfo>"
+#define OBJECTS(objects)                                                                                               \
+    "<Dictionary><DataTypes><DataType><Name>UINT</Name><BitSize>16</BitSize></DataType>"                               \
+    "<DataType><Name>STRING(12)</Name><BitSize>96</BitSize></DataType>"                                                \
+    "<DataType><Name>STRING(7000)</Name><BitSize>56000</BitSize></DataType></DataTypes><Objects>" objects              \
+    "</Objects></Dictionary>"
+#define OBJECT(index, type, bits, rest)                                                                                \
+    "<Object><Index>#x" index "</Index><Name>N</Name><Type>" type "</Type><BitSize>" bits "</BitSize>" rest "</"       \
+    "Object>"
+#define WORD(index)  OBJECT(index, "UINT", "16", "")
+#define LARGE(index) OBJECT(index, "STRING(7000)", "56000", "")
+#define LARGE_ONES   OBJECTS(LARGE("2000") LARGE("2001") LARGE("2002") LARGE("2003") LARGE("2004"))
+#define PDO_WITH(index)                                                                                                \
+    "<RxPdo Fixed='1' Sm='2'><Index>#x1680</Index><Name>P</Name><Entry><Index>#x" index                                \
+    "</Index><SubIndex>0</SubIndex><BitLen>16</BitLen><Name>A</Name><DataType>UINT</DataType></Entry></RxPdo>"
+#define MODULE_WITH(ident, objects)                                                                                    \
+    "<Module><Type ModuleIdent='" ident "' ModuleClass='IO'>M</Type><Name>M</Name><Profile>" objects                   \
+    "</Profile></Module>"
+
+/* Modules of drives do not change, nor do those of a device without CoE, with EoE, or that needs too much memory. */
+static void racks(void **state)
+{
+    static const struct {
+        const char *what, *text;
+        bool changes;
+    } rows[] = {
+        {"inputs", PARTS("", "", "<CoE/>", "4", MODULE("#x110", "IO", TX_PDO)), true},
+        {"a PDO with 603Fh", PARTS("", PDO_WITH("603F"), "<CoE/>", "4", MODULE("#x110", "IO", TX_PDO)), true},
+        {"a PDO with A040h", PARTS("", PDO_WITH("A040"), "<CoE/>", "4", MODULE("#x110", "IO", TX_PDO)), true},
+        {"a PDO with 6040h", PARTS("", PDO_WITH("6040"), "<CoE/>", "4", MODULE("#x110", "IO", TX_PDO)), false},
+        {"a PDO with 9840h", PARTS("", PDO_WITH("9840"), "<CoE/>", "4", MODULE("#x110", "IO", TX_PDO)), false},
+        {"an object 2040h", PARTS(OBJECTS(WORD("2040")), "", "<CoE/>", "4", MODULE("#x110", "IO", TX_PDO)), true},
+        {"an object 6840h", PARTS(OBJECTS(WORD("6840")), "", "<CoE/>", "4", MODULE("#x110", "IO", TX_PDO)), false},
+        {"a module's PDO with 6040h", PARTS("", "", "<CoE/>", "4", MODULE("#x110", "IO", PDO_WITH("6040"))), false},
+        {"a module's object 6040h", PARTS("", "", "<CoE/>", "4", MODULE_WITH("#x110", OBJECTS(WORD("6040")))), false},
+        {"a drive after inputs",
+         PARTS("", "", "<CoE/>", "4", MODULE("#x110", "IO", TX_PDO) MODULE("#x120", "IO", PDO_WITH("6040"))), false},
+        {"a drive before inputs",
+         PARTS("", "", "<CoE/>", "4", MODULE("#x120", "IO", PDO_WITH("6040")) MODULE("#x110", "IO", TX_PDO)), false},
+        {"no CoE", PARTS("", "", "<FoE/>", "4", MODULE("#x110", "IO", TX_PDO)), false},
+        {"EoE", PARTS("", "", "<CoE/><EoE/>", "4", MODULE("#x110", "IO", TX_PDO)), false},
+        {"SoE beside CoE", PARTS("", "", "<CoE/><SoE/>", "4", MODULE("#x110", "IO", TX_PDO)), true},
+        {"255 slots", PARTS("", "", "<CoE/>", "255", MODULE("#x110", "IO", TX_PDO)), true},
+        {"256 slots", PARTS("", "", "<CoE/>", "256", MODULE("#x110", "IO", TX_PDO)), false},
+        {"35 kB in each of 4 slots", PARTS("", "", "<CoE/>", "4", MODULE_WITH("#x110", LARGE_ONES)), true},
+        {"35 kB in each of 255 slots",
+         PARTS("", "", "<CoE/>", "255", MODULE_WITH("#x110", LARGE_ONES) MODULE("#x120", "IO", TX_PDO)), false},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        made_t m = make_text(rows[i].what, rows[i].text);
+        const ect_plant_t *plant = ect_esi_twin_product(m.twin)->plant;
+        bool changes = false;
+        for (size_t k = 0; k < plant->signal_group_count; k++)
+            changes |= strcmp(plant->signal_groups[k].prefix, "slot") == 0;
+        if (changes != rows[i].changes)
+            fail_msg("%s: expected modules that %s", rows[i].what, rows[i].changes ? "change" : "do not change");
+        free_made(&m);
+    }
+}
+
+static void expect_text(rig_t *r, uint16_t index, const char *expected, size_t length)
+{
+    char text[32] = "";
+    size_t size = sizeof text;
+    assert_int_equal(wire_sdo_upload(&r->wire, 0, index, 0, false, text, &size), 0);
+    assert_int_equal(size, length);
+    assert_memory_equal(text, expected, length);
+}
+
+/* Values of the device, which no module brings, outlast a change: constants by their defaults, others as they are. */
+static void values_of_the_device(void **state)
+{
+    static const char text[] =
+        PARTS(OBJECTS(OBJECT("2000", "STRING(12)", "96", "<Info><DefaultString>abcdefghijkl</DefaultString></Info>")
+                          OBJECT("2001", "STRING(12)", "96", "")
+                              OBJECT("2002", "UINT", "16", "<Flags><Access>rw</Access></Flags>")),
+              "", "<CoE/>", "4", MODULE("#x110", "IO", TX_PDO));
+    const uint8_t seven[2] = {7, 0};
+    rig_t r;
+    (void)state;
+    open_rig(&r, text, PREOP);
+    set(&r, "modules.strict", "1"); /* strict about F030h:01 and on alone */
+    assert_int_equal(wire_sdo_download(&r.wire, 0, 0x2002, 0, false, seven, sizeof seven), 0);
+    assert_int_equal(write_number(&r, 0, 4, 1), 0);
+    assert_int_equal(write_number(&r, 1, IN, 4), 0x06090033);
+    assert_true(plug(&r, 2, IN));
+    assert_int_equal(abort_of(&r, 0x6010, 1), 0);
+    expect_text(&r, 0x2000, "abcdefghijkl", 12);
+    expect_text(&r, 0x2001, "", 0);
+    assert_int_equal(read_number(&r, 0x2002, 0), 7);
+    close_rig(&r);
+}
+
+/* A master that has changed a mapping gets it back as it was, with the modules. */
+static void mappings(void **state)
+{
+    static const char text[] =
+        PARTS("",
+              "<RxPdo Sm='2'><Index>#x1680</Index><Name>P</Name><Entry><Index>#x2002</Index><SubIndex>0</SubIndex>"
+              "<BitLen>16</BitLen><Name>A</Name><DataType>UINT</DataType></Entry></RxPdo>"
+              "<TxPdo Sm='3'><Index>#x1A80</Index><Name>P</Name><Entry><Index>#x2003</Index><SubIndex>0</SubIndex>"
+              "<BitLen>16</BitLen><Name>A</Name><DataType>UINT</DataType></Entry></TxPdo>",
+              "<CoE PdoConfig='1' PdoAssign='1'/>", "4", MODULE("#x110", "IO", TX_PDO));
+    static const uint16_t lists[] = {0x1680, 0x1A80};
+    const uint8_t none = 0;
+    rig_t r;
+    (void)state;
+    open_rig(&r, text, PREOP);
+    for (size_t i = 0; i < 2; i++) {
+        assert_int_equal(wire_sdo_download(&r.wire, 0, lists[i], 0, false, &none, 1), 0);
+        assert_int_equal(read_number(&r, lists[i], 0), 0);
+    }
+    assert_true(plug(&r, 2, IN));
+    for (size_t i = 0; i < 2; i++)
+        assert_int_equal(read_number(&r, lists[i], 0), 1);
+    close_rig(&r);
+}
+
 static void addresses(void **state)
 {
     static const struct {
@@ -397,6 +524,9 @@ int main(int argc, char **argv)
         {"MDP-005 MDP-006: a strict device refuses idents unlike F050h with 06090033h", strict, NULL, NULL, NULL},
         {"MDP-004 MDP-009 MDP-010: the sequences of masters for modular devices lead to OP", masters, NULL, NULL, NULL},
         {"MDP-007: a set of modules that cannot be built is refused at SAFEOP", too_many, NULL, NULL, NULL},
+        {"MDP-009: devices whose modules change", racks, NULL, NULL, NULL},
+        {"MDP-009 MDP-005: values of the device outlast a change of modules", values_of_the_device, NULL, NULL, NULL},
+        {"MDP-009 MDP-010: mappings return to their defaults with other modules", mappings, NULL, NULL, NULL},
         {"MDP-016: F020h and F040h of a file whose addresses are downloaded; F010h", addresses, NULL, NULL, NULL},
     };
     if (argc > 1)

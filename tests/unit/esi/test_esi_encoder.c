@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Encoders of ESI files: position, speed and preset in the units of the master, and the shaft as signals. */
+#include "rack.h"
 #include "sensor_of_file.h"
 
 #define FILE_OF_TESTS "encoders.xml"
@@ -78,6 +79,63 @@ static void no_encoder(void **state)
         assert_false(ect_esi_twin_behave(twin, ECT_BEHAVIOUR_CIA406, text, sizeof text));
         assert_string_equal(text, rows[i].text);
         close_sensor(state);
+    }
+}
+
+#define ENCODER(profile, objects)                                                                                      \
+    ESI_DEVICE("<Profile>" profile DICTIONARY(objects) "</Profile>" ESI_MAILBOX_SMS                                    \
+                                                       "<Mailbox><CoE/></Mailbox>" ESI_EEPROM)
+#define DICTIONARY(objects)                                                                                            \
+    "<Dictionary><DataTypes><DataType><Name>UDINT</Name><BitSize>32</BitSize></DataType></DataTypes><Objects>" objects \
+    "</Objects></Dictionary>"
+#define OBJECT(index) "<Object><Index>#x" index "</Index><Name>N</Name><Type>UDINT</Type><BitSize>32</BitSize></Object>"
+
+/* A file without ProfileNo needs a position and its resolution, and no control word of a drive. */
+static void by_their_objects(void **state)
+{
+    static const struct {
+        const char *what, *text, *note; /* NULL: none */
+    } rows[] = {
+        {"position, units", ENCODER("", OBJECT("6001") OBJECT("6004")), "CiA 406: encoder 1 position"},
+        {"position, resolution", ENCODER("", OBJECT("6004") OBJECT("6501")), "CiA 406: encoder 1 position"},
+        {"position alone", ENCODER("", OBJECT("6004")), NULL},
+        {"resolution alone", ENCODER("", OBJECT("6501")), NULL},
+        {"a drive", ENCODER("", OBJECT("6004") OBJECT("6040") OBJECT("6501")), NULL},
+        {"another profile", ENCODER("<ProfileNo>401</ProfileNo>", OBJECT("6001") OBJECT("6004")), NULL},
+        {"the profile, position alone", ENCODER("<ProfileNo>406</ProfileNo>", OBJECT("6004")),
+         "CiA 406: encoder 1 position"},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        char text[300] = "";
+        made_t m = make_text(rows[i].what, rows[i].text);
+        assert_true(ect_esi_twin_behave(m.twin, ECT_BEHAVIOUR_BY_FILE, text, sizeof text));
+        const char *got = note_of(&m, "CiA 406");
+        if ((got == NULL) != (rows[i].note == NULL) || (got != NULL && strcmp(got, rows[i].note) != 0))
+            fail_msg("%s: expected the note %s, got %s", rows[i].what, rows[i].note != NULL ? rows[i].note : "none",
+                     got != NULL ? got : "none");
+        free_made(&m);
+    }
+}
+
+static void no_encoder_with_modules(void **state)
+{
+    static const struct {
+        const char *text, *why;
+    } rows[] = {
+        {RACK(DOWNLOAD, DICTIONARY(OBJECT("6001") OBJECT("6004"))),
+         "RACK has modules that change: it cannot be a CiA 406 encoder"},
+        {RACK(DOWNLOAD, ""), "RACK has no position 6004h, 6008h or 6020h: it cannot be a CiA 406 encoder"},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        char text[300] = "";
+        made_t m = make_text("a rack", rows[i].text);
+        assert_true(ect_esi_twin_behave(m.twin, ECT_BEHAVIOUR_BY_FILE, text, sizeof text));
+        assert_null(note_of(&m, "CiA 406"));
+        assert_false(ect_esi_twin_behave(m.twin, ECT_BEHAVIOUR_CIA406, text, sizeof text));
+        assert_string_equal(text, rows[i].why);
+        free_made(&m);
     }
 }
 
@@ -330,6 +388,8 @@ int main(void)
         {"--behaviour none leaves a shell", a_shell_stays, NULL, close_sensor, NULL},
         {"--behaviour cia406 makes an encoder", on_request, NULL, close_sensor, NULL},
         {"--behaviour cia406 refuses a file without a position", no_encoder, NULL, close_sensor, NULL},
+        {"a file without ProfileNo is an encoder by its objects", by_their_objects, NULL, NULL, NULL},
+        {"--behaviour cia406 refuses a device whose modules change", no_encoder_with_modules, NULL, NULL, NULL},
         {"a shaft that turns counts, with its speed in 6030h", turns_at_a_speed, NULL, close_sensor, NULL},
         {"positions wrap at 6002h, 600Ah, or the turns of the sensor", wraps_at_the_range, NULL, close_sensor, NULL},
         {"6000h bit 0 turns the direction", direction, NULL, close_sensor, NULL},

@@ -31,6 +31,9 @@
                                            "</DataType></DataTypes>"
 #define OBJECT(type, bits, rest)                                                                                       \
     "<Object><Index>#x8001</Index><Name>N</Name><Type>" type "</Type><BitSize>" bits "</BitSize>" rest "</Object>"
+#define OBJECT_AT(index, type, bits, rest)                                                                             \
+    "<Object><Index>#x" index "</Index><Name>N</Name><Type>" type "</Type><BitSize>" bits "</BitSize>" rest "</"       \
+    "Object>"
 #define INFO(body)       "<Info>" body "</Info>"
 #define ATTRIBUTE(value) "<Flags><Attribute>#x" value "</Attribute></Flags>"
 #define DRIVE(objects, pdos, soe)                                                                                      \
@@ -87,6 +90,8 @@ static void shapes(void **state)
         {"a short list", OBJECT("SHORT", "64", ""), ECT_SOE_16 | ECT_SOE_LIST | ECT_SOE_READ_ONLY | 1, 4, 0, NULL},
         {"a short list by its attribute", OBJECT("BITS64", "64", ATTRIBUTE("60050001")), 0x60050001, 4, 0, NULL},
         {"a command", OBJECT("DINT", "32", ATTRIBUTE("000A0001")), 0x00090001, 0, 0, NULL},
+        {"a floating value of 16 bits", OBJECT("UINT", "16", ATTRIBUTE("60610001")),
+         ECT_SOE_16 | ECT_SOE_FLOAT | 0x60000001, 0, 0, NULL},
         {"a text", OBJECT("STRING(4)", "32", INFO("<DefaultString>AB</DefaultString>")),
          ECT_SOE_8 | ECT_SOE_LIST | ECT_SOE_TEXT | ECT_SOE_READ_ONLY | 1, 4, 2, "AB"},
         {"a list", OBJECT("LIST2", "96", INFO("<DefaultData>0400080001020304</DefaultData>")),
@@ -289,6 +294,10 @@ static void modes(void **state)
         {"position", DRIVE("", MDT(ENTRY("2F", "32", "DINT")), "<SoE/>"), 11},
         {"speed", DRIVE("", MDT(ENTRY("24", "32", "DINT")), "<SoE/>"), 2},
         {"torque", DRIVE("", MDT(ENTRY("50", "16", "INT")), "<SoE/>"), 1},
+        {"a position that no telegram has", DRIVE(OBJECT_AT("002F", "DINT", "32", ""), "", "<SoE/>"), 1},
+        {"a speed that no telegram has", DRIVE(OBJECT_AT("0024", "DINT", "32", ""), "", "<SoE/>"), 1},
+        {"a speed in the telegram, a position without one",
+         DRIVE(OBJECT_AT("002F", "DINT", "32", ""), MDT(ENTRY("24", "32", "DINT")), "<SoE/>"), 2},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -313,6 +322,7 @@ static void unlisted(void **state)
          "<RxPdo Sm='2'><Index>#x0018</Index><Name>MDT</Name>" ENTRY("86", "32", "UDINT") "</RxPdo>", 0},
         {"a second word", MDT(ENTRY("86", "16", "UINT")), 0},
         {"the status word", MDT(ENTRY("87", "16", "UINT")), 0},
+        {"no entries", "<RxPdo Sm='2'><Index>#x0018</Index><Name>MDT</Name></RxPdo>", 0},
         {"a gap", MDT("<Entry><Index>0</Index><BitLen>16</BitLen></Entry>"), 0},
         {"no SyncManager",
          "<RxPdo><Index>#x0018</Index><Name>MDT</Name>" ENTRY("86", "16", "UINT") ENTRY("24", "32", "DINT") "</RxPdo>",
@@ -345,6 +355,90 @@ static void choices(void **state)
     assert_int_equal(find(&m, 0x8001)->flags & (ECT_SOE_IN_AT | ECT_SOE_IN_MDT), ECT_SOE_IN_AT);
     assert_int_equal(find(&m, 188)->flags, 0);
     free_made(&m);
+}
+
+/* A number is no list, a list without a default is empty; words of telegrams and lists are in no list of choices. */
+static void no_choices(void **state)
+{
+    static const struct {
+        const char *what, *text;
+        uint16_t idns[2];
+    } rows[] = {
+        {"a number", DRIVE(OBJECT_AT("00BB", "UINT", "16", "") OBJECT("UINT", "16", ""), "", "<SoE/>"), {0x8001}},
+        {"an empty list", DRIVE(OBJECT_AT("00BB", "LIST2", "96", "") OBJECT("UINT", "16", ""), "", "<SoE/>"), {0x8001}},
+        {"words, and the list itself",
+         DRIVE(OBJECT_AT("0086", "UINT", "16", "<Flags><PdoMapping>R</PdoMapping></Flags>")
+                   OBJECT_AT("0087", "UINT", "16", "<Flags><PdoMapping>T</PdoMapping></Flags>")
+                       OBJECT_AT("00BB", "LIST2", "96", INFO("<DefaultData>0800080086008700BB000000</DefaultData>")),
+               "", "<SoE/>"),
+         {0x86, 0x87}},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        made_t m = make_text(rows[i].what, rows[i].text);
+        for (size_t k = 0; k < 2 && rows[i].idns[k] != 0; k++) {
+            if ((find(&m, rows[i].idns[k])->flags & (ECT_SOE_IN_AT | ECT_SOE_IN_MDT)) != 0)
+                fail_msg("%s: expected IDN %u in no telegram", rows[i].what, rows[i].idns[k]);
+        }
+        assert_int_equal(find(&m, 187)->flags, 0);
+        free_made(&m);
+    }
+}
+
+/* A command whose value is beyond a limit of the dictionary takes both limits away. */
+static void limits_and_commands(void **state)
+{
+    enum { MIN = ECT_SOE_MINIMUM, MAX = ECT_SOE_MAXIMUM };
+#define BOTH    INFO("<MinValue>3</MinValue><MaxValue>9</MaxValue><DefaultValue>5</DefaultValue>")
+#define MINIMUM INFO("<MinValue>3</MinValue><DefaultValue>5</DefaultValue>")
+#define MAXIMUM INFO("<MaxValue>9</MaxValue><DefaultValue>5</DefaultValue>")
+    static const struct {
+        const char *what, *text;
+        uint8_t flags;
+    } rows[] = {
+        {"within", DRIVE(OBJECT("UINT", "16", BOTH), "", INIT("#x8001", "0400")), MIN | MAX},
+        {"below", DRIVE(OBJECT("UINT", "16", BOTH), "", INIT("#x8001", "0200")), 0},
+        {"above", DRIVE(OBJECT("UINT", "16", BOTH), "", INIT("#x8001", "0A00")), 0},
+        {"above, with a minimum alone", DRIVE(OBJECT("UINT", "16", MINIMUM), "", INIT("#x8001", "0A00")), MIN},
+        {"below, with a minimum alone", DRIVE(OBJECT("UINT", "16", MINIMUM), "", INIT("#x8001", "0200")), 0},
+        {"0, with a maximum alone", DRIVE(OBJECT("UINT", "16", MAXIMUM), "", INIT("#x8001", "0000")), MAX},
+        {"negative, with a maximum alone", DRIVE(OBJECT("DINT", "32", MAXIMUM), "", INIT("#x8001", "FEFFFFFF")), MAX},
+        {"a list of two elements", DRIVE(OBJECT("LIST2", "96", ""), "", INIT("#x8001", "080008000102030405060708")), 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        made_t m = make_text(rows[i].what, rows[i].text);
+        if ((find(&m, 0x8001)->flags & (MIN | MAX)) != rows[i].flags)
+            fail_msg("%s: expected flags 0x%02X, got 0x%02X", rows[i].what, rows[i].flags, find(&m, 0x8001)->flags);
+        assert_null(note_of(&m, "line 2: a start-up command"));
+        free_made(&m);
+    }
+}
+
+/* PDOs of CoE and virtual ones bring no IDN. */
+static void telegrams(void **state)
+{
+#define PDO_OF(index, attributes)                                                                                      \
+    "<RxPdo Sm='2'" attributes "><Index>#x" index "</Index><Name>P</Name>" ENTRY("86", "16", "UINT")                   \
+        ENTRY("8001", "16", "UINT") "</RxPdo>"
+    static const struct {
+        const char *what, *text;
+        bool telegram;
+    } rows[] = {
+        {"SoE", DRIVE("", PDO_OF("0018", ""), "<SoE/>"), true},
+        {"an index of CoE without CoE", DRIVE("", PDO_OF("1600", ""), "<SoE/>"), true},
+        {"virtual", DRIVE("", PDO_OF("0018", " Virtual='1'"), "<SoE/>"), false},
+        {"CoE", DRIVE("", PDO_OF("1600", ""), "<CoE/><SoE/>"), false},
+        {"below CoE", DRIVE("", PDO_OF("0018", ""), "<CoE/><SoE/>"), true},
+        {"above CoE", DRIVE("", PDO_OF("1800", ""), "<CoE/><SoE/>"), true},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        made_t m = make_text(rows[i].what, rows[i].text);
+        if ((ect_soe_find(&soe_of(&m)->drives[0], 0x8001) != NULL) != rows[i].telegram)
+            fail_msg("%s: expected P-0-0001 %s", rows[i].what, rows[i].telegram ? "to be there" : "not to be there");
+        free_made(&m);
+    }
 }
 
 static void widths(void **state)
@@ -381,6 +475,10 @@ int main(void)
         {"SOE-046: an IDN can be written in the states of its start-up command", opened_by_a_command, NULL, NULL, NULL},
         {"SOE-044: the operation mode is that of the set value in the telegram", modes, NULL, NULL, NULL},
         {"SOE-034: the IDNs that S-0-0187 of the dictionary names may be in the AT", choices, NULL, NULL, NULL},
+        {"SOE-034: IDNs that may not be in the AT", no_choices, NULL, NULL, NULL},
+        {"SOE-046: a start-up command removes the limits that its value exceeds", limits_and_commands, NULL, NULL,
+         NULL},
+        {"SOE-036: PDOs that are telegrams", telegrams, NULL, NULL, NULL},
         {"SOE-037: the width and kind of a value that a telegram alone has", widths, NULL, NULL, NULL},
         {"SOE-036: the list of a telegram is that of a PDO of words and values", unlisted, NULL, NULL, NULL},
     };

@@ -52,6 +52,8 @@ static const struct mistake {
     {"no device's name", "<Name>Device A</Name>", "", true, "f.xml:5: Device has no Name"},
     {"no ports", " Physics='YY'", "", true, "f.xml:5: Device has no Physics"},
     {"no group", "<GroupType>G</GroupType>", "", true, "f.xml:5: Device has no GroupType"},
+    {"an empty group", "<GroupType>G</GroupType>", "<GroupType/>", true, "f.xml:5: Device has no GroupType"},
+    {"a comment in the device", "<Eeprom>", "<!-- of the factory --><Eeprom>", false, NULL},
     {"a group of another file", "<GroupType>G<", "<GroupType>H<", false, "f.xml:5: GroupType H is no group"},
     {"a group without a name", "<Name>Group</Name>", "", false, "f.xml:5: GroupType G is no group with a name"},
     {"no EEPROM", "<Eeprom><ByteSize>2048</ByteSize><ConfigData>050C</ConfigData></Eeprom>", "", false,
@@ -114,7 +116,10 @@ static const struct mistake {
      "</Eeprom><ImageData16x14>424D0000000000000000360000002800000010000000</ImageData16x14>", true,
      "f.xml:8: ImageData16x14 of Device is not a bitmap"},
     {"a picture that begins with B alone", "</Eeprom>",
-     "</Eeprom><ImageData16x14>420000000000000000003600000028000000100000000E0000</ImageData16x14>", true,
+     "</Eeprom><ImageData16x14>420000000000000000003600000028000000100000000E000000</ImageData16x14>", true,
+     "f.xml:8: ImageData16x14 of Device is not a bitmap"},
+    {"a picture that ends with M alone", "</Eeprom>",
+     "</Eeprom><ImageData16x14>004D00000000000000003600000028000000100000000E000000</ImageData16x14>", true,
      "f.xml:8: ImageData16x14 of Device is not a bitmap"},
     {"an empty picture", "</Eeprom>", "</Eeprom><ImageData16x14/>", true, "f.xml:8: ImageData16x14 of Device is empty"},
     {"a vendor's picture that is none", "<Name>V</Name>", "<Name>V</Name><ImageData16x14>00</ImageData16x14>", true,
@@ -180,7 +185,7 @@ static const struct mistake {
 
 typedef struct found {
     unsigned int wrong, words;
-    char first[300];
+    char first[500];
 } findings_t;
 
 static void take(void *ctx, bool wrong, const char *line)
@@ -252,6 +257,34 @@ static void other_devices(void **state)
     }
 }
 
+/* A line has room for 399 characters: a longer name of a file fills it, and no part of the finding follows. */
+static void long_names(void **state)
+{
+    enum { LONGEST = 399 };
+    static const struct {
+        size_t length;
+        const char *end; /* of the line */
+    } rows[] = {{300, ":5: Device has no Physics"}, {380, ":5: Device has no P"}, {LONGEST, "n"}, {500, "n"}};
+    static const char text[] = FILE_OF(VENDOR, GROUP, "<Device>" BODY "</Device>");
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char name[501] = "", why[300] = "";
+        findings_t found = {.wrong = 0};
+        memset(name, 'n', rows[i].length);
+        ect_esi_t *esi = ect_esi_parse(name, text, strlen(text), why, sizeof why);
+        assert_non_null(esi);
+        const ect_esi_device_t *device = ect_esi_select(esi, "", why, sizeof why);
+        assert_non_null(device);
+        ect_esi_lint(esi, device, take, &found);
+        const size_t length = strlen(found.first), end = strlen(rows[i].end);
+        if (found.wrong != 1 || length > LONGEST || length < end ||
+            strcmp(found.first + length - end, rows[i].end) != 0)
+            fail_msg("a name of %zu: expected a line that ends with \"%s\", got %u, \"%s\"", rows[i].length,
+                     rows[i].end, found.wrong, found.first);
+        ect_esi_close(esi);
+    }
+}
+
 /* A schema of our own, for the ETG's is not ours to carry. */
 static const char *write_schema(const char *text)
 {
@@ -281,6 +314,8 @@ static void schemas(void **state)
         {"one that allows all", SCHEMA("xs:anyType"), true, 0, ""},
         {"one that wants a number", SCHEMA("xs:int"), true, 2, "f.xml:1: Element 'EtherCATInfo'"},
         {"none", "hello", false, 0, ""},
+        {"another file of XML", "<EtherCATInfo/>", false, 0, ""},
+        {"a schema with a type that is not there", SCHEMA("none"), false, 0, ""},
     };
     char why[300] = "";
     (void)state;
@@ -308,6 +343,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         {"CF-063: each mistake of a file is reported, with its line and its weight", each_mistake, NULL, NULL, NULL},
         {"CF-063: mistakes in other devices of a file do not matter", other_devices, NULL, NULL, NULL},
+        {"CF-063: a finding in a file with a long name is cut", long_names, NULL, NULL, NULL},
         {"CF-063: a file is validated against the schema that the user has", schemas, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
