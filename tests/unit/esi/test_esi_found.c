@@ -380,6 +380,158 @@ static void an_object_without_description_has_only_its_pdos(void **state)
     drop(&m);
 }
 
+/* Arrays and single values that are none: entries that an ESI file cannot describe so become those of a record. */
+static void shapes_that_do_not_fit_their_code(void **state)
+{
+    static const struct {
+        const char *title;
+        uint8_t code, first, second; /* sub-indices; second 0: none */
+        uint8_t expected;
+    } rows[] = {
+        {"a single value", ECT_OBJECT_VAR, 0, 0, ECT_OBJECT_VAR},
+        {"a single value with an element", ECT_OBJECT_VAR, 0, 1, ECT_OBJECT_RECORD},
+        {"an array without elements", ECT_OBJECT_ARRAY, 0, 0, ECT_OBJECT_RECORD},
+        {"an array without entry 0", ECT_OBJECT_ARRAY, 1, 2, ECT_OBJECT_RECORD},
+        {"a single value at sub-index 1", ECT_OBJECT_VAR, 1, 0, ECT_OBJECT_RECORD},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_esi_t *esi = open_image();
+        object(esi, 0x4100, rows[i].code, "Object");
+        entry(esi, rows[i].first, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, 1);
+        if (rows[i].second != 0)
+            entry(esi, rows[i].second, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, 1);
+        made_t m = finish(esi);
+        const ect_od_t od = ect_device_od(m.device, NULL);
+        const ect_object_t *found = ect_od_find(&od, 0x4100);
+        if (found == NULL || found->object_code != rows[i].expected || find(&m, 0x4100, rows[i].first) == NULL)
+            fail_msg("%s: expected object code %u with entry %u, got %u", rows[i].title, rows[i].expected,
+                     rows[i].first, found != NULL ? found->object_code : 0u);
+        drop(&m);
+    }
+}
+
+/* SOES describes a text without a length: the value, if there is one, has it. */
+static void texts_without_a_length(void **state)
+{
+    static const struct {
+        uint16_t type, described;
+        size_t length;
+        uint16_t bits;
+    } rows[] = {
+        {ECT_TYPE_VISIBLE_STRING, 0, 3, 24},
+        {ECT_TYPE_VISIBLE_STRING, 0, 1, 8},
+        {ECT_TYPE_VISIBLE_STRING, 0, 0, 8},
+        {ECT_TYPE_VISIBLE_STRING, 16, 2, 16},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_esi_found_entry_t text = {.type = rows[i].type,
+                                            .bits = rows[i].described,
+                                            .access = ECT_ACCESS_RO,
+                                            .name = "",
+                                            .value = {(const uint8_t *)"abc", rows[i].length}};
+        ect_esi_t *esi = open_image();
+        object(esi, 0x4100, ECT_OBJECT_VAR, "Text");
+        ect_esi_found_entry(esi, &text);
+        made_t m = finish(esi);
+        const ect_entry_t *found = find(&m, 0x4100, 0);
+        if (found == NULL || found->bit_length != rows[i].bits || strcmp(found->name, "Text") != 0)
+            fail_msg("row %zu: expected \"Text\" of %u bits, got %u", i, rows[i].bits,
+                     found != NULL ? found->bit_length : 0u);
+        drop(&m);
+    }
+}
+
+/* Elements that SDO information describes in different ways make a record, although an ESI file has no other rights. */
+static void elements_described_in_different_ways_make_a_record(void **state)
+{
+    static const struct {
+        uint16_t bits, access; /* of the second element */
+        uint8_t expected;
+    } rows[] = {
+        {8, ECT_ACCESS_RO, ECT_OBJECT_ARRAY},
+        {8, 0, ECT_OBJECT_RECORD},
+        {0, ECT_ACCESS_RO, ECT_OBJECT_RECORD},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_esi_t *esi = open_image();
+        object(esi, 0x4100, ECT_OBJECT_ARRAY, "Array");
+        entry(esi, 0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, 2);
+        entry(esi, 1, ECT_TYPE_VISIBLE_STRING, 8, ECT_ACCESS_RO, 'a');
+        entry(esi, 2, ECT_TYPE_VISIBLE_STRING, rows[i].bits, rows[i].access, 'b');
+        made_t m = finish(esi);
+        const ect_od_t od = ect_device_od(m.device, NULL);
+        if (ect_od_find(&od, 0x4100)->object_code != rows[i].expected)
+            fail_msg("row %zu: expected object code %u, got %u", i, rows[i].expected,
+                     ect_od_find(&od, 0x4100)->object_code);
+        drop(&m);
+    }
+}
+
+/* Mappings and assignments whose number of entries is unknown leave those of the image. */
+static void without_a_number_of_entries_the_image_counts(void **state)
+{
+    static const struct {
+        const char *title;
+        uint16_t index;
+        uint8_t subindex; /* of the only entry, which has no value */
+    } rows[] = {
+        {"mapping without entry 0", 0x1600, 1},
+        {"mapping without the value of entry 0", 0x1600, 0},
+        {"assignment without entry 0", 0x1C12, 1},
+        {"assignment without the value of entry 0", 0x1C12, 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_esi_found_object_t found = {.index = rows[i].index, .name = ""};
+        const ect_esi_found_entry_t unknown = {.subindex = rows[i].subindex, .name = ""};
+        ect_esi_t *esi = open_image();
+        ect_esi_found_object(esi, &found);
+        ect_esi_found_entry(esi, &unknown);
+        made_t m = finish(esi);
+        const unsigned int expected = ect_device_bytes(ect_catalogue_find("fzm1")->device, ECT_SM_OUTPUTS);
+        if (ect_device_bytes(m.device, ECT_SM_OUTPUTS) != expected)
+            fail_msg("%s: expected %u bytes of outputs, got %u", rows[i].title, expected,
+                     ect_device_bytes(m.device, ECT_SM_OUTPUTS));
+        drop(&m);
+    }
+}
+
+/* A mapped entry has the name and type of the image, or else of the dictionary if the lengths are equal. */
+static void mapped_entries_are_described(void **state)
+{
+    static const struct {
+        const char *title;
+        uint32_t mapped;
+        const char *name, *type;
+    } rows[] = {
+        {"as in the dictionary", 0x41000110, "Entry 1", "INT"},
+        {"another length than in the dictionary", 0x41000108, "Entry 1", ""},
+        {"no entry of the dictionary", 0x41000210, "", ""},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_esi_t *esi = open_image();
+        mapping(esi, 0x1600, rows[i].mapped, 0x21000220);
+        object(esi, 0x4100, ECT_OBJECT_RECORD, "Record");
+        entry(esi, 0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, 1);
+        entry(esi, 1, ECT_TYPE_INTEGER16, 16, ECT_ACCESS_RW | ECT_ACCESS_RXPDO, 0);
+        object(esi, 0x2100, ECT_OBJECT_RECORD, "Command");
+        entry(esi, 0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, 2);
+        entry(esi, 2, ECT_TYPE_INTEGER32, 32, ECT_ACCESS_RW | ECT_ACCESS_RXPDO, 0);
+        made_t m = finish(esi);
+        const ect_esi_entry_t *entries = pdo_at(&m, 0x1600)->entries;
+        if (strcmp(entries[0].name, rows[i].name) != 0 || strcmp(entries[0].type, rows[i].type) != 0)
+            fail_msg("%s: expected \"%s\" of type \"%s\", got \"%s\", \"%s\"", rows[i].title, rows[i].name,
+                     rows[i].type, entries[0].name, entries[0].type);
+        assert_string_not_equal(entries[1].name, "Entry 2"); /* the image has one */
+        assert_string_equal(entries[1].type, "DINT");
+        drop(&m);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -393,6 +545,11 @@ int main(void)
         cmocka_unit_test(CLN_015_names_of_values_and_of_the_identity_stay),
         cmocka_unit_test(without_an_assignment_the_image_counts),
         cmocka_unit_test(an_object_without_description_has_only_its_pdos),
+        cmocka_unit_test(shapes_that_do_not_fit_their_code),
+        cmocka_unit_test(texts_without_a_length),
+        cmocka_unit_test(elements_described_in_different_ways_make_a_record),
+        cmocka_unit_test(without_a_number_of_entries_the_image_counts),
+        cmocka_unit_test(mapped_entries_are_described),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* ESI files as they are found: what is read of them, and what is refused with which line. */
+#define _POSIX_C_SOURCE 200809L
+#include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -7,8 +9,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
+#include <libxml/parser.h>
+#include <libxml/xmlmemory.h>
 
 #include "esi/number.h"
 #include "esi/read.h"
@@ -142,6 +147,106 @@ static void files(void **state)
     }
 }
 
+/* --- calls that fail ---------------------------------------------------------------------------------------------- */
+
+static bool malloc_fails;
+
+void *__real_malloc(size_t size);
+void *__wrap_malloc(size_t size);
+
+void *__wrap_malloc(size_t size)
+{
+    if (malloc_fails) {
+        errno = ENOMEM;
+        return NULL;
+    }
+    return __real_malloc(size);
+}
+
+static void *no_malloc(size_t size)
+{
+    (void)size;
+    return NULL;
+}
+
+static void file_without_memory(void **state)
+{
+    char text[600] = "", expected[600];
+    (void)state;
+    malloc_fails = true;
+    ect_esi_t *esi = ect_esi_open(ESI_FILES "/analog.xml", text, sizeof text);
+    malloc_fails = false;
+    (void)snprintf(expected, sizeof expected, "%s: %s", ESI_FILES "/analog.xml", strerror(ENOMEM));
+    assert_null(esi);
+    assert_string_equal(text, expected);
+}
+
+/* Bytes in memory that no parser gets: too many, none, or no memory for the parser. */
+static void unparsed_bytes(void **state)
+{
+    static const struct {
+        const char *data;
+        size_t length;
+        bool no_memory;
+        const char *expected;
+    } table[] = {
+        {"<a/>", (size_t)64 * 1024 * 1024 + 1, false, "f.xml: larger than 64 MiB"},
+        {NULL, 0, false, "no well-formed XML"},
+        {"<a/>", 4, true, "f.xml: no memory left"},
+    };
+    (void)state;
+    xmlInitParser();
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        char text[300] = "";
+        if (table[i].no_memory)
+            assert_int_equal(xmlMemSetup(free, no_malloc, realloc, strdup), 0);
+        ect_esi_t *esi = ect_esi_parse("f.xml", table[i].data, table[i].length, text, sizeof text);
+        assert_int_equal(xmlMemSetup(free, malloc, realloc, strdup), 0);
+        assert_null(esi);
+        if (strstr(text, table[i].expected) == NULL)
+            fail_msg("expected \"%s\", got \"%s\"", table[i].expected, text);
+    }
+}
+
+/* A sparse file costs no disk. */
+static void large_file(void **state)
+{
+    char path[] = "/tmp/ectwin-esi-XXXXXX", text[300] = "";
+    (void)state;
+    int file = mkstemp(path);
+    assert_true(file >= 0);
+    assert_int_equal(ftruncate(file, (off_t)64 * 1024 * 1024 + 1), 0);
+    assert_int_equal(close(file), 0);
+    ect_esi_t *esi = ect_esi_open(path, text, sizeof text);
+    assert_int_equal(unlink(path), 0);
+    assert_null(esi);
+    assert_non_null(strstr(text, ": not a file of at most 64 MiB"));
+}
+
+/* Carriage returns, too, are blanks: a text is one line. */
+static void blanks(void **state)
+{
+    char text[300] = "";
+    static const char file[] = DEVICE("<Name>&#13;A&#13;&#10;\tB \n</Name>");
+    (void)state;
+    ect_esi_t *esi = ect_esi_parse("f.xml", file, strlen(file), text, sizeof text);
+    assert_non_null(esi);
+    const ect_esi_device_t *device = ect_esi_select(esi, "", text, sizeof text);
+    assert_non_null(device);
+    assert_string_equal(device->name, "A   B");
+    ect_esi_close(esi);
+}
+
+/* A message never exceeds the room for it, also when the place of the mistake fills it. */
+static void little_room(void **state)
+{
+    static const char file[] = HEAD "<Device/>" TAIL;
+    char text[12] = "";
+    (void)state;
+    assert_null(ect_esi_parse("f.xml", file, strlen(file), text, 8));
+    assert_string_equal(text, "f.xml:2");
+}
+
 static void selectors(void **state)
 {
     static const struct {
@@ -258,6 +363,11 @@ int main(void)
         {"bad XML, a contradiction, an attack: refused with file, line and what is wrong", refusals, NULL, NULL, NULL},
         {"100000 levels of elements are refused", deep_nesting, NULL, NULL, NULL},
         {"An unreadable file is refused", files, NULL, NULL, NULL},
+        {"a file for which there is no memory is refused with the reason", file_without_memory, NULL, NULL, NULL},
+        {"bytes that no parser gets are refused", unparsed_bytes, NULL, NULL, NULL},
+        {"a file of more than 64 MiB is refused", large_file, NULL, NULL, NULL},
+        {"a text is one line without blanks at its ends", blanks, NULL, NULL, NULL},
+        {"a message is cut at its room", little_room, NULL, NULL, NULL},
         {"a device is selected by type, product, revision; of several revisions the newest", selectors, NULL, NULL,
          NULL},
         {"all that a file has of a device is in its model", model, NULL, NULL, NULL},

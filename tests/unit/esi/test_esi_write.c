@@ -9,6 +9,10 @@
 #include <string.h>
 #include <unistd.h>
 
+#include <libxml/parser.h>
+#include <libxml/xmlerror.h>
+#include <libxml/xmlmemory.h>
+
 #include "bus/chain/catalogue.h"
 #include "esi/twin.h"
 #include "esi/values.h"
@@ -318,8 +322,8 @@ static void copied_modules(void **state)
                  "<Name>A device</Name>" ESI_MAILBOX_SMS ESI_PROCESS_SMS
                  "<Mailbox><CoE/></Mailbox><Slots><Slot><Name>S</Name><ModuleIdent>1</ModuleIdent>"
                  "</Slot></Slots></Device></Devices><Modules><Module "
-                 "xmlns:xsi='http://www.w3.org/2001/XMLSchema-instance' xsi:nil='true' a='&lt;b&gt;'>"
-                 "<Type ModuleIdent='1'>M</Type><Name><![CDATA[A & B]]></Name></Module></Modules>"
+                 "xmlns:xsi='http://www.w3.org/2001/XMLSchema-instance' xsi:nil='true' a='&lt;b&gt;' b=''>"
+                 "<!-- left out --><Type ModuleIdent='1'>M</Type><Name><![CDATA[A & B]]></Name></Module></Modules>"
                  "</Descriptions></EtherCATInfo>";
     ect_arena_t arena = {0};
     char text[200];
@@ -329,11 +333,138 @@ static void copied_modules(void **state)
     const ect_esi_part_t part = {.device = device_of(&m), .twin = m.twin};
     const char *written = ect_esi_write(&arena, &part, 1, &length, text, sizeof text);
     assert_non_null(written);
-    expect_in(written, "<Module xsi:nil=\"true\" a=\"&lt;b&gt;\">");
+    expect_in(written, "<Module xsi:nil=\"true\" a=\"&lt;b&gt;\" b=\"\">");
+    assert_null(strstr(written, "left out"));
     expect_in(written, "<Type ModuleIdent=\"1\">M</Type>");
     expect_in(written, "<Name><![CDATA[A & B]]></Name>");
     ect_arena_free(&arena);
     free_made(&m);
+}
+
+/* The written file of a device with one object, 4100h. */
+#define WITH_OBJECT(type, content)                                                                                     \
+    ESI_DEVICE("<Profile><ProfileNo>5001</ProfileNo><Dictionary><DataTypes><DataType><Name>UINT</Name>"                \
+               "<BitSize>16</BitSize></DataType><DataType><Name>STRING(3)</Name><BitSize>24</BitSize></DataType>"      \
+               "</DataTypes><Objects><Object><Index>#x4100</Index><Name>Object</Name><Type>" type content              \
+               "</Object></Objects></Dictionary></Profile>" ESI_MAILBOX_SMS ESI_PROCESS_SMS                            \
+               "<Mailbox><CoE SdoInfo='1'/></Mailbox>" ESI_EEPROM)
+#define WITH_PROPERTIES(properties)                                                                                    \
+    WITH_OBJECT("UINT</Type><BitSize>16</BitSize><Flags><Access>rw</Access></Flags>",                                  \
+                "<Properties>" properties "</Properties>")
+#define WITH_TEXT(bytes)                                                                                               \
+    WITH_OBJECT("STRING(3)</Type><BitSize>24</BitSize><Info><DefaultData>" bytes "</DefaultData></Info>",              \
+                "<Flags><Access>ro</Access></Flags>")
+#define PROPERTY(name, value) "<Property><Name>" name "</Name><Value>" value "</Value></Property>"
+
+/* SDO information that differs from use is written; a text with blanks at its ends is written as bytes. */
+static void what_an_object_needs(void **state)
+{
+    static const struct {
+        const char *what, *file, *wanted, *absent;
+    } rows[] = {
+        {"read only", WITH_PROPERTIES(PROPERTY("SdoInfoAccess", "#x0007")), "<Value>#x0007</Value>", "SdoInfoBits"},
+        {"8 bits", WITH_PROPERTIES(PROPERTY("SdoInfoBits", "#x0008")), "<Value>#x0008</Value>", "SdoInfoAccess"},
+        {"both the same", WITH_PROPERTIES(PROPERTY("SdoInfoAccess", "#x003F") PROPERTY("SdoInfoBits", "#x0010")),
+         "<Index>#x4100</Index>", "<Properties>"},
+        {"a text", WITH_TEXT("414243"), "<DefaultString>ABC</DefaultString>", "<DefaultData>414243"},
+        {"a blank in front", WITH_TEXT("204243"), "<DefaultData>204243</DefaultData>", "<DefaultString> BC"},
+        {"a blank behind", WITH_TEXT("414220"), "<DefaultData>414220</DefaultData>", "<DefaultString>AB"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_arena_t arena = {0};
+        char text[200];
+        size_t length;
+        made_t m = make_text(rows[i].what, rows[i].file);
+        const ect_esi_part_t part = {.device = device_of(&m), .twin = m.twin};
+        const char *file = ect_esi_write(&arena, &part, 1, &length, text, sizeof text);
+        assert_non_null(file);
+        if (strstr(file, rows[i].wanted) == NULL || strstr(file, rows[i].absent) != NULL)
+            fail_msg("%s: expected %s and no %s", rows[i].what, rows[i].wanted, rows[i].absent);
+        ect_arena_free(&arena);
+        free_made(&m);
+    }
+}
+
+/* A single value without a name of its own has that of its object. */
+static void unnamed_values(void **state)
+{
+    enum { OBJECTS = 400 };
+    static ect_object_t objects[OBJECTS];
+    const ect_device_t *device = ect_catalogue_find("fzm1")->device;
+    ect_device_t other = *device;
+    unsigned int changed = 0;
+    (void)state;
+    assert_in_range(device->object_count, 1, OBJECTS);
+    memcpy(objects, device->objects, device->object_count * sizeof *objects);
+    other.objects = objects;
+    for (unsigned int i = 0; i < device->object_count; i++) {
+        ect_arena_t arena = {0};
+        if (objects[i].object_code != ECT_OBJECT_VAR || strcmp(objects[i].entries->name, objects[i].name) != 0)
+            continue;
+        ect_entry_t unnamed = *objects[i].entries;
+        unnamed.name = NULL;
+        objects[i].entries = &unnamed;
+        expect_same_text(device->name, write_one(&arena, device, NULL), write_one(&arena, &other, NULL));
+        objects[i] = device->objects[i];
+        changed++;
+        ect_arena_free(&arena);
+    }
+    assert_true(changed > 0);
+}
+
+/* --- a lack of memory ----------------------------------------------------------------------------------------------
+ */
+
+static unsigned int allocations; /* that succeed */
+
+static bool is_left(void)
+{
+    return allocations > 0 && allocations-- > 0;
+}
+
+static void *limited_malloc(size_t size)
+{
+    return is_left() ? malloc(size) : NULL;
+}
+
+static void *limited_realloc(void *memory, size_t size)
+{
+    return is_left() ? realloc(memory, size) : NULL;
+}
+
+static char *limited_strdup(const char *text)
+{
+    return is_left() ? strdup(text) : NULL;
+}
+
+static void silent(void *ctx, const char *format, ...)
+{
+    (void)ctx;
+    (void)format;
+}
+
+/* Whichever allocation of the XML writer is the last one: no part of a file is left. */
+static void no_memory(void **state)
+{
+    const ect_device_t *device = ect_catalogue_find("fzm1")->device;
+    const ect_esi_part_t part = {.device = device};
+    (void)state;
+    xmlInitParser();
+    xmlSetGenericErrorFunc(NULL, silent);
+    for (unsigned int left = 0; left < 12; left++) {
+        ect_arena_t arena = {0};
+        char text[200] = "";
+        size_t length;
+        allocations = left;
+        assert_int_equal(xmlMemSetup(free, limited_malloc, limited_realloc, limited_strdup), 0);
+        const char *file = ect_esi_write(&arena, &part, 1, &length, text, sizeof text);
+        assert_int_equal(xmlMemSetup(free, malloc, realloc, strdup), 0);
+        assert_null(file);
+        assert_string_equal(text, "the file could not be written: no memory left");
+        ect_arena_free(&arena);
+    }
+    xmlSetGenericErrorFunc(NULL, NULL);
 }
 
 int main(void)
@@ -350,6 +481,10 @@ int main(void)
         {"DRV-100 InitCmd for 60C2h of a drive adapts to the cycle of the bus", init_commands, NULL, NULL, NULL},
         {"DRV-100 FZM-075 OPT-012 SYNC0 follows the bus cycle; values of sensor and drive have units",
          what_tools_look_for, NULL, NULL, NULL},
+        {"SDO information that differs from use becomes properties; texts that XML would change become bytes",
+         what_an_object_needs, NULL, NULL, NULL},
+        {"an unnamed value has the name of its object", unnamed_values, NULL, NULL, NULL},
+        {"without memory for XML there is no file", no_memory, NULL, NULL, NULL},
         {"CF-063 devices that a file cannot have together are refused", refusals, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
