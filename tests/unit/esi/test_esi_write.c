@@ -420,7 +420,10 @@ static unsigned int allocations; /* that succeed */
 
 static bool is_left(void)
 {
-    return allocations > 0 && allocations-- > 0;
+    if (allocations == 0)
+        return false;
+    allocations--;
+    return true;
 }
 
 static void *limited_malloc(size_t size)
