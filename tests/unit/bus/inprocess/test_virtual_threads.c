@@ -143,13 +143,13 @@ int fake_pthread_atfork(void (*prepare)(void), void (*parent)(void), void (*chil
 /* The mask of the calling thread, which watch() sets and restores. */
 int fake_pthread_sigmask(int how, const sigset_t *set, sigset_t *before)
 {
-    if (set) {
+    if (set)
         CALLED(sigmask, how, sigismember(set, SIGTERM));
-        return 0;
+    if (before) {
+        sigemptyset(before);
+        if (blocked != 0)
+            sigaddset(before, blocked);
     }
-    sigemptyset(before);
-    if (blocked != 0)
-        sigaddset(before, blocked);
     return 0;
 }
 
