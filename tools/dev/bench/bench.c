@@ -11,8 +11,12 @@
  *       sends back what comes, in blocking calls; runs until killed
  *   ectwin-bench spin IFACE
  *       the same, never waiting
+ *   ectwin-bench port IFACE
+ *       the same with the sockets and the filter of system calls of a twin
  *   ectwin-bench round IFACE ECHO DEVICE PRESENT TOUCHED N
  *       N round trips in turns with N of an echo
+ *   ectwin-bench echoes IFACE ECHO BYTES N
+ *       the same for two echoes, with an LRW of BYTES bytes
  *   ectwin-bench first IFACE
  *       one BRD of AL status: the start of twins in this process
  *   ectwin-bench sdo IFACE DEVICE N
@@ -38,6 +42,8 @@
 #include "axes.h"
 #include "bus/chain/catalogue.h"
 #include "bus/chain/chain.h"
+#include "bus/net/packet.h"
+#include "bus/net/sandbox.h"
 #include "esc/route.h"
 #include "master.h"
 #include "wire/bytes.h"
@@ -206,6 +212,25 @@ static int echo_spinning(char **argument)
     echo(argument, MSG_DONTWAIT);
 }
 
+static int echo_by_port(char **argument)
+{
+    char message[ECT_PACKET_MESSAGE];
+    uint8_t frame[MASTER_FRAME];
+    ect_packet_t port;
+    ect_packet_time_t time;
+    if (ect_packet_open(&port, argument[0], message) < 0)
+        end(message);
+    if (ect_sandbox_enter(false, false, false) < 0)
+        end("the filter of system calls");
+    for (;;) {
+        ssize_t length = ect_packet_receive(&port, true, frame, sizeof frame, &time);
+        if (length <= 0)
+            continue;
+        frame[SOURCE] |= LOCAL;
+        ect_packet_send(&port, frame, (size_t)length);
+    }
+}
+
 /* --- round trips -------------------------------------------------------------------------------------------------- */
 
 static int by_size(const void *a, const void *b)
@@ -238,39 +263,75 @@ static void print_times(const char *name, uint32_t *times, size_t count)
            times[count * 99 / 100]);
 }
 
-/* In turns, so that whatever else the machine does meets both. Medians of medians are not needed: all times are kept.
- */
+/* Round trips on two wires. */
+typedef struct pair {
+    master_t twin, bare;
+    int fds[2];
+    uint32_t *twin_ns, *bare_ns;
+    size_t count;          /* of each, a multiple of BATCH */
+    uint32_t bytes;        /* of process data */
+    unsigned int expected; /* working counter */
+    unsigned int wrong;
+} pair_t;
+
+static void open_pair(pair_t *p, char **argument, const char *count)
+{
+    p->fds[0] = open_port(argument[0]);
+    p->fds[1] = open_wire(argument[1]);
+    p->twin = (master_t){.exchange = over_wire, .ctx = &p->fds[0]};
+    p->bare = (master_t){.exchange = over_wire, .ctx = &p->fds[1]};
+    p->count = strtoul(count, NULL, 10) / BATCH * BATCH;
+    p->twin_ns = calloc(p->count + BATCH, sizeof *p->twin_ns);
+    p->bare_ns = calloc(p->count + BATCH, sizeof *p->bare_ns);
+    if (!p->twin_ns || !p->bare_ns || p->count == 0)
+        end("not enough memory, or fewer than 100 rounds");
+}
+
+/* In turns, so that whatever else the machine does meets both. The first round of each batch does not count: the other
+ * program has used the caches. */
+static void exchange_in_turns(pair_t *p)
+{
+    for (size_t at = 0; at < p->count; at += BATCH) {
+        (void)one_round(&p->bare, p->bytes);
+        for (size_t i = 0; i < BATCH; i++)
+            p->bare_ns[at + i] = one_round(&p->bare, p->bytes);
+        (void)one_round(&p->twin, p->bytes);
+        for (size_t i = 0; i < BATCH; i++) {
+            p->twin_ns[at + i] = one_round(&p->twin, p->bytes);
+            p->wrong += p->bytes <= LARGEST && master_counter(&p->twin) != p->expected;
+        }
+    }
+}
+
+static void print_pair(const pair_t *p)
+{
+    printf("\"bytes\":%u,\"rounds\":%zu,\"wrong\":%u,", p->bytes < LARGEST ? p->bytes : LARGEST, p->count, p->wrong);
+    print_times("twin", p->twin_ns, p->count);
+    print_times("echo", p->bare_ns, p->count);
+    printf("\"ratio\":%.3f}\n", median(p->twin_ns, p->count) / median(p->bare_ns, p->count));
+}
+
 static int round_trips(char **argument)
 {
     const ect_device_t *device = product_of(argument[2])->device;
     size_t present = strtoul(argument[3], NULL, 10);
-    size_t count = strtoul(argument[5], NULL, 10) / BATCH * BATCH;
-    int fds[] = {open_port(argument[0]), open_wire(argument[1])};
-    master_t twin = {.exchange = over_wire, .ctx = &fds[0]};
-    master_t bare = {.exchange = over_wire, .ctx = &fds[1]};
-    unsigned int expected = 0;
-    uint32_t bytes = prepare(&twin, device, present, strtoul(argument[4], NULL, 10), &expected);
-    uint32_t *twin_ns = calloc(count + BATCH, sizeof *twin_ns);
-    uint32_t *bare_ns = calloc(count + BATCH, sizeof *bare_ns);
-    unsigned int wrong = 0;
-    if (!twin_ns || !bare_ns || count == 0)
-        end("not enough memory, or fewer than 100 rounds");
-    /* The first round of each batch does not count: the other program has used the caches. */
-    for (size_t at = 0; at < count; at += BATCH) {
-        (void)one_round(&bare, bytes);
-        for (size_t i = 0; i < BATCH; i++)
-            bare_ns[at + i] = one_round(&bare, bytes);
-        (void)one_round(&twin, bytes);
-        for (size_t i = 0; i < BATCH; i++) {
-            twin_ns[at + i] = one_round(&twin, bytes);
-            wrong += bytes <= LARGEST && master_counter(&twin) != expected;
-        }
-    }
-    printf("{\"device\":\"%s\",\"present\":%zu,\"touched\":%s,\"bytes\":%u,\"rounds\":%zu,\"wrong\":%u,", argument[2],
-           present, argument[4], bytes < LARGEST ? bytes : LARGEST, count, wrong);
-    print_times("twin", twin_ns, count);
-    print_times("echo", bare_ns, count);
-    printf("\"ratio\":%.3f}\n", median(twin_ns, count) / median(bare_ns, count));
+    pair_t p = {0};
+    open_pair(&p, argument, argument[5]);
+    p.bytes = prepare(&p.twin, device, present, strtoul(argument[4], NULL, 10), &p.expected);
+    exchange_in_turns(&p);
+    printf("{\"device\":\"%s\",\"present\":%zu,\"touched\":%s,", argument[2], present, argument[4]);
+    print_pair(&p);
+    return 0;
+}
+
+static int echoes(char **argument)
+{
+    pair_t p = {0};
+    open_pair(&p, argument, argument[3]);
+    p.bytes = (uint32_t)strtoul(argument[2], NULL, 10);
+    exchange_in_turns(&p);
+    printf("{");
+    print_pair(&p);
     return 0;
 }
 
@@ -390,8 +451,10 @@ static const struct {
     int least, most;
     int (*run)(char **argument);
 } MEASUREMENTS[] = {
-    {"frames", 5, 5, frames},     {"axes", 2, 2, axes},   {"echo", 1, 1, echo_waiting}, {"spin", 1, 1, echo_spinning},
-    {"round", 6, 6, round_trips}, {"first", 1, 1, first}, {"sdo", 3, 3, sdos},          {"cycle", 5, 6, cycles},
+    {"frames", 5, 5, frames},      {"axes", 2, 2, axes},         {"echo", 1, 1, echo_waiting},
+    {"spin", 1, 1, echo_spinning}, {"port", 1, 1, echo_by_port}, {"round", 6, 6, round_trips},
+    {"echoes", 4, 4, echoes},      {"first", 1, 1, first},       {"sdo", 3, 3, sdos},
+    {"cycle", 5, 6, cycles},
 };
 
 int main(int count, char **argument)

@@ -3,7 +3,7 @@
 
   --build DIR   where ectwin and ectwin-bench are (default build/release)
   --quick       a tenth of the rounds
-  --only        some of: instructions, round, spin, kernel, busy, inprocess, rates, cycle, start (default: all)
+  --only        some of: instructions, sockets, round, spin, kernel, busy, inprocess, rates, cycle, start (default: all)
   --write       the tables of docs/PERFORMANCE.md, and the pictures docs/performance.svg and docs/busy.svg, from the results
   -o FILE       the results as JSON (default: build/bench.json)
 
@@ -26,9 +26,10 @@ import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-PARTS = ["instructions", "round", "spin", "kernel", "busy", "inprocess", "rates", "cycle", "start"]
+PARTS = ["instructions", "sockets", "round", "spin", "kernel", "busy", "inprocess", "rates", "cycle", "start"]
 UNIT = "vr-bu-ect-map1"
 STANDARD = "vr-bu-ect-map7"
+SMALLEST = 66  # bytes of process data of one UNIT
 BUSY_LOOPS = 8
 SLICES = 5
 
@@ -75,8 +76,7 @@ class Running:
 
 
 def twins(args, device, count, *options):
-    devices = ",".join([device] * count)
-    return Running(on_core(args, args.build / "ectwin", "run", "-i", "twin1", *options, devices), True)
+    return Running(on_core(args, args.build / "ectwin", "run", "-i", "twin1", *options, f"{device}*{count}"), True)
 
 
 def bench(args, *words):
@@ -131,6 +131,17 @@ def against_echo(args, options, echo, counts):
     return [middle(rows, lambda row: row["ratio"]) for rows in runs.values()]
 
 
+def sockets(args):
+    """An echo with the sockets and the filter of a twin: the run with the median ratio."""
+    runs = []
+    for _ in range(args.runs):
+        with Running(on_core(args, args.build / "ectwin-bench", "port", "twin1"), False), \
+             Running(on_core(args, args.build / "ectwin-bench", "echo", "echo1"), False):
+            time.sleep(0.3)
+            runs.append(bench(args, "echoes", "twin0", "echo0", SMALLEST, args.rounds))
+    return middle(runs, lambda row: row["ratio"])
+
+
 class BusyLoops:
     """Programs that never wait, on all cores."""
 
@@ -148,7 +159,7 @@ class BusyLoops:
 
 def kernel(args):
     """Replies in the kernel, in turns with an echo, without and with busy loops; None: not as root."""
-    if os.geteuid() != 0 or os.readlink("/proc/self/ns/user") != os.environ.get("ECTWIN_BENCH_USERS"):
+    if not is_root():
         print("run.py: replies in the kernel are measured as root only", file=sys.stderr)
         return None
     rows, load = [], os.getloadavg()[0]
@@ -166,7 +177,7 @@ def kernel(args):
 def busy(args):
     """Cycles of 250 us of a real-time master beside busy loops, all programs on any core, both ways in turns, so that both have
     the same load; None: not as root."""
-    if os.geteuid() != 0 or os.readlink("/proc/self/ns/user") != os.environ.get("ECTWIN_BENCH_USERS"):
+    if not is_root():
         print("run.py: cycles beside busy loops are measured as root only", file=sys.stderr)
         return None
     ways, load = [[], ["--in-kernel"]], os.getloadavg()[0]
@@ -270,17 +281,53 @@ def percent(ticks, seconds):
     return round(100 * ticks / os.sysconf("SC_CLK_TCK") / seconds, 1)
 
 
+def is_root():
+    """In the user namespace in which this file was started."""
+    return os.geteuid() == 0 and os.readlink("/proc/self/ns/user") == os.environ.get("ECTWIN_BENCH_USERS")
+
+
+class Hook:
+    """The time that programs in the kernel take, which the kernel counts only on request."""
+
+    COUNT = pathlib.Path("/proc/sys/kernel/bpf_stats_enabled")
+
+    def __init__(self, used):
+        self.used = used
+
+    def __enter__(self):
+        if self.used:
+            self.before = self.COUNT.read_text()
+            self.COUNT.write_text("1")
+        return self
+
+    def __exit__(self, *_):
+        if self.used:
+            self.COUNT.write_text(self.before)
+
+    def seconds(self):
+        if not self.used:
+            return 0
+        return sum(program.get("run_time_ns", 0) for program in json.loads(run("bpftool", "-j", "prog", "show", "name", "answer"))) / 1e9
+
+
+def cycles_of(args, chain, hook, present, touched):
+    """The median run, by lost frames and cycles that are too long."""
+    runs, duration = [], args.milliseconds / 1000
+    for _ in range(args.runs):
+        before, in_hook = chain.ticks(), hook.seconds()
+        row = bench(args, "cycle", "twin0", UNIT, present, touched, args.milliseconds)
+        runs.append(row | {"cpu_percent": percent(chain.ticks() - before, duration),
+                           "hook_percent": round(100 * (hook.seconds() - in_hook) / duration, 1)})
+    return middle(runs, lambda one: (one["frames_lost"], one["cycles_too_long"]))
+
+
 def cycle(args):
     rows = []
-    for present, touched in [(1000, 10), (1000, 100), (1000, 1000)]:
-        with twins(args, UNIT, present) as chain:
-            runs = []
-            for _ in range(args.runs):
-                before = chain.ticks()
-                row = bench(args, "cycle", "twin0", UNIT, present, touched, args.milliseconds)
-                runs.append(row | {"cpu_percent": percent(chain.ticks() - before, args.milliseconds / 1000)})
-            row = middle(runs, lambda one: (one["frames_lost"], one["cycles_too_long"]))
-            if touched == present:
+    ways = [([], 10), ([], 100), ([], 1000)] + ([(["--in-kernel"], 1000)] if is_root() else [])
+    for options, touched in ways:
+        with twins(args, UNIT, 1000, *options) as chain, Hook(bool(options)) as hook:
+            row = cycles_of(args, chain, hook, 1000, touched) | {"in_kernel": bool(options)}
+            if touched == 1000:
                 before = chain.ticks()
                 time.sleep(args.idle)
                 row["cpu_percent_idle"] = percent(chain.ticks() - before, args.idle)
@@ -308,6 +355,7 @@ def inside(args):
     result = {"machine": machine(), "core": args.core}
     measures = {
         "instructions": instructions,
+        "sockets": sockets,
         "round": lambda a: against_echo(a, [], "echo", [1, 8, 64, 199]),
         "spin": lambda a: against_echo(a, ["--busy-poll"], "spin", [1]),
         "kernel": kernel,
@@ -393,6 +441,10 @@ def tables(result):
     for part in ["round", "spin"]:
         if part in result:
             found[part] = round_table(result[part])
+    if "sockets" in result:
+        r = result["sockets"]
+        found["sockets"] = table(["bytes", "echo as a twin, µs", "echo, µs", "ratio of medians"],
+                                 [[r["bytes"], us(r["twin"]), us(r["echo"]), f"{r['ratio']:.2f}"]])
     if "inprocess" in result:
         found |= in_process_tables(result["inprocess"])
     if "rates" in result:
@@ -400,9 +452,11 @@ def tables(result):
         found["rates"] = table(["SDO uploads a second", "processor at 1 kHz", "frames lost"], [
             [r["sdo"]["per_second"], f"{r['cpu_percent_at_1_khz']} %", r["cycle"]["frames_lost"]]])
     if "cycle" in result:
-        found["cycle"] = table(["twins", "exchanged each ms", "bytes", "frames lost", "cycles over 1 ms", "processor", "idle"], [
-            [r["present"], r["touched"], r["bytes"], f"{r['frames_lost']} in {r['cycles']} cycles",
-             r["cycles_too_long"], f"{r['cpu_percent']} %",
+        found["cycle"] = table(["replies", "twins", "exchanged each ms", "bytes", "frames lost", "cycles over 1 ms", "processor", "at the hook",
+                                "idle"], [
+            ["in the kernel" if r["in_kernel"] else "by the twins", r["present"], r["touched"], r["bytes"],
+             f"{r['frames_lost']} in {r['cycles']} cycles", r["cycles_too_long"], f"{r['cpu_percent']} %",
+             f"{r['hook_percent']} %" if r["in_kernel"] else "",
              f"{r['cpu_percent_idle']} %" if "cpu_percent_idle" in r else ""] for r in result["cycle"]])
     if result.get("kernel"):
         found["kernel"] = kernel_table(result["kernel"])
