@@ -6,7 +6,7 @@
 
 #include "wire/assert.h"
 
-/* Runs of the devices that a late caller makes up for in a row, and that steps of the scenario cause at one time. */
+/* Limits: runs of the devices to catch up in one call, and steps of the scenario at one time. */
 enum { CATCH_UP = 64, STEPS_IN_A_ROW = 8 };
 
 static uint64_t now(const ect_exchange_t *x)
@@ -32,7 +32,7 @@ static void log_time(const ect_exchange_t *x, ect_logged_kind_t kind, uint64_t t
         ect_trace_log(x->trace, kind, 0, time_ns, NULL, 0);
 }
 
-/* The clock, for a decision: a replay needs the same reading. */
+/* Reads the clock and logs the time, because a replay needs the same reading for its decisions. */
 static uint64_t logged_now(const ect_exchange_t *x)
 {
     uint64_t now_ns = now(x);
@@ -79,7 +79,7 @@ static uint64_t emit(ect_exchange_t *x, ect_end_t end, const uint8_t *frame, siz
     return now_ns;
 }
 
-/* A reply that is late on purpose, and those behind it. */
+/* Queues a delayed reply, or a reply that must not overtake one. */
 static void keep(ect_exchange_t *x, ect_end_t end, const uint8_t *frame, size_t length, uint64_t due_ns)
 {
     if (ect_late_add(&x->late[end], frame, length, due_ns))
@@ -88,7 +88,7 @@ static void keep(ect_exchange_t *x, ect_end_t end, const uint8_t *frame, size_t 
         x->stats.dropped++;
 }
 
-/* The replies that are due. @return the time of the last one; 0: none, or not read */
+/* Sends queued replies that are due. @return the time of the last one; 0: none, or not read */
 static uint64_t send_kept(ect_exchange_t *x, ect_end_t end, ect_late_t *kept, uint64_t now_ns)
 {
     uint64_t sent_ns = 0;
@@ -109,7 +109,7 @@ static void send_late(ect_exchange_t *x, uint64_t now_ns)
     }
 }
 
-/* When the next of these leaves. */
+/* @return the time at which the next queued reply is due */
 static uint64_t late_due(const ect_exchange_t *x)
 {
     uint64_t due_ns = ECT_NEVER;
@@ -129,7 +129,7 @@ static ect_end_t through(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t
     return out;
 }
 
-/* Replies that waited for this one leave behind it. @return the time; 0: not read */
+/* Sends a reply, and then the replies that waited for it. @return the time; 0: not read */
 static uint64_t send_with_others(ect_exchange_t *x, ect_end_t end, const uint8_t *frame, size_t length, bool twice)
 {
     uint64_t sent_ns = emit(x, end, frame, length);
@@ -138,7 +138,7 @@ static uint64_t send_with_others(ect_exchange_t *x, ect_end_t end, const uint8_t
     return ect_later(sent_ns, send_kept(x, end, &x->behind[end], UINT64_MAX));
 }
 
-/* A reply leaves at once, late, or behind the next one. */
+/* Sends a reply at once, with a delay, or after the next one. */
 static void reply_with(ect_exchange_t *x, ect_end_t out, const uint8_t *frame, size_t length,
                        const ect_frame_effects_t *effects, const ect_packet_time_t *time)
 {
@@ -154,13 +154,13 @@ static void reply_with(ect_exchange_t *x, ect_end_t out, const uint8_t *frame, s
     }
 }
 
-/* NULL: no fault is set or to come, and no frame is kept on a wire. */
+/* @return NULL: no fault is set or planned, and no frame is kept on a wire */
 static ect_scenario_t *faults_of(const ect_exchange_t *x)
 {
     return x->scenario && !ect_scenario_rests(x->scenario) ? x->scenario : NULL;
 }
 
-/* Frames that were kept on a wire continue when they are due. */
+/* Continues with frames that were kept on a wire and are due. */
 static void release_kept(ect_exchange_t *x)
 {
     ect_kept_t *kept;
@@ -183,7 +183,7 @@ static void release_kept(ect_exchange_t *x)
     }
 }
 
-/* Writes a request down as it came, with the effects of faults on it. */
+/* Records a request as received, and the effects of faults on it. */
 static ect_frame_effects_t traced_effects(ect_exchange_t *x, ect_scenario_t *faults, ect_end_t in, uint8_t *frame,
                                           size_t *length, uint64_t now_ns)
 {
@@ -229,8 +229,8 @@ bool ect_exchange_is_plain(const ect_exchange_t *x)
     return !x->trace && !recent_of(x) && !x->filter && !faults_of(x) && late_due(x) == ECT_NEVER;
 }
 
-/* A late caller still runs the devices at the times that they asked for, so that clients see values which lasted only
- * until the next of these times. */
+/* A late call runs the devices at each of their deadlines, so that clients also receive values that lasted only until
+ * the next deadline. */
 static void poll_devices(ect_exchange_t *x, uint64_t now_ns, uint64_t (*poll)(ect_chain_t *chain, uint64_t now_ns))
 {
     uint64_t next_ns = ect_earlier(x->deadline_ns, x->touched_ns);
@@ -281,8 +281,8 @@ void ect_exchange_link(ect_exchange_t *x, ect_end_t end, bool link)
     ect_chain_set_link(x->chain, end, link);
 }
 
-/* Steps of the scenario that are due; the devices run after those that change the chain. @return when the next is due
- */
+/* Executes due steps of the scenario; the devices run after each step that changes the chain. @return when the next is
+ * due */
 static uint64_t take_steps(ect_exchange_t *x)
 {
     uint64_t next_ns = ECT_NEVER;
@@ -310,7 +310,7 @@ static void log_run(const ect_exchange_t *x, bool answered, uint64_t now_ns)
         ect_trace_log(x->trace, ECT_LOGGED_RUN, answered, now_ns, NULL, 0);
 }
 
-/* The time of a run. With faults it is read behind the release of kept frames, which may read it too. */
+/* @return the time of a run. With faults the clock is read after the release of kept frames, which may read it too. */
 static uint64_t begin_run(ect_exchange_t *x)
 {
     const bool faults = faults_of(x) != NULL;
@@ -330,7 +330,7 @@ static uint64_t planned(const ect_exchange_t *x)
     return x->control ? ect_control_planned(x->control) : ECT_NEVER;
 }
 
-/* Steps of plants that are due. @return whether the devices must run again at this time */
+/* Executes due steps of plants. @return whether the devices must run again at this time */
 static bool step_plants(ect_exchange_t *x)
 {
     if (!x->control || !ect_control_wants_step(x->control, x->polled_ns))
@@ -388,7 +388,7 @@ void ect_exchange_show(ect_exchange_t *x)
 void ect_exchange_start(ect_exchange_t *x)
 {
     x->deadline_ns = x->touched_ns = ECT_NEVER;
-    x->linked[ECT_END_IN] = true; /* as ect_chain_new leaves them */
+    x->linked[ECT_END_IN] = true; /* the links of a new chain (ect_chain_new) */
     x->stats.start_ns = now(x);
     if (x->scenario && x->scenario->step_count > 0)
         ect_chain_show(x->chain, &ect_progress_plant, &x->scenario->progress);

@@ -31,16 +31,16 @@ enum {
 /* Kinds of clients, in the order of their descriptors. */
 enum { CONTROL, MODBUS, HOSTS, CLIENTS };
 
-/* Frames in a row after which a client is served although another one waits. */
+/* After this many successive frames a client is served although a further frame waits. */
 enum { FRAMES_FIRST = 8 };
 
-/* Wait for frames only this long before serving clients. */
+/* Longest wait for frames alone before clients are served. */
 enum { FRAMES_ALONE_NS = 500000 };
 
-/* Poll for frames only this long before serving clients (--busy-poll). */
+/* Longest poll for frames alone before clients are served (--busy-poll). */
 enum { SPIN_NS = 100000 };
 
-/* @return -1: there is none of this kind */
+/* @return the descriptor of a kind of clients; -1: none */
 static int client_fd(const ect_runner_t *r, unsigned int client)
 {
     switch (client) {
@@ -53,7 +53,7 @@ static int client_fd(const ect_runner_t *r, unsigned int client)
     }
 }
 
-/* When clients of a kind want to be served by themselves. */
+/* @return the time at which a kind of clients is due without a request */
 static uint64_t client_due(const ect_runner_t *r, unsigned int client)
 {
     switch (client) {
@@ -74,7 +74,7 @@ static void count_lost(ect_runner_t *r)
 
 static void serve_control(ect_runner_t *r, uint64_t now_ns)
 {
-    count_lost(r); /* the client may ask for the counters */
+    count_lost(r); /* the client may read the counters */
     ect_control_serve(r->exchange.control, r->exchange.chain, now_ns);
 }
 
@@ -89,7 +89,7 @@ static void serve_client(ect_runner_t *r, unsigned int client)
         ect_hosts_serve(r->hosts, r->exchange.chain, now_ns);
 }
 
-/* After an interruption `fds` has no events. */
+/* @return as ppoll(); `fds` has no events after an interruption by a signal */
 static int wait_for(const ect_runner_t *r, struct pollfd fds[WAITABLE], uint64_t deadline_ns)
 {
     for (unsigned int end = 0; end < ECT_ENDS; end++) {
@@ -131,7 +131,7 @@ static void send_out(void *ctx, ect_end_t end, const uint8_t *frame, size_t leng
         ect_packet_send(r->ports[end], frame, length);
 }
 
-/* Whether frames circulate; the first time is reported. */
+/* @return whether a frame circulates; the first one is reported */
 static bool is_circulating(ect_runner_t *r, ect_end_t end, const uint8_t *frame, size_t length)
 {
     if (!ect_endless_received(&r->endless[end], frame, length, r->exchange.polled_ns))
@@ -150,7 +150,7 @@ static void follow_cables(ect_runner_t *r)
     }
 }
 
-/* @param length  as a port has returned it. @return 1: a frame came; 0: none; -1: the interface is gone */
+/* @param length  result of the port. @return 1: a frame has arrived; 0: no frame; -1: the interface is gone */
 static int take_frame(ect_runner_t *r, ect_end_t in, uint8_t *frame, ssize_t length, const ect_packet_time_t *time)
 {
     if (length == ECT_PACKET_NONE || length == ECT_PACKET_GONE)
@@ -161,7 +161,7 @@ static int take_frame(ect_runner_t *r, ect_end_t in, uint8_t *frame, ssize_t len
             ect_kernel_see(r->kernel, frame, (size_t)length);
     }
     if (!r->linked[in])
-        follow_cables(r); /* the frame comes before the news that a cable is in again: Linux takes up to a second */
+        follow_cables(r); /* Linux reports a plugged cable up to a second after the first frame */
     r->exchange.stats.frames++;
     if (length == ECT_PACKET_STALE)
         r->exchange.stats.stale++;
@@ -200,7 +200,7 @@ static bool take_signal(const ect_runner_t *r)
     return r->on_signal(r->ctx, (int)info.ssi_signo, info.ssi_code == SI_KERNEL);
 }
 
-/* When clients want to be served by themselves; while the loop rests from them, when that is over. */
+/* @return the time at which a client is due without a request, or the end of a pause */
 static uint64_t clients_due(const ect_runner_t *r)
 {
     uint64_t due_ns = r->pausing ? r->pause_end_ns : ECT_NEVER;
@@ -209,7 +209,7 @@ static uint64_t clients_due(const ect_runner_t *r)
     return due_ns;
 }
 
-/* Late replies and the devices, then their clients. @return when to be here again */
+/* Sends late replies and runs the devices. @return the time of the next call */
 static uint64_t run_devices(ect_runner_t *r)
 {
     uint64_t next_ns = ect_exchange_run(&r->exchange);
@@ -217,7 +217,7 @@ static uint64_t run_devices(ect_runner_t *r)
     return ect_earlier(next_ns, clients_due(r));
 }
 
-/* The kind of clients whose turn it is. @return CLIENTS: no client is due */
+/* @return the next kind of clients to serve, in rotation; CLIENTS: no client is due */
 static unsigned int next_client(const ect_runner_t *r, const struct pollfd fds[WAITABLE])
 {
     uint64_t now_ns = ect_packet_now();
@@ -229,7 +229,7 @@ static unsigned int next_client(const ect_runner_t *r, const struct pollfd fds[W
     return CLIENTS;
 }
 
-/* Frames first: a client is served when none came, or too many have come one after another. */
+/* Serves a client if no frame has arrived, or after FRAMES_FIRST successive frames. */
 static void serve_clients(ect_runner_t *r, bool frame, const struct pollfd fds[WAITABLE])
 {
     if (r->pausing || !(r->exchange.control || r->modbus || r->hosts))
@@ -244,8 +244,8 @@ static void serve_clients(ect_runner_t *r, bool frame, const struct pollfd fds[W
 }
 
 /*
- * While frames come, the next one is waited for in the call that receives it: that is the shortest way to an answer.
- * Clients and signals are checked every half millisecond, and when no frame has come for a while.
+ * While frames arrive, the loop waits in the receiving call, which gives the shortest reply time. Clients and signals
+ * are checked every FRAMES_ALONE_NS, and after a wait without a frame.
  */
 static bool may_wait_for_frame(const ect_runner_t *r, uint64_t wake_ns)
 {
@@ -255,7 +255,7 @@ static bool may_wait_for_frame(const ect_runner_t *r, uint64_t wake_ns)
     return r->busy_poll || (r->frames_come && port->wait_ns != 0 && wake_ns > r->exchange.polled_ns + port->wait_ns);
 }
 
-/* @return as receive_frame() */
+/* Waits, or polls, for a frame until `wake_ns`. @return as receive_frame() */
 static int wait_for_frame(ect_runner_t *r, uint64_t wake_ns)
 {
     if (!r->busy_poll)
@@ -267,7 +267,7 @@ static int wait_for_frame(ect_runner_t *r, uint64_t wake_ns)
     return got;
 }
 
-/* @return 1: go on; 0: stop; -1: an interface is gone */
+/* Handles all descriptors with events. @return 1: continue; 0: stop; -1: an interface is gone */
 static int serve(ect_runner_t *r, const struct pollfd fds[WAITABLE])
 {
     bool frame = false;
@@ -287,19 +287,19 @@ static int serve(ect_runner_t *r, const struct pollfd fds[WAITABLE])
     if (fds[SIGNAL_FD].revents != 0 && !take_signal(r))
         return 0;
     serve_clients(r, frame, fds);
-    r->exchange.answered_ns = 0; /* meanwhile it has become later */
+    r->exchange.answered_ns = 0; /* the time of the last reply is out of date after this work */
     return 1;
 }
 
-/* The kernel replies to frames while the loop sleeps. */
+/* Lets the kernel reply to frames while the loop sleeps. */
 static void give_turn(ect_runner_t *r)
 {
     if (r->kernel && ect_exchange_is_plain(&r->exchange))
         r->exchange.stats.plans = ect_kernel_give(r->kernel, r->exchange.chain, ect_packet_now());
 }
 
-/* The frames that the kernel has replied to come before all else. The devices run before the next frame, which may
- * replace the outputs of the last one. */
+/* Passes the frames that the kernel has replied to before any other work, because they have arrived first. The devices
+ * run before the next frame, which may replace the outputs of the last one. */
 static void take_turn(ect_runner_t *r)
 {
     const ect_held_t *held;
@@ -317,7 +317,7 @@ static void take_turn(ect_runner_t *r)
         (void)ect_exchange_run(&r->exchange);
 }
 
-/* Devices, then a frame, or all that there is to wait for. @return as serve() */
+/* Runs the devices, then handles a frame, or the events of all descriptors. @return as serve() */
 static int run_once(ect_runner_t *r)
 {
     struct pollfd fds[WAITABLE];
@@ -329,7 +329,7 @@ static int run_once(ect_runner_t *r)
             return came;
         waits = r->busy_poll;
     } else if (waits) {
-        r->frames_first = FRAMES_FIRST; /* others have waited long enough */
+        r->frames_first = FRAMES_FIRST; /* clients have waited long enough */
     }
     give_turn(r);
     int ready = wait_for(r, fds, waits ? 0 : wake_ns);
@@ -339,7 +339,7 @@ static int run_once(ect_runner_t *r)
     return ready < 0 && errno != EINTR ? -1 : serve(r, fds);
 }
 
-/* Finishes a save before the process ends. */
+/* Completes a save before the process ends, within 2 s. */
 static void finish(const ect_runner_t *r)
 {
     const struct timespec pause = {.tv_nsec = 100000};

@@ -29,13 +29,14 @@ enum {
     ETHERTYPE_CLAIM = 0x88B5, /* for local experiments (IEEE 802) */
     ETHERTYPE_VLAN = 0x8100,
     NOTHING = 0x10000,
-    SLOT = 4096, /* of shared memory: holds any frame of EtherCAT, and what the kernel writes before it */
+    SLOT = 4096, /* of shared memory: room for any EtherCAT frame and the kernel's header */
     SLOTS = 128,
     BLOCK = 65536,
 };
 
-/* A process that was stopped finds frames that its master has given up. The master would take replies to them for those
- * to newer frames (SOEM distinguishes them by 4 bits) and stay that far behind. A wire does not store frames. */
+/* After a stop of this process the queue holds frames whose replies the master no longer expects. The master would
+ * assign late replies to newer frames (SOEM compares 4 bits only) and stay behind by as many cycles. A wire does not
+ * store frames. */
 #define STALE_NS 5000000
 #define NS_PER_S 1000000000ull
 
@@ -49,7 +50,7 @@ static void explain_absence(const char *iface, char *message)
              iface);
 }
 
-/* A name that is wrong is wrong with every right, too. */
+/* Checks the name first: more rights do not cure a wrong name. */
 static void explain_socket(const char *iface, int error, char *message)
 {
     if (if_nametoindex(iface) == 0)
@@ -76,7 +77,7 @@ static bool set_flags(int fd, const char *iface, bool up)
     return ioctl(fd, SIOCSIFFLAGS, &request) == 0;
 }
 
-/* 0, or -1 with the message written. */
+/* @return 0; -1: `message` has the reason */
 static int check_interface(ect_packet_t *port, char *message)
 {
     struct ifreq request = {0};
@@ -102,7 +103,7 @@ static int check_interface(ect_packet_t *port, char *message)
     return 0;
 }
 
-/* Lets frames with this EtherType pass, as read after the kernel has removed a tag, that had 0 or 1 tags as given. */
+/* Passes frames of an EtherType (after the removal of a VLAN tag) that had least_tags..most_tags tags, 0 or 1. */
 static int filter(int fd, uint32_t type, uint32_t least_tags, uint32_t most_tags)
 {
     const uint32_t tags = (uint32_t)(SKF_AD_OFF + SKF_AD_VLAN_TAG_PRESENT);
@@ -117,8 +118,8 @@ static int filter(int fd, uint32_t type, uint32_t least_tags, uint32_t most_tags
     return setsockopt(fd, SOL_SOCKET, SO_ATTACH_FILTER, &all, sizeof all);
 }
 
-/* A socket in the kernel's list that receives nothing, since its type is not in use. With a second socket for EtherCAT
- * the kernel would copy each frame. */
+/* Marks the interface as in use in the kernel's list of packet sockets. The socket has an unused EtherType and receives
+ * nothing: the kernel would copy each frame for a second EtherCAT socket. */
 static int claim(ect_packet_t *port)
 {
     const struct sockaddr_ll address = {
@@ -129,8 +130,8 @@ static int claim(ect_packet_t *port)
                : -1;
 }
 
-/* The kernel counts timeouts in ticks, and returns the length of a tick for the shortest timeout. The last tick may be
- * late. */
+/* The kernel counts timeouts in ticks and rounds the shortest timeout up to one tick, which getsockopt() returns. The
+ * result has a second tick, because the last one may be late. @return the longest wait, nanoseconds; 0: failed */
 static uint64_t set_receive_timeout(int fd)
 {
     struct timeval tick = {.tv_usec = 1};
@@ -140,7 +141,8 @@ static uint64_t set_receive_timeout(int fd)
     return good ? 2000ull * (uint64_t)tick.tv_usec : 0;
 }
 
-/* To all frames: one for EtherCAT alone gets tagged ones without their tags. Nothing arrives before the bind. */
+/* Binds to ETH_P_ALL, because a socket bound to EtherCAT alone also receives tagged frames, with their tags removed.
+ * Filter and options precede the bind, so no other frame is queued. */
 static int bind_to_all(const ect_packet_t *port, int fd, uint32_t tags)
 {
     const struct sockaddr_ll address = {
@@ -152,8 +154,9 @@ static int bind_to_all(const ect_packet_t *port, int fd, uint32_t tags)
                : -1;
 }
 
-/* Frames with a tag have a socket of their own: asking for tags makes each frame dearer. The kernel hands a frame to
- * the socket that was bound last before the others, and spares the first one a copy. */
+/* Tagged frames have a socket of their own, because PACKET_AUXDATA adds a cost to each frame. The socket for tagged
+ * frames is bound last: the kernel serves sockets in reverse order of their bind, and the last one served gets no copy
+ * of the frame. */
 static bool bind_both(ect_packet_t *port)
 {
     const int on = 1;
@@ -162,7 +165,7 @@ static bool bind_both(ect_packet_t *port)
            setsockopt(port->tagged_fd, SOL_PACKET, PACKET_AUXDATA, &on, sizeof on) == 0;
 }
 
-/* Nanoseconds since then; 0 when the clock was set meanwhile. */
+/* @return nanoseconds since a time of CLOCK_REALTIME; 0 if the clock has been set back since */
 static uint64_t since(const struct timespec *came)
 {
     struct timespec now;
@@ -172,7 +175,7 @@ static uint64_t since(const struct timespec *came)
     return waited > 0 ? (uint64_t)waited : 0;
 }
 
-/* How long ago that frame had arrived that was received last. The kernel keeps such times from the first call on. */
+/* @return the age of the last received frame, nanoseconds. The first call makes the kernel record times of arrival. */
 static uint64_t age(int fd)
 {
     struct timespec came;
@@ -195,8 +198,8 @@ static int bind_to(ect_packet_t *port, char *message)
     return -1;
 }
 
-/* Two that answer on one interface would destroy each other's frames. The kernel's list of packet sockets cannot be
- * written into by those who may not open one, as a name that stands for the interface could. */
+/* Two programs that reply on one interface would destroy each other's frames. The check reads the kernel's list of
+ * packet sockets, because a lock with the name of the interface could be held by a program without CAP_NET_RAW. */
 static int only_one(const ect_packet_t *port, char *message)
 {
     char line[160];
@@ -264,7 +267,7 @@ static bool another_waits(int fd)
     return recv(fd, &byte, sizeof byte, MSG_PEEK | MSG_DONTWAIT) > 0;
 }
 
-/* if_nametoindex() opens a socket, which a running twin may not. */
+/* Not if_nametoindex(), which opens a socket: the sandbox of a running twin refuses that. */
 static bool is_there(const ect_packet_t *port)
 {
     struct ifreq request = {0};
@@ -272,7 +275,7 @@ static bool is_there(const ect_packet_t *port)
     return ioctl(port->fd, SIOCGIFINDEX, &request) == 0 && request.ifr_ifindex == (int)port->index;
 }
 
-/* A link that is down may return, an interface that is gone may not; Linux reports the same error for both. */
+/* Linux reports ENETDOWN for a link that is down, which may come up again, and for a removed interface. */
 static ssize_t why_nothing(const ect_packet_t *port)
 {
     if (errno == EAGAIN || errno == EINTR)
@@ -285,7 +288,7 @@ static ssize_t why_nothing(const ect_packet_t *port)
     return ECT_PACKET_GONE;
 }
 
-/* The kernel takes a VLAN tag out of a frame before it hands it over. It belongs into the answer. */
+/* Reinserts the VLAN tag that the kernel has removed, because the reply must carry it. @return the new length */
 static ssize_t put_tag_back(const struct tpacket_auxdata *known, uint8_t *frame, size_t room, ssize_t length)
 {
     enum { ADDRESSES = 12, TAG = 4 };
@@ -298,7 +301,7 @@ static ssize_t put_tag_back(const struct tpacket_auxdata *known, uint8_t *frame,
     return length + TAG;
 }
 
-/* The kernel counts from its last reply on. */
+/* PACKET_STATISTICS resets the kernel's counters. */
 static uint64_t lost_by(int fd)
 {
     struct tpacket_stats counts = {0};
@@ -315,7 +318,7 @@ uint64_t ect_packet_lost(const ect_packet_t *port)
 
 /* --- frames in memory that the kernel shares ---------------------------------------------------------------------- */
 
-/* Reads without a frame, some milliseconds, until the interface is checked. */
+/* The interface is checked after this many reads without a frame, which take some milliseconds. */
 enum { IDLE_READS = 65536 };
 
 bool ect_packet_share(ect_packet_t *port)
@@ -332,7 +335,7 @@ bool ect_packet_share(ect_packet_t *port)
         (void)setsockopt(port->fd, SOL_PACKET, PACKET_RX_RING, &none, sizeof none);
         return false;
     }
-    port->shared = shared; /* its frames carry their tags, at no cost */
+    port->shared = shared; /* each slot contains the tag, at no cost */
     (void)filter(port->fd, ETHERTYPE_ECAT, 0, 1);
     close(port->tagged_fd);
     port->tagged_fd = -1;
@@ -385,7 +388,7 @@ static ssize_t receive_tagged(ect_packet_t *port, uint8_t *frame, size_t room)
     ssize_t length = recvmsg(port->tagged_fd, &message, MSG_TRUNC | MSG_DONTWAIT);
     if (length < 0)
         return length;
-    port->wait_ns = 0; /* who waits for frames without a tag does not see those with one */
+    port->wait_ns = 0; /* a wait on `fd` does not end at tagged frames */
     for (struct cmsghdr *one = CMSG_FIRSTHDR(&message); one; one = CMSG_NXTHDR(&message, one)) {
         if (one->cmsg_level == SOL_PACKET && one->cmsg_type == PACKET_AUXDATA) {
             memcpy(&tag, CMSG_DATA(one), sizeof tag);
@@ -448,7 +451,8 @@ int ect_packet_watch_links(void)
     return fd;
 }
 
-/* The content is unused: the interface itself is read. A message lost for lack of room counts as a change too. */
+/* The content is ignored, because the state is read from the interface. A message lost for lack of room is a change
+ * too. */
 void ect_packet_links_seen(int fd)
 {
     char message[8192];
