@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The part of a controller in the exchange of process data, known in advance. */
+/* The effect of a controller on frames of process data, computed in advance. */
 #include "esc/cyclic.h"
 
 #include "esc/internal.h"
@@ -25,13 +25,13 @@ static bool is_buffered(const ect_esc_t *esc, unsigned int n)
     return mode != ECT_SM_CONTROL_MAILBOX && esc->sm[n].length > 1 && esc->sm[n].start >= ECT_RAM;
 }
 
-/* The first byte behind all buffers. */
+/* @return the first address after all buffers of a SyncManager */
 static uint32_t end_of(const ect_esc_t *esc, unsigned int n)
 {
     return esc->sm[n].start + (uint32_t)esc->sm[n].length * (is_buffered(esc, n) ? (uint32_t)BUFFERS : 1u);
 }
 
-/* An image must not reach into those of other SyncManagers, with all its buffers. */
+/* @return whether all buffers of an image are apart from those of the other SyncManagers */
 static bool is_alone(const ect_esc_t *esc, unsigned int n)
 {
     for (unsigned int m = 0; m < ECT_ESC_MAX_SM; m++) {
@@ -41,7 +41,7 @@ static bool is_alone(const ect_esc_t *esc, unsigned int n)
     return end_of(esc, n) <= esc->memory_size;
 }
 
-/* An access to this SyncManager changes nothing that a later frame shows. */
+/* @return whether no access to this SyncManager changes the content of a later frame */
 static bool is_quiet(const ect_esc_t *esc, unsigned int n)
 {
     const uint8_t *sm = ect_esc_sm_registers(esc, n);
@@ -50,7 +50,7 @@ static bool is_quiet(const ect_esc_t *esc, unsigned int n)
            (events & (uint32_t)ECT_ECAT_EVENT_SM0 << n) == 0 && (sm[ECT_SM_PDI_CONTROL] & ECT_SM_PDI_DISABLE) == 0;
 }
 
-/* @return the SyncManager whose whole image this is, accessed in its direction; ECT_ESC_MAX_SM: none */
+/* @return the SyncManager whose image is exactly this range, accessed in its direction; ECT_ESC_MAX_SM: none */
 static unsigned int find_image(const ect_esc_t *esc, const overlap_t *o, bool write)
 {
     for (unsigned int n = 0; n < ECT_ESC_MAX_SM; n++) {
@@ -70,7 +70,7 @@ const uint8_t *ect_esc_newest_image(const ect_esc_t *esc, unsigned int sm)
     return latest < BUFFERS ? esc->memory + esc->sm[sm].start + (size_t)latest * esc->sm[sm].length : NULL;
 }
 
-/* Adds the newest image. @return false: there is none yet */
+/* Adds the newest image. @return false: none yet */
 static bool add_piece(const ect_esc_t *esc, unsigned int n, const overlap_t *o, ect_esc_cyclic_t *effect)
 {
     const uint8_t *from = ect_esc_newest_image(esc, n);
@@ -97,7 +97,7 @@ static bool find_overlap(const uint8_t *fmmu, uint32_t logical, uint16_t length,
     return true;
 }
 
-/* One direction through all FMMUs. @param[out] any  whether one maps a part of the datagram */
+/* Maps one direction through all FMMUs. @param[out] any  whether an FMMU maps a part of the datagram */
 static bool find_pieces(const ect_esc_t *esc, uint32_t logical, uint16_t length, bool write, ect_esc_cyclic_t *effect,
                         bool *any)
 {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The part of a controller in the exchange of process data, known in advance: for code that replies to a recurring
- * frame without passing it through the controller, and passes it later (bus/kernel).
+ * The effect of a controller on frames of process data, computed in advance: for code that replies to a recurring frame
+ * first, and passes the frame through the controller later (bus/kernel).
  *
- * The reference is ::ect_esc_datagram. Both functions return false, or -1, for all that they are not certain of.
- * Nothing here changes the controller. Context: as for every other call of the instance.
+ * The reference is ::ect_esc_datagram. A function returns false, or NULL, if the effect is not certain. No function
+ * changes the controller. Context: as for every other call of the instance.
  */
 #ifndef ECT_ESC_CYCLIC_H
 #define ECT_ESC_CYCLIC_H
@@ -31,29 +31,29 @@ typedef struct ect_esc_cyclic {
 } ect_esc_cyclic_t;
 
 /**
- * Whether frames alone change the effect of later frames: no command to the EEPROM, no temporary setting of a loop and
- * no watchdog of the PDI is running whose end a passing frame would show.
+ * @return whether only frames and accesses change the effect of later frames, not time: no EEPROM command, no temporary
+ * loop setting and no PDI watchdog is running whose end would change the content of a frame.
  */
 bool ect_esc_steady(const ect_esc_t *esc);
 
 /**
- * Finds the effect of LRD, LWR or LRW. It lasts, however often such datagrams pass, until any other access of either
- * side, if ::ect_esc_steady. Until ::ect_esc_routing changes, such an access replaces the images at most
+ * Finds the effect of LRD, LWR or LRW. If ::ect_esc_steady, the effect is valid for any number of such datagrams, until
+ * any other access of either side. Until ::ect_esc_routing changes, such an access can replace only the images
  * (::ect_esc_newest_image).
- * @return false: not certain. Certain are whole images of SyncManagers with three buffers in RAM, each whole in one
- *         FMMU and in the datagram, without ECAT events, sequential mode or write protection, where neither
- *         SyncManagers nor FMMUs of one direction overlap
+ * @return false: not certain. The effect is certain for whole images of SyncManagers with three buffers in RAM, each
+ * entirely in one FMMU and in the datagram, without ECAT events, sequential mode or write protection, if neither
+ * SyncManagers nor FMMUs of one direction overlap
  */
 bool ect_esc_cyclic(const ect_esc_t *esc, uint8_t command, uint32_t logical, uint16_t length, ect_esc_cyclic_t *effect);
 
 /**
  * The newest image of a SyncManager with three buffers that ::ect_esc_cyclic has named.
- * @return NULL: there is none yet; else it is valid until the next call of the instance
+ * @return NULL: none yet; else valid until the next call of the instance
  */
 const uint8_t *ect_esc_newest_image(const ect_esc_t *esc, unsigned int sm);
 
 /**
- * The system time that a frame reads at 0x0910, while the clock has the rate of `now_ns`.
+ * Finds the system time that a frame reads at 0x0910, while the clock has the rate of `now_ns`.
  * @param[out] offset_ns  system time minus the frame's time of arrival at the chain, modulo 2^64
  * @return false: no clock, or a rate of its own
  */

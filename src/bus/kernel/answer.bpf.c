@@ -41,7 +41,7 @@ struct {
     __type(value, ect_held_t);
 } held SEC(".maps");
 
-/* Wakes the process. The content has no meaning. */
+/* Wakes the process; the content of the event is unused. */
 struct {
     __uint(type, BPF_MAP_TYPE_RINGBUF);
     __uint(max_entries, BELL);
@@ -65,7 +65,7 @@ static __always_inline void ring(void)
     bpf_ringbuf_submit(one, BPF_RB_FORCE_WAKEUP);
 }
 
-/* @return NULL: there is none */
+/* @return NULL: none */
 static __always_inline const ect_plan_t *find_plan(const uint8_t *head, uint32_t *place)
 {
     const uint64_t key = ect_plan_key(head);
@@ -81,8 +81,8 @@ static __always_inline const ect_plan_t *find_plan(const uint8_t *head, uint32_t
     return 0;
 }
 
-/* Called with the turn. @return XDP_TX; XDP_PASS: there is no plan, no room, or the devices have to react first;
- * XDP_DROP: the plan is out of bounds */
+/* Replies to a frame; called with the turn. @return XDP_TX: replied; XDP_PASS: no plan, no room to hold the frame, or
+ * the devices must react first; XDP_DROP: the plan is out of bounds */
 static __always_inline int reply(struct xdp_md *ctx, ect_shared_t *s, const uint8_t *head)
 {
     uint32_t place;

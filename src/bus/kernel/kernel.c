@@ -20,14 +20,14 @@
 
 #include <answer.skel.h>
 
-/* A frame that has not arrived after this time was lost on its way to the socket. */
+/* A frame that has not arrived after this time counts as lost on its way to the socket. */
 enum { LOST_NS = 20000000 };
 
 struct ect_kernel {
     struct answer *program;
-    int link_fd;        /* 0: attached by netlink, or not at all */
+    int link_fd;        /* 0: attached by netlink, or not attached */
     uint32_t mode;      /* of the attached program: XDP_FLAGS_DRV_MODE or XDP_FLAGS_SKB_MODE; 0: not attached */
-    unsigned int index; /* of the interface, attached by netlink; 0: not so */
+    unsigned int index; /* of the interface, if attached by netlink; else 0 */
     ect_shared_t *shared;
     ect_held_t *held;
     struct ring_buffer *bell;
@@ -35,7 +35,7 @@ struct ect_kernel {
     uint64_t next;     /* of the held frames */
     uint64_t got;      /* frames that the socket has returned */
     uint64_t short_ns; /* frames have been on their way since this time; 0: none */
-    uint64_t still_ns; /* outputs count as changing until then */
+    uint64_t still_ns; /* outputs count as changing until this time */
     bool given;        /* the kernel has the turn */
     unsigned int plans;
 };
@@ -66,7 +66,7 @@ static size_t held_size(void)
     return (size_t)ECT_HELD_FRAMES * sizeof(ect_held_t);
 }
 
-/* The memory that the kernel shares. @return NULL: failed */
+/* Maps the memory shared with the kernel. @return NULL: failed */
 static void *map(const struct bpf_map *map, size_t size)
 {
     void *memory = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED, bpf_map__fd(map), 0);
@@ -107,7 +107,7 @@ ect_kernel_t *ect_kernel_load(char *message)
     return NULL;
 }
 
-/* A question to the driver. @return whether it has a reply */
+/* Queries the driver. @return whether the driver supports the query */
 static bool ask_driver(unsigned int index, void *question)
 {
     struct ifreq request = {.ifr_data = question};
@@ -119,8 +119,8 @@ static bool ask_driver(unsigned int index, void *question)
 }
 
 /*
- * Whether the hook in the driver may be used. A driver that takes VLAN tags out of frames would hide them there, and
- * the reply would have none. A veth transmits from its native hook only if its peer has a program too.
+ * @return whether the hook in the driver is usable. A driver that removes VLAN tags hides them from this hook, so the
+ * reply would have no tag. A veth transmits from its native hook only if its peer has a program too.
  */
 static bool may_be_native(unsigned int index)
 {
@@ -130,8 +130,8 @@ static bool may_be_native(unsigned int index)
            strcmp(driver.driver, "veth") != 0;
 }
 
-/* A link ends with the process. A process in a user namespace may not create a link, but its interface ends with the
- * namespace. @return 0, or a negative error */
+/* Attaches by a link, which ends with the process; else by netlink: a process in a user namespace may not create a
+ * link, but its interface ends with the namespace. @return 0, or a negative error */
 static int attach(ect_kernel_t *k, unsigned int index, uint32_t mode)
 {
     const int program = bpf_program__fd(k->program->progs.answer);
@@ -201,7 +201,7 @@ void ect_kernel_got(ect_kernel_t *k)
     k->short_ns = 0;
 }
 
-/* Frames that a full socket or another program has taken never arrive. */
+/* Frames lost in a full socket, or taken by another program, never arrive. */
 static void await_frames(ect_kernel_t *k, uint64_t now_ns)
 {
     uint64_t left = ect_turn_left(&k->shared->turn);
@@ -215,7 +215,7 @@ static void await_frames(ect_kernel_t *k, uint64_t now_ns)
     }
 }
 
-/* With the turn. */
+/* Called with the turn. */
 static void set_pace(ect_kernel_t *k, uint64_t now_ns)
 {
     if (k->planner.outputs_changed)

@@ -43,11 +43,11 @@ typedef struct maker {
     ect_plan_t *plan;
     ect_plan_sample_t *sample;
     const uint8_t *frame;   /* of the sample */
-    const ect_esc_t *clock; /* the clock that all plans read; NULL: none yet */
+    const ect_esc_t *clock; /* the reference clock of all plans; NULL: none yet */
     uint8_t command;        /* of the present datagram, */
     uint32_t logical;       /* its address, */
     uint16_t length;        /* the length of its data, */
-    uint16_t at;            /* and where they begin */
+    uint16_t at;            /* and its offset */
     uint32_t gain;          /* of its working counter */
     uint32_t image;         /* bytes in use */
 } maker_t;
@@ -109,7 +109,7 @@ static bool plan_status(maker_t *m, uint16_t address)
                            .kind = ECT_PLAN_DO_OR, .at = m->at, .length = m->length, .value = m->steady.al_status});
 }
 
-/* Frames with another reference clock would change the rate of the present one. */
+/* A frame with another reference clock would change the rate of the present one. */
 static bool plan_time(maker_t *m, const uint8_t *d, uint16_t address)
 {
     bool takes;
@@ -193,7 +193,7 @@ static bool plan_frame(maker_t *m, ect_plan_sample_t *sample)
 /* --- the frames ----------------------------------------------------------------------------------------------------
  */
 
-/* The datagram at the same place of another frame, which is as long. */
+/* @return the datagram at the same place in another frame of the same length */
 static const uint8_t *in_sample(const ect_plan_sample_t *sample, const uint8_t *frame, const uint8_t *d)
 {
     return sample->frame + (d - frame);
@@ -246,7 +246,7 @@ static bool same_layout(const ect_plan_sample_t *sample, const uint8_t *frame, s
     return true;
 }
 
-/* Whether a datagram with outputs has other data than the sample, which has the same layout. */
+/* @return whether the outputs of a datagram differ from the sample's, which has the same layout */
 static bool outputs_differ(const ect_plan_sample_t *sample, const uint8_t *frame)
 {
     for (const uint8_t *d = frame + ECT_PLAN_FIRST; d; d = next_of(d)) {
@@ -258,8 +258,8 @@ static bool outputs_differ(const ect_plan_sample_t *sample, const uint8_t *frame
     return false;
 }
 
-/* The place of a key, or one for it: an unused one, else the first one that it may have. Places are never freed, so a
- * search ends at the first unused one. */
+/* @return the place of a key, or a place for it: an unused one, else the first permitted one. Places are never freed,
+ * so a search ends at the first unused place. */
 static uint32_t place_for(const ect_plan_table_t *table, uint64_t key)
 {
     const uint32_t first = ect_plan_place(key);
@@ -297,7 +297,7 @@ void ect_planner_void(ect_planner_t *planner)
         planner->table->plans[i].step_count = 0;
 }
 
-/* Copies the newest image. @return whether the ESC has the same part in the frame as before */
+/* Copies the newest image. @return whether the part of the ESC in the frame is unchanged */
 static bool renew_base(const ect_plan_base_t *base, ect_plan_t *plan)
 {
     if (ect_esc_routing(base->esc) != base->routing)
@@ -310,7 +310,7 @@ static bool renew_base(const ect_plan_base_t *base, ect_plan_t *plan)
     return from != NULL;
 }
 
-/* The clock may have another rate or another offset than before. */
+/* Reads the clock again, because its rate or offset may have changed. */
 static bool renew_time(maker_t *m, const ect_plan_sample_t *sample)
 {
     uint64_t offset_ns;
@@ -326,7 +326,7 @@ static bool renew_time(maker_t *m, const ect_plan_sample_t *sample)
     return true;
 }
 
-/* @return false: the plan has to be made again */
+/* @return false: the plan must be made again */
 static bool renew(maker_t *m, const ect_plan_sample_t *sample)
 {
     if (sample->step_count == 0 || sample->base_count > ECT_PLAN_BASES)

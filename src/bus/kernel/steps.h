@@ -9,8 +9,8 @@
  *     #define ECT_STEPS_LOAD(frame, at, to, length)      copies bytes of the frame to `to`; 0: done
  *     #define ECT_STEPS_STORE(frame, at, from, length)   copies bytes to the frame; 0: done
  *
- * Without them this header has the types only. Freestanding; every loop and every access has a constant bound, which
- * the kernel's verifier checks.
+ * Without these definitions this header has the types only. Freestanding; every loop and every access has a constant
+ * bound, which the kernel's verifier checks.
  */
 #ifndef ECT_BUS_KERNEL_STEPS_H
 #define ECT_BUS_KERNEL_STEPS_H
@@ -20,15 +20,18 @@
 
 #include "wire/bytes.h"
 
-/** Plans of a chain, steps of a plan, bytes of a frame with one, bytes of its input images with room behind them. */
+/**
+ * Limits: plans of a chain, steps of a plan, bytes of a frame with a plan, bytes of its input images and of the room
+ * after them.
+ */
 enum { ECT_PLANS = 128, ECT_PLAN_STEPS = 64, ECT_PLAN_FRAME = 1514, ECT_PLAN_IMAGE = 4096 };
 
-/** Places in a row, from ::ect_plan_place on, where a plan may be. */
+/** A plan is in one of this many successive places, from ::ect_plan_place on. */
 enum { ECT_PLAN_PROBES = 16 };
 
 /** The kinds of steps. `at` is an offset in the frame. */
 typedef enum ect_plan_kind {
-    ECT_PLAN_DO_HEADER, /**< the 8 bytes at `at` must be `wide`, but for the second one: command, addresses, length */
+    ECT_PLAN_DO_HEADER, /**< the 8 bytes at `at` must be `wide`, except the second: command, addresses, length */
     ECT_PLAN_DO_OR,     /**< ORs `value` to `length` bytes, 1 or 2 */
     ECT_PLAN_DO_ADD,    /**< adds `value` to 2 bytes */
     ECT_PLAN_DO_COPY,   /**< copies `length` bytes of the image from `value` on */
@@ -46,15 +49,18 @@ typedef struct ect_plan_step {
 /** The plan of one layout. */
 typedef struct ect_plan {
     uint64_t key;         /**< ::ect_plan_key of its frames; 0: this place was never used */
-    uint32_t step_count;  /**< 0: no plan. The headers come first */
-    uint32_t shortest;    /**< bytes of a frame up to its last working counter */
+    uint32_t step_count;  /**< steps in use, those of the headers first; 0: no plan */
+    uint32_t shortest;    /**< bytes of a frame up to and including its last working counter */
     uint32_t source_bits; /**< ORed to the first byte of the source address */
     uint8_t type[4];      /**< EtherType and EtherCAT header */
     ect_plan_step_t steps[ECT_PLAN_STEPS];
     uint8_t image[ECT_PLAN_IMAGE];
 } ect_plan_t;
 
-/** Plans by place: the first one in a row from ::ect_plan_place on that has the key, before one without a key. */
+/**
+ * Plans by place. A search begins at ::ect_plan_place and ends at the first plan with the key, or at a place without a
+ * key.
+ */
 typedef struct ect_plan_table {
     ect_plan_t plans[ECT_PLANS];
 } ect_plan_table_t;
@@ -80,13 +86,13 @@ static inline uint32_t ect_plan_place(uint64_t key)
 #if defined(ECT_STEPS_FRAME) && !defined(ECT_STEPS_INTERPRETER)
 #define ECT_STEPS_INTERPRETER
 
-/* A header without the index, which a master may choose for each frame. */
+/* A datagram header without the index, which may differ in each frame. */
 static inline uint64_t ect_step_header(const uint8_t *bytes)
 {
     return ect_load_le64(bytes) & ~0xFF00ull;
 }
 
-/* Whether a frame of `length` bytes has the layout of a plan. Changes nothing. */
+/* @return whether a frame of `length` bytes has the layout of a plan. */
 static inline bool ect_steps_match(const ect_plan_t *plan, ECT_STEPS_FRAME frame, uint32_t length, const uint8_t *head)
 {
     uint8_t header[8];
@@ -162,7 +168,7 @@ static inline bool ect_step_run(const ect_plan_t *plan, const ect_plan_step_t *s
     }
 }
 
-/* Turns a frame that matches into its reply. @return false: a step was out of bounds; the frame is of no use */
+/* Turns a frame that matches into its reply. @return false: a step was out of bounds; the frame is damaged */
 static inline bool ect_steps_run(const ect_plan_t *plan, ECT_STEPS_FRAME frame, const uint8_t *head, uint64_t now_ns)
 {
     uint8_t source = (uint8_t)(head[ECT_PLAN_SOURCE] | plan->source_bits);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The turn: one atomic word. It states whether the kernel or the program may use the plans of a chain, and how many
+ * The turn: one atomic word that states whether the kernel or the program may use the plans of a chain, and how many
  * frames the kernel has left to the program.
  *
  * The program owns the chain whenever its loop runs, and gives the turn away before it sleeps. The kernel takes the
- * turn for one frame at a time. A frame that finds the turn taken, or has no plan, goes to the program, and so do all
- * frames behind it, until the program has got each of them: frames never overtake. Neither side waits for the other,
- * except the program for the kernel's present frame (about a microsecond, in which the kernel is not preempted).
+ * turn for one frame at a time. A frame that arrives while the turn is taken, or has no plan, goes to the program, and
+ * so do all later frames until the program has received each of them: frames never overtake. Neither side waits for the
+ * other, except the program for the kernel's present frame (about a microsecond, in which the kernel is not preempted).
  *
  * Either side may be stopped at any instruction: plans, images and held frames have one user at a time, so none is torn
  * or lost; frames that arrive meanwhile wait for the program.
@@ -23,7 +23,10 @@
 /** The turn, in the lowest bits of the word. Above are the frames left to the program, modulo 2^62. */
 enum { ECT_TURN_FREE = 0, ECT_TURN_KERNEL = 1, ECT_TURN_PROGRAM = 2, ECT_TURN_MASK = 3, ECT_TURN_FRAME = 4 };
 
-/** The word, and the frames that the program had got when it gave the turn away: the turn counts as free only then. */
+/**
+ * The word, and the number of frames received by the program when it gave the turn away. The turn is free only while
+ * this number equals the frames left to the program.
+ */
 typedef struct ect_turn {
     uint64_t word;
     uint64_t got;
@@ -34,13 +37,16 @@ static inline uint64_t ect_turn_load(const uint64_t *from)
     return *(const volatile uint64_t *)from;
 }
 
-/* Whether the turn is free, and no frame is on its way to the program. */
+/* @return whether the turn is free, and no frame is on its way to the program. */
 static inline bool ect_turn_is_free(const ect_turn_t *turn, uint64_t word)
 {
     return (word & ECT_TURN_MASK) == ECT_TURN_FREE && word >> 2 == ect_turn_load(&turn->got);
 }
 
-/** The kernel, for a frame. @return whether it has got the turn; else the frame counts as left to the program */
+/**
+ * Called by the kernel for a frame. @return whether the kernel has the turn; else the frame counts as left to the
+ * program
+ */
 static inline bool ect_turn_begin(ect_turn_t *turn)
 {
     uint64_t old = ect_turn_load(&turn->word);
@@ -50,14 +56,14 @@ static inline bool ect_turn_begin(ect_turn_t *turn)
     return false;
 }
 
-/** The kernel, after a frame. @param left  the frame is left to the program, which has the turn then */
+/** Called by the kernel after a frame. @param left  the frame is left to the program, which then has the turn */
 static inline void ect_turn_end(ect_turn_t *turn, bool left)
 {
     uint64_t given = left ? ECT_TURN_FRAME + ECT_TURN_PROGRAM - ECT_TURN_KERNEL : (uint64_t)-ECT_TURN_KERNEL;
     (void)__sync_fetch_and_add(&turn->word, given);
 }
 
-/** The program. It has the turn afterwards. */
+/** Called by the program, which has the turn afterwards. */
 static inline void ect_turn_take(ect_turn_t *turn)
 {
     for (;;) {
@@ -71,7 +77,10 @@ static inline void ect_turn_take(ect_turn_t *turn)
     __sync_synchronize();
 }
 
-/** The program, with the turn. @param got  frames that it has got so far. @return false: more are on their way */
+/**
+ * Called by the program, with the turn. @param got frames received by the program so far. @return false: further frames
+ * are on their way
+ */
 static inline bool ect_turn_give(ect_turn_t *turn, uint64_t got)
 {
     uint64_t mine = got << 2 | ECT_TURN_PROGRAM;
@@ -80,7 +89,7 @@ static inline bool ect_turn_give(ect_turn_t *turn, uint64_t got)
     return __sync_val_compare_and_swap(&turn->word, mine, mine - ECT_TURN_PROGRAM) == mine;
 }
 
-/** Frames left to the program so far. */
+/** @return the frames left to the program so far. */
 static inline uint64_t ect_turn_left(const ect_turn_t *turn)
 {
     return ect_turn_load(&turn->word) >> 2;
