@@ -45,7 +45,7 @@ __thread bool ect_in_dlsym __attribute__((tls_model("initial-exec")));
 
 static void *find(const char *name)
 {
-    bool nested = ect_in_dlsym; /* a call from a resolver function (ifunc) that dlsym() runs */
+    bool nested = ect_in_dlsym; /* called by a resolver function (ifunc) within dlsym() */
     ect_inside++;
     ect_in_dlsym = true;
     void *found = dlsym(RTLD_NEXT, name);
@@ -180,7 +180,7 @@ static bool start(uint64_t now_ns)
     const char *words = getenv("ECTWIN_INPROCESS");
     char *copy = words ? strdup(words) : NULL;
     if (copy)
-        leave_mark(ECT_BUS_MARK_OPENED); /* if the bus does not start, a line of its own reports this */
+        leave_mark(ECT_BUS_MARK_OPENED); /* a failed start of the bus reports itself */
     if (copy && (state.library.open || load(&state.library)))
         state.bus = open_bus(copy, now_ns);
     free(copy);

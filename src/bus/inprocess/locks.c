@@ -119,8 +119,8 @@ REPLACES int pthread_timedjoin_np(pthread_t thread, void **result, const struct 
 /* --- mutexes -------------------------------------------------------------------------------------------------------
  */
 
-/* Repeats a try made before the thread got the turn, because an unlock since then has found no waiting thread. The
- * timed lock returns EDEADLK if this thread holds the mutex, which the try variant cannot report. */
+/* Repeats the try of a thread that has just got the turn, because an unlock before the turn has found no waiting
+ * thread. The timed lock returns EDEADLK if this thread holds the mutex, which the try variant cannot report. */
 static int lock_with_turn(pthread_mutex_t *mutex)
 {
     static const struct timespec over = {.tv_sec = -1};

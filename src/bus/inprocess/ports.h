@@ -26,7 +26,7 @@ bool ect_port_has_frame(const ect_port_t *port);
 /** Updates the readability of the descriptors of all sockets. With the lock. */
 void ect_ports_show(void);
 
-/** Creates a socket. @param type as of socket(2) @param protocol network order @return the descriptor; -1 (errno) */
+/** Creates a socket. @param type as in socket(2) @param protocol in network order @return the descriptor; -1 (errno) */
 int ect_port_open(int type, int protocol);
 /** Adds the descriptor `copy` to the socket of `fd`; no effect if `fd` is not a socket of the bus. */
 void ect_port_copied(int fd, int copy);

@@ -194,7 +194,7 @@ static bool has_bad_path(const ect_raw_call_t *call)
     return ect_raw_pass(&look) == -EFAULT;
 }
 
-/* So do the calls with a mask of signals, a time or sets of descriptors, which copy it. */
+/* Checks the address of a signal mask, a time or a descriptor set, because the replaced functions copy the object. */
 static bool has_bad_argument(const ect_raw_call_t *call)
 {
     enum { MASK = 8, TIME = 16, TIMES = 32, WORD = sizeof(long) };

@@ -117,7 +117,7 @@ static struct sigaction action_of(const kernel_action_t *from)
     return to;
 }
 
-/* The kernel refuses a bad address of `before`, and its own action does not stay there. */
+/* The kernel refuses a bad address of `before`; a good one finally gets the program's own action. */
 static long set_own_action(const ect_raw_call_t *call)
 {
     const kernel_action_t *action = (const kernel_action_t *)call->a[1];

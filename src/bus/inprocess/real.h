@@ -8,7 +8,7 @@
 
 #include <stdbool.h>
 
-/** The definition of a function after this library's one, found once at each place of use. */
+/** The next definition of a function after this library's, found once at each place of use. */
 #define REAL(name)                                                                                                     \
     (__extension__({                                                                                                   \
         static void *found;                                                                                            \

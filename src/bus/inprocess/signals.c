@@ -59,7 +59,7 @@ static bool handles_ends_of_children(void)
     return action.sa_handler != SIG_DFL && action.sa_handler != SIG_IGN && sigismember(&mask, SIGCHLD) == 0;
 }
 
-/* A condition of its own, because the handler of SIGCHLD may run while the thread does not sleep. */
+/* The condition is separate, because the handler of SIGCHLD may run while the thread does not sleep. */
 static bool child_has_ended(void *arg)
 {
     const bool *before = arg;

@@ -59,12 +59,12 @@ static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 static uint64_t now_ns = ECT_VIRTUAL_START_NS;
 static uint64_t bus_next_ns = NEVER;
 static uint64_t orders;
-static unsigned int calls; /* since serve_in_turn() served a client */
+static unsigned int calls; /* since the last client served by serve_in_turn() */
 static uint64_t turns;     /* counts calls and turns, to detect a thread that makes none */
-static bool reported;      /* that the run is not reproducible */
+static bool reported;      /* whether the line about a run that is not reproducible has been printed */
 static bool watched;       /* watch_turn() runs in this process */
-static bool watch_begins;  /* LeakSanitizer, with our lock, waits until the thread of watch_turn() has read the clock */
-static uint64_t stopped_ns; /* of real time, since a process was last waited for with success */
+static bool watch_begins;  /* LeakSanitizer waits, with the lock, until the thread of watch_turn() has read the clock */
+static uint64_t stopped_ns; /* of real time, since the last successful wait for a process */
 static thread_t *threads;
 static thread_t *running;
 static ect_timer_t *timers;
@@ -114,7 +114,7 @@ static void run_timers(void)
     }
 }
 
-/* Lets time pass up to `to_ns` in the steps that bus and timers ask for. */
+/* Advances the time to `to_ns`, in steps that end at the deadlines of bus and timers. */
 static void advance(uint64_t to_ns)
 {
     while (now_ns < to_ns || bus_next_ns <= now_ns) {
@@ -255,7 +255,7 @@ static uint64_t length_since(uint64_t since_ns)
     return length_ns < MOST_NS ? length_ns : MOST_NS;
 }
 
-/* Lets a moment of real time pass, without the lock. @return its length, nanoseconds */
+/* Sleeps for a moment of real time, without the lock. @return its length, nanoseconds */
 static uint64_t nap(unsigned int nap_ms)
 {
     uint64_t since_ns = real_now();
@@ -420,8 +420,8 @@ static bool running_is_stuck(void)
     return running && running->state == RUNNING && ect_task_sleeps(running->id);
 }
 
-/* Time is stopped while a thread that has the turn waits in the kernel, for a child process for instance. The child may
- * be a client of the control socket, which is served meanwhile. */
+/* Time is stopped while the thread with the turn waits in the kernel, for a child process for example. The child may be
+ * a client of the control socket, so clients are served meanwhile. */
 static void *watch_turn(void *unused)
 {
     const struct timespec pause = {.tv_nsec = IDLE_MS * 1000000};
@@ -450,8 +450,8 @@ static void *watch_turn(void *unused)
     return NULL;
 }
 
-/* With the lock. A preloaded library with a list of threads does not have this one in it, so the thread is created
- * detached. */
+/* Called with the lock. The thread is created detached, because it is missing from the list of threads that a preloaded
+ * library may keep. */
 static void watch(void)
 {
     pthread_t thread;
@@ -558,7 +558,7 @@ static void enter(void)
 /* Takes the turn back if another thread has got it. With the lock. */
 static void resume_turn(void)
 {
-    if (self->state == WAITING) /* in a handler of a signal, which has ended the wait */
+    if (self->state == WAITING) /* in the handler of a signal that has ended the wait */
         interrupt(self);
     if (self->idle)
         self->state = RUNNING;
@@ -582,7 +582,7 @@ static void begin_call(void)
     lock();
     resume_turn();
     turns++;
-    self->turn = 0; /* passed before the first call, if the thread waits for its turn there */
+    self->turn = 0; /* the turn may have been passed to this thread before its first call */
 }
 
 void *ect_virtual_thread_new(int *ended)
