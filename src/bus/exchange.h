@@ -6,14 +6,14 @@
  *
  *     ect_exchange_start(&x);
  *     for (;;) {
- *         uint64_t next_ns = ect_exchange_run(&x, now_ns);
+ *         uint64_t next_ns = ect_exchange_run(&x);
  *         ... wait for a frame, at most until next_ns ...
  *         ect_exchange_frame(&x, ECT_END_IN, frame, length, &time);
  *     }
  *     ect_exchange_end(&x);
  *
- * Context: one thread at a time. No call blocks, but ::ect_exchange_run for plants that stop a virtual clock
- * (::ect_control_let_wait). Times are those of `clock` and never go back.
+ * Context: one thread at a time. No call blocks, except ::ect_exchange_run for plants that stop a virtual clock
+ * (::ect_control_let_wait). Times are those of `clock` and never decrease.
  */
 #ifndef ECT_BUS_EXCHANGE_H
 #define ECT_BUS_EXCHANGE_H
@@ -34,14 +34,16 @@
 
 ECT_C_BEGIN
 
-/** Bytes of the longest frame that faults concern: longer than any that a controller processes, tags included. */
+/**
+ * Bytes of the longest frame that faults apply to: longer than any frame that a controller processes, tags included.
+ */
 enum { ECT_EXCHANGE_FRAME = ECT_ESC_MAX_FRAME + 48 };
 
-/** Sees each frame between the wire and the chain and may change its bytes, never its length. */
+/** Receives each frame between the wire and the chain, and may change its bytes, not its length. */
 typedef struct ect_filter {
-    /** Before the chain sees a frame. Not NULL. */
+    /** Called before a frame enters the chain. Not NULL. */
     void (*before)(void *ctx, ect_chain_t *chain, uint8_t *frame, size_t length);
-    /** Before the reply to that frame leaves; not called when there is none. Not NULL. */
+    /** Called before the reply leaves; not called without a reply. Not NULL. */
     void (*after)(void *ctx, ect_chain_t *chain, uint8_t *frame, size_t length);
     void *ctx;
 } ect_filter_t;
@@ -49,32 +51,32 @@ typedef struct ect_filter {
 /** The caller sets the members down to `ctx` and zeroes the others; every pointer outlives the exchange. */
 typedef struct ect_exchange {
     ect_chain_t *chain;
-    ect_control_t *control;     /**< notes changes for its clients after each run of the devices; NULL: none */
-    ect_scenario_t *scenario;   /**< faults that are set, and to come; NULL: none */
+    ect_control_t *control;     /**< records changes for its clients after each run of the devices; NULL: none */
+    ect_scenario_t *scenario;   /**< present and future faults; NULL: none */
     const ect_filter_t *filter; /**< NULL: none */
-    ect_trace_t *trace;         /**< writes the run down; NULL: none */
+    ect_trace_t *trace;         /**< records the run; NULL: none */
     /** Sends a frame out of the chain at an end. Not NULL. Must not call the exchange. */
     void (*send)(void *ctx, ect_end_t end, const uint8_t *frame, size_t length);
-    /** The present time, nanoseconds; never goes back. Not NULL. */
+    /** Returns the present time, nanoseconds; never decreases. Not NULL. */
     uint64_t (*clock)(void *ctx);
     void *ctx;         /**< argument of both */
     ect_stats_t stats; /**< may be read at any time */
     uint64_t run_ns;   /**< time of the last ::ect_exchange_run */
     /* Private. */
     ect_late_t late[ECT_ENDS];
-    ect_late_t behind[ECT_ENDS]; /* replies that leave behind the next one */
-    uint64_t deadline_ns;        /* next run that the devices want */
-    uint64_t polled_ns;          /* latest time that the chain has seen */
-    uint64_t touched_ns;         /* last frame or client since the devices have run; ECT_NEVER: none */
-    uint64_t answered_ns;        /* a reply has left at this time, just now; 0: the clock has to be read */
+    ect_late_t behind[ECT_ENDS]; /* replies that leave after the next one */
+    uint64_t deadline_ns;        /* next deadline of the devices */
+    uint64_t polled_ns;          /* latest time passed to the chain */
+    uint64_t touched_ns;         /* last frame or client since the last run of the devices; ECT_NEVER: none */
+    uint64_t answered_ns;        /* time of a reply that has just left; 0: the clock must be read */
     ect_datagrams_t datagrams;   /* of the replies, for clients of the control socket */
-    bool linked[ECT_ENDS];       /* what ect_exchange_link has set */
+    bool linked[ECT_ENDS];       /* as set by ect_exchange_link */
 } ect_exchange_t;
 
-/** Shows counters, faults and the trace to the control socket, which the exchange has got after its start. */
+/** Passes counters, faults and the trace to a control socket that the exchange has received after its start. */
 void ect_exchange_show(ect_exchange_t *x);
 
-/** Begins: counters keep their values, but for the time of the start. */
+/** Starts the exchange: counters keep their values, except the time of the start. */
 void ect_exchange_start(ect_exchange_t *x);
 
 /**
@@ -83,49 +85,53 @@ void ect_exchange_start(ect_exchange_t *x);
  * @param in      end where the frame enters; the link there is set (::ect_chain_set_link)
  * @param frame   changed in place
  * @param length  at most ECT_EXCHANGE_FRAME
- * @param time    arrival, not before the last time that the exchange has seen
+ * @param time    arrival, not before the time of the previous call
  */
 void ect_exchange_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t length, const ect_packet_time_t *time);
 
 /**
- * Whether frames pass nothing but the chain: no trace, filter, fault or late reply. Then a program that knows the
- * chain's replies in advance may give them (bus/kernel).
+ * @return whether frames pass only the chain: no trace, filter, fault or late reply. A program that has the chain's
+ * replies in advance may then send them (bus/kernel).
  */
 bool ect_exchange_is_plain(const ect_exchange_t *x);
 
 /**
- * Passes a frame through the chain whose reply has left already, in the kernel. The devices run before it at each time
- * that they asked for, so they see the outputs of each frame; their inputs leave with the next ::ect_exchange_run
- * (::ect_chain_catch_up). Its time may lie before that of a frame that came later, since then no call was made, but
- * never before a call.
+ * Passes a frame through the chain whose reply has already been sent by the kernel. The devices run before at each of
+ * their deadlines, so they receive the outputs of each frame; their inputs leave with the next ::ect_exchange_run
+ * (::ect_chain_catch_up). A time before the last one that the chain has received counts as that one.
  * @param took_ns  time that the reply took, for `stats`
  */
 void ect_exchange_replied(ect_exchange_t *x, uint8_t *frame, size_t length, uint64_t now_ns, uint32_t took_ns);
 
-/** Shows the chain a frame that is too long for EtherCAT and for ::ect_exchange_frame: controllers count it, no reply
- * leaves. `frame` has at least the first ECT_EXCHANGE_FRAME of its `length` bytes. */
+/**
+ * Passes a frame that is too long for EtherCAT and for ::ect_exchange_frame: controllers count the frame; there is no
+ * reply. `frame` has at least the first ECT_EXCHANGE_FRAME of its `length` bytes.
+ */
 void ect_exchange_long_frame(ect_exchange_t *x, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns);
 
 /** Plugs a cable in at an end, or pulls it (::ect_chain_set_link). */
 void ect_exchange_link(ect_exchange_t *x, ect_end_t end, bool link);
 
-/** Notes that the caller changes the chain now, other than by a frame. @return the present time */
+/** Announces a change of the chain by the caller, other than by a frame. @return the present time */
 uint64_t ect_exchange_touch(ect_exchange_t *x);
 
 /**
- * Sends the replies that are due, runs the devices at each time that they asked for (64 at most in a row) and takes
- * due steps of the scenario.
- * @return the time of the next call without a frame; ECT_NEVER: none is necessary
+ * Sends due replies, runs the devices at each of their deadlines (at most 64 successive ones), and executes due steps
+ * of the scenario.
+ * @return the time of the next call without a frame; ECT_NEVER: not necessary
  */
 uint64_t ect_exchange_run(ect_exchange_t *x);
 
-/** Switches all twins off and on (::ect_chain_power_cycle); replies that were kept are dropped. */
+/** Switches all twins off and on (::ect_chain_power_cycle); kept replies are dropped. */
 void ect_exchange_power_cycle(ect_exchange_t *x);
 
-/** Notes a request that changes the chain (bus/control/change.h), after ::ect_exchange_touch and before the change. */
+/**
+ * Records a request that changes the chain (bus/control/change.h); due after ::ect_exchange_touch and before the
+ * change.
+ */
 void ect_exchange_request(ect_exchange_t *x, const char *request, size_t length);
 
-/** Drops the replies that were kept. */
+/** Ends the exchange and drops kept replies. */
 void ect_exchange_end(ect_exchange_t *x);
 
 ECT_C_END

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A bus of twins as a library (libectwin.so): frame in, frame out, time an argument. No network, no thread, no clock.
+ * A bus of twins as a library (libectwin.so): frame in, frame out; time is an argument. No network, no thread, no
+ * clock.
  *
  *     char why[ECTWIN_MESSAGE];
  *     ectwin_bus_t *bus = ectwin_bus_open(1, (const char *[]){"fzm1"}, now_ns, why);
@@ -10,9 +11,9 @@
  *         ... a frame that leaves the bus at that end ...
  *     next_ns = ectwin_bus_run(bus, now_ns);
  *
- * Times are nanoseconds of any clock that never goes back; a call with an earlier time than the last one uses the last
- * one. Context: one thread at a time for a bus; buses are independent. Frames begin with the destination address and
- * have no check sum. The functions here are the stable interface of the library: plain C types only.
+ * Times are nanoseconds of any clock that never decreases; a time before that of the previous call counts as the
+ * latter. Context: one thread at a time for each bus; buses are independent. Frames begin with the destination address
+ * and have no check sum. This header is the stable interface of the library: plain C types only.
  */
 #ifndef ECT_BUS_LIBRARY_H
 #define ECT_BUS_LIBRARY_H
@@ -28,13 +29,13 @@ ECT_C_BEGIN
 
 typedef struct ectwin_bus ectwin_bus_t;
 
-/** No call is necessary before the next frame. */
+/** A time: no call is necessary before the next frame. */
 #define ECTWIN_NEVER UINT64_MAX
 
-/** Longest frame that a bus takes. */
+/** Longest frame of a bus, bytes. */
 enum { ECTWIN_FRAME_MAX = 2048 };
 
-/** Room of a reason, and of a signal's value, with the final zero. */
+/** Room for a reason, and for a signal's value, with the final zero. */
 enum { ECTWIN_MESSAGE = 1280 };
 
 /** The version of the library, "MAJOR.MINOR.PATCH". */
@@ -42,20 +43,20 @@ ECTWIN_API const char *ectwin_version(void);
 
 /**
  * Builds a bus and powers it on.
- * @param words   options of the twins and the devices, as `ectwin with` takes them before `--`: {"--set", "data1=1.5",
+ * @param words   options and devices, as on the command line of `ectwin with` before `--`: {"--set", "data1=1.5",
  *                "fzm1,vr-bu-ect-map7"}; only read during the call
  * @param[out] message  on failure the reason in one line, ECTWIN_MESSAGE bytes; NULL: not wanted
- * @return the bus, to be closed with ::ectwin_bus_close; NULL: a word is wrong, a file cannot be opened or memory is
- *         short. A call with a wrong word may keep up to 1 KB of memory
+ * @return the bus, to be closed with ::ectwin_bus_close; NULL: a word is invalid, a file cannot be opened, or memory is
+ *         exhausted. A call with an invalid word may leak up to 1 KB of memory
  */
 ECTWIN_API ectwin_bus_t *ectwin_bus_open(int count, const char *const words[], uint64_t now_ns, char *message);
 
-/** Switches the twins off, saves finished first, and frees the bus. NULL: no effect */
+/** Completes saves, switches the twins off, and frees the bus. NULL: no effect */
 ECTWIN_API void ectwin_bus_close(ectwin_bus_t *bus);
 
 /**
- * Switches all twins off and on: as after ::ectwin_bus_open, but for stored values, EEPROMs, cables, faults and the
- * surroundings, which keep their state. Much cheaper than a new bus. Replies that wait are dropped.
+ * Switches all twins off and on: the state after ::ectwin_bus_open, except stored values, EEPROMs, cables, faults and
+ * the surroundings, which keep their state. The cost is far below that of a new bus. Waiting replies are dropped.
  */
 ECTWIN_API void ectwin_bus_power_cycle(ectwin_bus_t *bus, uint64_t now_ns);
 
@@ -64,28 +65,28 @@ ECTWIN_API size_t ectwin_bus_slaves(const ectwin_bus_t *bus);
 
 /**
  * Plugs a cable in at an end, or pulls it.
- * @param end  0: the input of the first twin (a cable is in after ::ectwin_bus_open), 1: the output of the last one
+ * @param end  0: the input of the first twin (plugged in after ::ectwin_bus_open), 1: the output of the last one
  */
 ECTWIN_API void ectwin_bus_link(ectwin_bus_t *bus, unsigned int end, int link, uint64_t now_ns);
 
 /**
  * Passes a frame through the bus, then runs the devices. Replies wait for ::ectwin_bus_reply.
- * @param end     0 or 1: where the frame enters
+ * @param end     end at which the frame enters, 0 or 1
  * @param length  1..ECTWIN_FRAME_MAX; a longer frame is lost
- * @return as ::ectwin_bus_run, which need not be called after it
+ * @return as ::ectwin_bus_run; no call of the latter is necessary
  */
 ECTWIN_API uint64_t ectwin_bus_frame(ectwin_bus_t *bus, unsigned int end, const void *frame, size_t length,
                                      uint64_t now_ns);
 
 /**
  * Takes the next frame that has left the bus, in order.
- * @param[out] end  0 or 1: where it left
- * @return its length, with at most `room` bytes of it in `frame`; 0: none
+ * @param[out] end  end at which the frame left, 0 or 1
+ * @return length of the frame, of which `frame` has at most the first `room` bytes; 0: none
  */
 ECTWIN_API size_t ectwin_bus_reply(ectwin_bus_t *bus, unsigned int *end, void *frame, size_t room);
 
 /**
- * Lets time pass: devices and late replies that are due.
+ * Advances the time: runs due devices and sends due replies.
  * @return the time of the next call without a frame; ECTWIN_NEVER
  */
 ECTWIN_API uint64_t ectwin_bus_run(ectwin_bus_t *bus, uint64_t now_ns);
@@ -93,7 +94,7 @@ ECTWIN_API uint64_t ectwin_bus_run(ectwin_bus_t *bus, uint64_t now_ns);
 /**
  * Reads a signal as text.
  * @param slave  1..::ectwin_bus_slaves
- * @return 0; -1: there is no such slave or signal, or `room` is too small
+ * @return 0; -1: no such slave or signal, or `room` is too small
  */
 ECTWIN_API int ectwin_bus_get(const ectwin_bus_t *bus, size_t slave, const char *name, char *text, size_t room);
 
@@ -113,16 +114,15 @@ ECTWIN_API int ectwin_bus_set(ectwin_bus_t *bus, size_t slave, const char *name,
 ECTWIN_API int ectwin_bus_fault(ectwin_bus_t *bus, const char *fault, uint64_t now_ns, char *message, size_t room);
 
 /**
- * Ends the scenario of the bus (--scenario, --faults, --fault): expectations that are not met by now have failed.
- * @param[out] text  a line for each expectation, then one for all, at most `room` bytes; empty: there are none
+ * Ends the scenario of the bus (--scenario, --faults, --fault): expectations that are not yet met have failed.
+ * @param[out] text  a line for each expectation, then one for all, at most `room` bytes; empty: no expectations
  * @return the number of expectations that have failed
  */
 ECTWIN_API int ectwin_bus_verdict(ectwin_bus_t *bus, char *text, size_t room);
 
 /**
  * Opens the control socket of the bus (docs/CONTROL.md), once.
- * @return a descriptor that is readable when ::ectwin_bus_serve has something to do; -1, with the reason on standard
- *         error
+ * @return a descriptor that is readable when ::ectwin_bus_serve has work; -1, with the reason on standard error
  */
 ECTWIN_API int ectwin_bus_control(ectwin_bus_t *bus);
 
@@ -131,7 +131,7 @@ ECTWIN_API const char *ectwin_bus_control_path(const ectwin_bus_t *bus);
 
 /**
  * Does one bounded piece of work for the clients of the control socket.
- * @return whether there is more to do at once
+ * @return whether more work is pending
  */
 ECTWIN_API int ectwin_bus_serve(ectwin_bus_t *bus, uint64_t now_ns);
 

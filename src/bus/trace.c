@@ -8,7 +8,7 @@
 
 #include "text/state.h"
 
-/* The AL state and the code that a twin had, off the bus 0. */
+/* The last recorded AL state and AL status code of a twin; 0: off the bus. */
 typedef struct seen {
     uint8_t state;
     uint16_t code;
@@ -18,7 +18,7 @@ enum { FILES = 2, CAPTURE = 0, RECORD = 1 };
 
 struct ect_trace {
     ect_capture_t *files[FILES]; /* NULL: none */
-    bool record_ends;            /* something did not fit */
+    bool record_ends;            /* a line did not fit */
     size_t count;
     seen_t seen[];
 };

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A line without its end. @return false at the end of the file, or with csv->why set */
+/* Reads a line without its end. @return false: the end of the file, or csv->why is set */
 static bool read_line(ect_csv_t *csv, char text[ECT_CSV_LINE])
 {
     size_t length = 0;
@@ -17,7 +17,7 @@ static bool read_line(ect_csv_t *csv, char text[ECT_CSV_LINE])
     }
     for (; c != EOF && c != '\n'; c = getc(csv->file)) {
         if (c == 0 || length == ECT_CSV_LINE - 1) {
-            csv->why = c == 0 ? "it has a zero byte in it: this is no text file" : "it is longer than 16383 characters";
+            csv->why = c == 0 ? "it contains a zero byte: this is no text file" : "it is longer than 16383 characters";
             return false;
         }
         text[length++] = (char)c;
@@ -38,7 +38,7 @@ static char *trim(char *from, char *end)
     return from;
 }
 
-/* A cell in quotes, written over itself without them. Moves `at` to the next cell, NULL: there is none. */
+/* Removes the quotes of a cell in place. Moves `at` to the next cell; NULL: none. */
 static bool split_quoted(ect_csv_t *csv, char **at, char **cell)
 {
     char *from = *at + 1;
@@ -118,7 +118,7 @@ bool ect_csv_next(ect_csv_t *csv)
     if (!split(csv, csv->text, csv->cells, &csv->count))
         return false;
     if (csv->count != csv->columns)
-        csv->why = "it has not as many cells as the first line has names";
+        csv->why = "its number of cells differs from the number of names in the first line";
     return csv->count == csv->columns;
 }
 
@@ -136,7 +136,7 @@ bool ect_csv_time(ect_csv_t *csv, size_t column, uint64_t before_ns, uint64_t *n
     char *end;
     double seconds = strtod(text, &end);
     if (end == text || *end != 0 || !(seconds >= 0 && seconds < 1e9)) {
-        csv->why = "its time is no number of seconds, 0 or more";
+        csv->why = "its time is not a number of seconds, 0 or more";
         return false;
     }
     *ns = (uint64_t)(seconds * 1e9 + 0.5);

@@ -37,10 +37,10 @@ ECT_C_BEGIN
 /** Opens a file ("-": standard input) and reads its first line. @return false: csv->why has the reason */
 bool ect_csv_open(ect_csv_t *csv, const char *path);
 
-/** Begins with an open file, which ::ect_csv_close closes. @return as of ::ect_csv_open */
+/** Begins with an open file, which ::ect_csv_close closes. @return as ::ect_csv_open */
 bool ect_csv_begin(ect_csv_t *csv, FILE *file);
 
-/** Reads the next line with cells. @return false at the end, or with csv->why set */
+/** Reads the next line with cells. @return false: the end of the file, or csv->why is set */
 bool ect_csv_next(ect_csv_t *csv);
 
 /** @return the column with this name; csv->columns: none */

@@ -13,8 +13,8 @@
 ECT_C_BEGIN
 
 /**
- * The number that an option takes. Any other text ends the program with one line (argp_error).
- * @param option  as the line names it: "--seed"
+ * Reads the number of an option. Any other text ends the program with one line (argp_error).
+ * @param option  its name in the line: "--seed"
  * @param minimum, maximum  inclusive
  */
 static inline uint64_t ect_argument_number(const struct argp_state *state, const char *option, const char *text,

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Mistake: the first mistake of a file that a user wrote, as one line `FILE:LINE: ERROR`. Readers continue after it,
- * so that they need no error path of their own, and check ::ect_mistake_t::failed at the end.
+ * Mistake: the first mistake in a file written by a user, as one line `FILE:LINE: ERROR`. Readers continue after the
+ * mistake, so that they need no error path, and check ::ect_mistake_t::failed at the end.
  *
  * Context: any. Cost: the characters of the line.
  */
@@ -16,10 +16,10 @@
 
 #include "wire/linkage.h"
 
-/** The mistakes of one file. Set `path`, `text` and `room`; the rest is zero. */
+/** The mistakes in one file. Set `path`, `text` and `room`, and zero the other members. */
 typedef struct ect_mistake {
     const char *path; /**< as the user named the file */
-    char *text;       /**< the line, zero-terminated, cut at `room` */
+    char *text;       /**< the line, zero-terminated, truncated at `room` */
     size_t room;      /**< bytes at `text`, at least 1 */
     bool failed;
 } ect_mistake_t;
@@ -35,12 +35,12 @@ static inline void ect_mistake_of(ect_mistake_t *mistake, size_t line, const cha
     mistake->failed = true;
     (void)vsnprintf(why, sizeof why, format, values);
     for (char *letter = why; *letter != '\0'; letter++)
-        *letter = (unsigned char)*letter < ' ' || *letter == 0x7F ? '?' : *letter; /* of a text of the file */
+        *letter = (unsigned char)*letter < ' ' || *letter == 0x7F ? '?' : *letter; /* in quotes from the file */
     (void)snprintf(mistake->text, mistake->room, "%s:%zu: %s", mistake->path, line, why);
 }
 
 /**
- * Reports a mistake; one that follows another is ignored.
+ * Reports a mistake, unless one has been reported before.
  * @param line    from 1
  * @param format  as of printf; control characters of the result become `?`
  */

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Numbers that users type: on a command line, in a fault, in an address.
+ * Numbers typed by users: on a command line, in a fault, in an address.
  *
- * A number is decimal digits, or 0x and hexadecimal digits; 010 is ten. There is no sign, no blank and no locale.
- * Context: any. Cost: its digits.
+ * A number consists of decimal digits, or of 0x and hexadecimal digits; 010 is ten. A sign or a blank is invalid; the
+ * locale has no effect. Context: any. Cost: linear in the digits.
  */
 #ifndef ECT_TEXT_NUMBER_H
 #define ECT_TEXT_NUMBER_H
@@ -18,7 +18,7 @@
 
 ECT_C_BEGIN
 
-/** Value of a digit; 255: not one. */
+/** @return the value of a digit; 255: not a digit */
 static inline unsigned int ect_number_digit(char c)
 {
     if (c >= '0' && c <= '9')
@@ -29,10 +29,10 @@ static inline unsigned int ect_number_digit(char c)
 }
 
 /**
- * Reads the number that a text begins with.
+ * Reads the number at the beginning of a text.
  * @param minimum, maximum  inclusive
  * @param[out] value  set on success
- * @return the text after its last digit; NULL: no number, or one outside the range
+ * @return the text after the last digit; NULL: no number, or a number outside the range
  */
 static inline const char *ect_number_begins(const char *text, uint64_t minimum, uint64_t maximum, uint64_t *value)
 {
@@ -54,10 +54,10 @@ static inline const char *ect_number_begins(const char *text, uint64_t minimum, 
 }
 
 /**
- * Reads a text that is a number and nothing else.
+ * Reads a text that consists of a number.
  * @param minimum, maximum  inclusive
  * @param[out] value  set on success
- * @return whether it is one, in the range
+ * @return whether the text is a number in the range
  */
 static inline bool ect_number(const char *text, uint64_t minimum, uint64_t maximum, uint64_t *value)
 {
@@ -70,9 +70,9 @@ static inline bool ect_number(const char *text, uint64_t minimum, uint64_t maxim
 }
 
 /**
- * Reads a duration: 1 to 1000000, and us, ms or s.
+ * Reads a duration: a number, 1 to 1000000, with a unit: us, ms or s.
  * @param[out] ns  set on success
- * @return whether it is one
+ * @return whether the text is a duration
  */
 static inline bool ect_number_time(const char *text, uint64_t *ns)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Characters of UTF-8 in texts of users and devices, which may hold any bytes.
+ * Characters of UTF-8 in texts of users and devices, which may contain any bytes.
  *
  * Context: any.
  */
@@ -16,8 +16,8 @@
 ECT_C_BEGIN
 
 /**
- * The length of the well-formed sequence of two bytes or more (Unicode, table 3-7) that a text begins with.
- * @param text  terminated: a sequence that the end cuts off is not well-formed
+ * Measures the well-formed sequence of two bytes or more (Unicode, table 3-7) at the beginning of a text.
+ * @param text  terminated: a sequence cut by the end is not well-formed
  * @return 2, 3 or 4; 0: none
  */
 static inline size_t ect_utf8_begins(const char *text)
@@ -42,7 +42,9 @@ static inline size_t ect_utf8_begins(const char *text)
     return 0;
 }
 
-/** Whether a well-formed sequence is U+0080 to U+009F, which control a terminal as the characters below the space do.
+/**
+ * @return whether a well-formed sequence is U+0080 to U+009F: control characters of a terminal, like those below the
+ * space.
  */
 static inline bool ect_utf8_controls(const char *sequence)
 {

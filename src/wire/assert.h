@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Assertions for conditions that only a mistake in our own code or in its caller can break. Data from the bus or from a
+ * Assertions for conditions that only a mistake in this code or in its caller can violate. Data from the bus or from a
  * medium are never asserted: they get a reply, or are counted.
  *
  * - `-DECT_ASSERT_HOOK=name`: a failed assertion calls `void name(const char *file, unsigned int line,

@@ -24,8 +24,10 @@ static inline uint8_t ect_crc_sii(const uint8_t *sii)
     return (uint8_t)crc;
 }
 
-/** CRC-32 (IEEE 802.3) of data in successive pieces: the first call takes 0xFFFFFFFF, each other one the result before
- * it; the published value is the complement of the last result. */
+/**
+ * CRC-32 (IEEE 802.3) of data in successive pieces: the first call takes 0xFFFFFFFF, each other call takes the previous
+ * result; the published value is the complement of the last result.
+ */
 static inline uint32_t ect_crc32(uint32_t crc, const uint8_t *data, uint32_t length)
 {
     for (uint32_t i = 0; i < length; i++) {

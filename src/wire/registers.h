@@ -34,7 +34,7 @@ enum {
     ECT_REG_LED_ERR = 0x0139,
     ECT_REG_PDI_CONTROL = 0x0140,
     ECT_REG_PDI_INFORMATION =
-        0x0142, /**< this and the next one: loaded from SII words 5 and 6, on chips that have them */
+        0x0142, /**< this and the next one: loaded from SII words 5 and 6, on chips with these registers */
     ECT_REG_PDI_INFORMATION_2 = 0x0144,
     ECT_REG_PDI_STATE = 0x014E,
     ECT_REG_PDI_CONFIG = 0x0150,
@@ -93,7 +93,7 @@ enum {
     ECT_REG_DC_SM_TIME_ECAT = 0x09F0,
     ECT_REG_DC_SM_TIME_PDI_START = 0x09F8,
     ECT_REG_DC_SM_TIME_PDI_CHANGE = 0x09FC,
-    ECT_REG_DC_END = 0x0A00, /**< first address behind the DC registers */
+    ECT_REG_DC_END = 0x0A00, /**< first address after the DC registers */
     ECT_REG_DIGITAL_OUTPUT = 0x0F00,
     ECT_REG_GENERAL_OUTPUT = 0x0F10,
     ECT_REG_USER_RAM = 0x0F80,

@@ -13,7 +13,7 @@
 
 char *ect_yaml_load(const char *path, size_t most, size_t *length, char *text, size_t room)
 {
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe must not hold the command up */
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* an open() of a pipe must not block */
     struct stat status;
     char *data = NULL;
     ssize_t got = -1;
@@ -60,7 +60,7 @@ static void fail_parser(ect_mistake_t *mistake, const yaml_parser_t *parser)
 
 /* --- the document ------------------------------------------------------------------------------------------------- */
 
-/* Events by which a small file could become a large one. */
+/* Events by which a small file could expand to a large document. */
 static const char *refused(const yaml_event_t *event)
 {
     switch (event->type) {
@@ -77,7 +77,7 @@ static const char *refused(const yaml_event_t *event)
     }
 }
 
-/* Looks through the events of the whole file. */
+/* Checks the events of the entire file. */
 static void check_events(ect_yaml_t *yaml, const void *data, size_t length)
 {
     yaml_parser_t parser;

@@ -92,7 +92,7 @@ refused_arguments() {
   in_network 'start --modbus 1502 vr-bu-ect-map7
     for at in 1502 192.0.2.1:1502; do timeout 300 "$ectwin" run --modbus $at vr-bu-ect-map7 2>&1; echo $?; done; stop' >"$work/out"
   check "run: the port is taken, the address is somebody else's" "\
-ectwin run: --modbus: cannot listen at '1502': the port is taken: choose another one, or 0 for any that is free
+ectwin run: --modbus: cannot listen at '1502': the port is in use: choose another port, or 0 for any free port
 2
 ectwin run: --modbus: cannot listen at '192.0.2.1:1502': this machine does not have the address; 'ip -br address' lists its addresses
 2

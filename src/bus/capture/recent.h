@@ -33,21 +33,21 @@ typedef struct ect_recent {
 } ect_recent_t;
 
 /**
- * Begins a capture; the last one is dropped.
+ * Begins a capture; the previous one is dropped.
  * @param names      of the interfaces at both ends; NULL: none
  * @param offset_ns  added to each time: nanoseconds since 1970 at time 0
  * @return false: no memory; nothing has changed
  */
 bool ect_recent_start(ect_recent_t *recent, const char *const names[2], uint64_t offset_ns);
 
-/** Ends the capture, which is kept. */
+/** Ends the capture; its frames are kept. */
 void ect_recent_stop(ect_recent_t *recent);
 
-/** Adds a frame. Without room the oldest ones are dropped. @param end  0 or 1 */
+/** Adds a frame. If the ring is full, the oldest frames are dropped. @param end  0 or 1 */
 void ect_recent_add(ect_recent_t *recent, uint32_t end, ect_pcapng_direction_t direction, uint64_t time_ns,
                     const uint8_t *frame, size_t length);
 
-/** Bytes of the file; 0: there is none. */
+/** @return bytes of the file; 0: none. */
 size_t ect_recent_size(const ect_recent_t *recent);
 
 /** Copies bytes of the file. @param offset  with `length` at most ::ect_recent_size */

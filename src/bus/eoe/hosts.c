@@ -20,8 +20,8 @@ typedef struct host {
     const char *path; /* of the socket; NULL: a TAP */
     int listener;     /* NONE: a TAP */
     int fd;           /* each read and write is a frame; NONE: no client */
-    bool paused;      /* its frames wait until the queue has room, and its descriptor is not watched */
-    uint64_t full_ns; /* the queue had room at this time, and is full since */
+    bool paused;      /* the host's frames wait until the queue has room; its descriptor is not watched */
+    uint64_t full_ns; /* last time at which the queue had room; it has been full since */
     char name[ECT_PLACE_NAME];
 } host_t;
 
@@ -43,14 +43,14 @@ ect_hosts_t *ect_hosts_new(void)
     return NULL;
 }
 
-/* A descriptor that is not watched is out of the list: its end would be reported in the list even without EPOLLIN. */
+/* Removes a descriptor that is not watched from the list, because epoll would report its end even without EPOLLIN. */
 static int watch(const ect_hosts_t *h, int fd, bool on)
 {
     struct epoll_event event = {.events = EPOLLIN};
     return epoll_ctl(h->epoll, on ? EPOLL_CTL_ADD : EPOLL_CTL_DEL, fd, &event);
 }
 
-/* @return whether the place is open; its descriptors are the host's */
+/* @return whether the place is open; the host owns its descriptors */
 static bool open_place(host_t *host, const char *place, char *message)
 {
     host->path = ect_place_path(place);
@@ -86,8 +86,8 @@ static bool is_full(const host_t *host)
     return ect_network_has_link(host->network) && ect_network_room(host->network) == 0;
 }
 
-/* Whether the host's frames wait for the master. Without a link, and when the master has fetched none for a second,
- * they are read, and lost. */
+/* @return whether the host's frames wait for the master. Without a link, and if the master has fetched no frame for a
+ * second, frames are read and lost. */
 static bool waits(host_t *host, uint64_t now_ns)
 {
     if (is_full(host))
@@ -115,7 +115,7 @@ uint64_t ect_hosts_due(const ect_hosts_t *h)
     return due_ns;
 }
 
-/* One client at a time: the next one waits until this one has ended. */
+/* Accepts one client at a time: the next one waits for the end of the present one. */
 static void accept_client(const ect_hosts_t *h, host_t *host)
 {
     if (host->fd != NONE || host->listener == NONE)
@@ -127,7 +127,7 @@ static void accept_client(const ect_hosts_t *h, host_t *host)
     (void)watch(h, host->fd, true);
 }
 
-/* A client has ended, or somebody has removed the TAP. */
+/* Handles the end of a client, or a removed TAP. */
 static void end_client(const ect_hosts_t *h, host_t *host)
 {
     close(host->fd);
@@ -154,7 +154,7 @@ static bool send_frame(const host_t *host)
 /* @return whether there was a frame of the host */
 static bool receive_frame(const ect_hosts_t *h, host_t *host)
 {
-    uint8_t frame[ECT_EOE_FRAME + 1]; /* a longer one shows by its length */
+    uint8_t frame[ECT_EOE_FRAME + 1]; /* one byte more, to detect a frame that is too long */
     ssize_t length = read(host->fd, frame, sizeof frame);
     if (length > 0) {
         ect_network_push(host->network, frame, (size_t)length);

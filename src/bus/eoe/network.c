@@ -22,12 +22,12 @@ typedef struct values {
 _Static_assert(sizeof(values_t) == ECT_NETWORK_SIGNALS, "the size of an instance");
 
 struct ect_network {
-    ect_eoe_t eoe; /* the first member: functions are given this */
+    ect_eoe_t eoe; /* the first member: functions get its address */
     const ect_eoe_t *own;
     ect_network_kind_t kind;
     values_t values;
-    uint32_t lost;      /* frames dropped here, and not by the stack */
-    ect_slave_t *slave; /* that has started the mailbox; NULL: none yet */
+    uint32_t lost;      /* frames dropped in this file, not by the stack */
+    ect_slave_t *slave; /* of the started mailbox; NULL: none yet */
     ring_t out, in;     /* to the host, from the host or the responder */
     ect_device_t device;
     const ect_protocol_t *protocols[];
@@ -101,7 +101,7 @@ static bool received(const ect_eoe_t *eoe, void *instance, uint8_t port, const u
     return n->kind == ECT_NETWORK_ECHO ? reply(n, instance, frame, length) : put(&n->out, frame, length);
 }
 
-/* The device's own frame, or the oldest of the queue. */
+/* Returns the device's own frame, or the oldest frame of the queue. */
 static uint16_t next_frame(ect_network_t *n, void *instance, uint8_t *frame, uint8_t *port)
 {
     if (n->kind == ECT_NETWORK_OWN)
@@ -114,7 +114,7 @@ static uint16_t next_frame(ect_network_t *n, void *instance, uint8_t *frame, uin
     return length;
 }
 
-/* With the cable pulled, at most a queue of frames is lost in one call. */
+/* With the cable pulled, one call discards at most as many frames as the queue holds. */
 static uint16_t fetch(const ect_eoe_t *eoe, void *instance, uint8_t *frame, uint8_t *port)
 {
     ect_network_t *n = network_of(eoe);
@@ -139,7 +139,7 @@ static void load(const ect_eoe_t *eoe, void *instance, uint8_t port)
         own->load(own, instance, port);
 }
 
-/* Frames that a master has not fetched are of no use after a restart of the mailbox. */
+/* Discards frames that the master has not fetched before the restart of the mailbox. */
 static void reset(const ect_eoe_t *eoe, void *instance)
 {
     ect_network_t *n = network_of(eoe);
@@ -148,7 +148,7 @@ static void reset(const ect_eoe_t *eoe, void *instance)
         n->own->reset(n->own, instance);
 }
 
-/* --- the protocol, and the counters behind each step -------------------------------------------------------------- */
+/* --- the protocol, and the counters of each step ------------------------------------------------------------------ */
 
 static void count(ect_network_t *n, const ect_slave_t *slave)
 {

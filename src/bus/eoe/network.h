@@ -47,7 +47,7 @@ ect_network_t *ect_network_new(const ect_device_t *device, ect_network_kind_t ki
 /** Frees a network. NULL: no effect */
 void ect_network_free(ect_network_t *network);
 
-/** Adds the network to the configuration of its twin: the device, and the signals eoe.NAME beside those of the device.
+/** Adds the network to the configuration of its twin: the device, and the signals eoe.NAME in addition to the device's.
  */
 void ect_network_join(ect_network_t *network, ect_twin_config_t *twin);
 

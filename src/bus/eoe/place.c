@@ -55,7 +55,7 @@ static void explain_tap(const char *name, char *message)
         snprintf(message, ECT_PLACE_MESSAGE, "opening the TAP '%s' failed: %s", name, strerror(errno));
 }
 
-/* Without the right to do it, whoever has made the interface brings it up. */
+/* Brings the interface up. Without CAP_NET_ADMIN this is the task of the interface's creator. */
 static void bring_up(struct ifreq *request)
 {
     int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -84,7 +84,7 @@ int ect_place_tap(const char *text, char *name, char *message)
     return fd;
 }
 
-/* A file without a listener is one that a dead process has left. */
+/* A socket file without a listener is the remains of a dead process. */
 static void clear(const char *path, const struct sockaddr_un *address)
 {
     struct stat info;
@@ -97,7 +97,7 @@ static void clear(const char *path, const struct sockaddr_un *address)
         close(fd);
 }
 
-/* Mode 0600 from its first moment. */
+/* Creates the file with mode 0600, so that no other user can connect in between. */
 static int bind_new(int fd, const struct sockaddr_un *address)
 {
     mode_t before = umask(0177);
@@ -110,7 +110,7 @@ int ect_place_listen(const char *path, char *message)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     if (*path == '\0' || strlen(path) >= sizeof address.sun_path) {
-        snprintf(message, ECT_PLACE_MESSAGE, "unix:PATH has 1 to %zu characters behind the colon",
+        snprintf(message, ECT_PLACE_MESSAGE, "unix:PATH has 1 to %zu characters after the colon",
                  sizeof address.sun_path - 1);
         return -1;
     }

@@ -153,8 +153,7 @@ ect_modbus_server_t *ect_modbus_server_open(const char *where, char *message)
     ect_address_t address;
     if (!ect_address_parse(&address, where)) {
         snprintf(message, ECT_MODBUS_MESSAGE,
-                 "'%s' is no [ADDRESS:]PORT: the address in numbers, the port from 0 to 65535, as in 127.0.0.1:502",
-                 where);
+                 "'%s' is no [ADDRESS:]PORT: a numeric address, the port from 0 to 65535, as in 127.0.0.1:502", where);
         errno = EINVAL;
         return NULL;
     }

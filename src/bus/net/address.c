@@ -36,9 +36,9 @@ const char *ect_address_why(int error)
 {
     switch (error) {
     case EADDRINUSE:
-        return "the port is taken: choose another one, or 0 for any that is free";
+        return "the port is in use: choose another port, or 0 for any free port";
     case EACCES:
-        return "a port below 1024 needs CAP_NET_BIND_SERVICE: take a higher one, or run it with sudo";
+        return "a port below 1024 needs CAP_NET_BIND_SERVICE: choose a higher port, or run it with sudo";
     case EADDRNOTAVAIL:
         return "this machine does not have the address; 'ip -br address' lists its addresses";
     default:

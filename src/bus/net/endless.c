@@ -8,7 +8,7 @@ enum { ETHERTYPE_VLAN = 0x8100, ETHERTYPE_ECAT = 0x88A4, ETHERTYPE_IPV4 = 0x0800
 
 typedef struct ect_endless_mark mark_t;
 
-/* @return false: no frame with a datagram in it */
+/* @return false: the frame contains no datagram */
 static bool mark_of(const uint8_t *frame, size_t length, mark_t *mark)
 {
     uint8_t source = length > SOURCE ? frame[SOURCE] : 0;
@@ -19,7 +19,7 @@ static bool mark_of(const uint8_t *frame, size_t length, mark_t *mark)
     if (length < DATA)
         return false;
     uint16_t type = ect_load_be16(frame + TYPE);
-    if (type == ETHERTYPE_IPV4 && length >= DATA + IP_AND_UDP) { /* of a port for UDP */
+    if (type == ETHERTYPE_IPV4 && length >= DATA + IP_AND_UDP) { /* of a UDP port */
         frame += IP_AND_UDP;
         length -= IP_AND_UDP;
     } else if (type != ETHERTYPE_ECAT) {
@@ -38,7 +38,7 @@ static bool mark_of(const uint8_t *frame, size_t length, mark_t *mark)
     return true;
 }
 
-/* The position wraps: half of the range is "not smaller". */
+/* The position wraps, so half of its range counts as "not smaller". */
 static bool begins_where(const mark_t *came, const mark_t *sent)
 {
     return came->datagram == sent->datagram && (uint16_t)(came->position - sent->position) < 0x8000 &&

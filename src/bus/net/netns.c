@@ -27,7 +27,7 @@ const char *ect_netns_unfit(const char *name)
     if (strpbrk(name, "/: \t\n\v\f\r") || strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
         return "a name has no blank, '/' or ':' in it, and is not '.' or '..'";
     if (strcmp(name, "lo") == 0 || strcmp(name, ect_netns_twin[0]) == 0 || strcmp(name, ect_netns_twin[1]) == 0)
-        return "'lo', 'ectwin0' and 'ectwin1' have their use there already";
+        return "'lo', 'ectwin0' and 'ectwin1' are reserved";
     return NULL;
 }
 
@@ -53,17 +53,19 @@ static bool read_flag(const char *path, char *flag)
     return got;
 }
 
-/* Why a user namespace could not be made, or is powerless, and what to do about it. */
+/* Writes the cause and the cure for a user namespace that could not be made, or has no rights. */
 static void explain(const char *step, int error, char *message)
 {
     char flag = '?';
-    const char *advice = "run it as root ('sudo ectwin with ...'); in a container, start that with --privileged or "
-                         "--cap-add=SYS_ADMIN,NET_ADMIN,NET_RAW";
+    const char *advice =
+        "run it as root ('sudo ectwin with ...'); in a container, start the container with --privileged or "
+        "--cap-add=SYS_ADMIN,NET_ADMIN,NET_RAW";
     if (read_flag("/proc/sys/kernel/apparmor_restrict_unprivileged_userns", &flag) && flag == '1')
-        advice = "AppArmor forbids it here (Ubuntu 23.10 and newer): run 'sudo sysctl -w "
+        advice = "AppArmor forbids user namespaces (Ubuntu 23.10 and newer): run 'sudo sysctl -w "
                  "kernel.apparmor_restrict_unprivileged_userns=0', or run it as root ('sudo ectwin with ...')";
     else if (read_flag("/proc/sys/kernel/unprivileged_userns_clone", &flag) && flag == '0')
-        advice = "this kernel is set to forbid it: run 'sudo sysctl -w kernel.unprivileged_userns_clone=1', or run it "
+        advice = "this kernel forbids unprivileged user namespaces: run 'sudo sysctl -w "
+                 "kernel.unprivileged_userns_clone=1', or run it "
                  "as root ('sudo ectwin with ...')";
     else if (read_flag("/proc/sys/user/max_user_namespaces", &flag) && flag == '0')
         advice = "this system allows no user namespaces: run 'sudo sysctl -w user.max_user_namespaces=1000', or run "
@@ -89,14 +91,14 @@ static int enter_user_namespace(char *message)
     bool mapped = write_file("/proc/self/uid_map", map);
     snprintf(map, sizeof map, "0 %u 1", gid);
     if (!mapped || !write_file("/proc/self/setgroups", "deny") || !write_file("/proc/self/gid_map", map)) {
-        explain("mapping the user into it", errno, message);
+        explain("mapping the user", errno, message);
         return -1;
     }
     return 0;
 }
 
-/* Every id that there is out here, under its own number: `of` is an id map of this process, with a line "inside outside
- * count". */
+/* Makes a map that keeps the number of each id that exists in the present namespace. @param of id map of this process,
+ * with lines "inside outside count" */
 static bool same_ids(const char *of, char *map, size_t room)
 {
     FILE *ours = fopen(of, "re");
@@ -110,7 +112,8 @@ static bool same_ids(const char *of, char *map, size_t room)
     return used > 0 && used < room;
 }
 
-/* Only a process that stays outside may map more than one id. It waits until the other one has gone in. */
+/* Maps the ids of a process that enters a user namespace, after its entry: only a process outside may map more than one
+ * id. */
 static int map_from_outside(pid_t inside, int go)
 {
     char map[2][1024];
@@ -125,8 +128,9 @@ static int map_from_outside(pid_t inside, int go)
     return mapped && write_file(path, map[1]) ? 0 : 1;
 }
 
-/* For root: all files stay as they are, but the rights end at this namespace. @return false with nothing changed, or
- * with the process in a namespace without an identity */
+/* Enters the namespaces as root: the access to files remains, the rights end at the namespace. @param[out] entered
+ * whether the process is in the namespaces. @return false: nothing has changed, or, with `entered`, the process is in a
+ * namespace without mapped ids */
 static bool enter_as_root(bool *entered)
 {
     int go[2];
@@ -156,7 +160,7 @@ static int enter_namespaces(unsigned int *lacks, char *message)
     if (enter_as_root(&entered))
         return 0;
     if (entered) {
-        explain("mapping the users into it", EPERM, message);
+        explain("mapping the users", EPERM, message);
         return -1;
     }
     *lacks |= ECT_NETNS_USER_NAMESPACE;
@@ -175,7 +179,7 @@ static bool own_sysfs(void)
             mount("ectwin", "/sys", "sysfs", flags | MS_RDONLY, NULL) == 0);
 }
 
-/* The kernel's own IPv6 chatter has no business on this wire. Without IPv6 there is nothing to switch off. */
+/* Keeps the kernel's IPv6 packets off the wires. The files are missing on a kernel without IPv6. */
 static void disable_ipv6(void)
 {
     (void)write_file("/proc/sys/net/ipv6/conf/default/disable_ipv6", "1");

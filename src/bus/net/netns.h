@@ -10,21 +10,21 @@
 
 ECT_C_BEGIN
 
-/** Most wires of a private network: one for each end of the chain. */
+/** Limit of wires in a private network: one for each end of the chain. */
 enum { ECT_NETNS_WIRES = 2 };
 
-/** Names of the twins' ends of the wires. */
+/** Names of the interfaces at the twins' ends of the wires. */
 extern const char *const ect_netns_twin[ECT_NETNS_WIRES];
 
 /** Room for a message of ::ect_netns_enter. */
 enum { ECT_NETNS_MESSAGE = 768 };
 
-/** Checks a name for the master's end of a wire. @return NULL: it is fit; else the reason, a line for the user */
+/** Checks a name for the master's end of a wire. @return NULL: permitted; else the reason, a line for the user */
 const char *ect_netns_unfit(const char *name);
 
-/** Features that a usable private network may lack. */
+/** Deficiencies of a usable private network. */
 typedef enum ect_netns_lack {
-    ECT_NETNS_OWN_SYSFS = 1,      /**< /sys/class/net still shows the interfaces outside */
+    ECT_NETNS_OWN_SYSFS = 1,      /**< /sys/class/net still contains the interfaces outside */
     ECT_NETNS_USER_NAMESPACE = 2, /**< the process is root on the whole machine, not only in the namespace */
 } ect_netns_lack_t;
 
@@ -32,7 +32,7 @@ typedef enum ect_netns_lack {
  * Moves the calling process into a new network namespace with veth pairs, all ends up, and the loopback interface; /sys
  * becomes that of the new network. Needs no rights where unprivileged user namespaces are allowed. Inside, the process
  * is root, with the right to open raw sockets on this network only. A process that was root before keeps root's access
- * to files but loses its rights over the machine, if a user namespace can be made.
+ * to files and loses its rights on the machine, if a user namespace can be made.
  *
  * Context: before any thread is started.
  * @param masters       names of the master's ends; [1] NULL: one wire

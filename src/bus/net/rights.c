@@ -25,7 +25,7 @@ static bool drop_capabilities(unsigned int keep)
     if (syscall(SYS_capget, &header, data) < 0)
         return false;
     for (unsigned long capability = 0; capability <= CAP_LAST_CAP; capability++)
-        (void)prctl(PR_CAPBSET_DROP, capability, 0, 0, 0); /* without CAP_SETPCAP there is nothing to be had either */
+        (void)prctl(PR_CAPBSET_DROP, capability, 0, 0, 0); /* no effect, and no need, without CAP_SETPCAP */
     (void)prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0);
     uint32_t kept = (keep & ECT_RIGHTS_LINK) != 0 ? data[0].permitted & (1u << CAP_NET_ADMIN) : 0u;
     memset(data, 0, sizeof data);
@@ -50,8 +50,8 @@ int ect_rights_drop(unsigned int keep, char *message)
     return -1;
 }
 
-/* Locked memory counts against a limit for those without rights: at the limit later allocations would fail, so what
- * comes later is locked only where there is none. */
+/* Locks the present memory, and later allocations only without a limit of locked memory: at the limit they would fail.
+ */
 static bool lock_memory(void)
 {
     struct rlimit limit = {.rlim_cur = RLIM_INFINITY, .rlim_max = RLIM_INFINITY};
@@ -65,9 +65,9 @@ int ect_rights_realtime(int priority, char *message)
     const struct sched_param parameters = {.sched_priority = priority};
     const char *missing = NULL;
     if (sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &parameters) < 0)
-        missing = "CAP_SYS_NICE, or a limit of real-time priority that allows it ('ulimit -r')";
+        missing = "CAP_SYS_NICE, or a sufficient limit of real-time priority ('ulimit -r')";
     else if (!lock_memory())
-        missing = "CAP_IPC_LOCK, or no limit of locked memory ('ulimit -l unlimited')";
+        missing = "CAP_IPC_LOCK, or unlimited locked memory ('ulimit -l unlimited')";
     if (!missing)
         return 0;
     snprintf(message, ECT_RIGHTS_MESSAGE,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The rights of this process on the machine: it gives most of them up, and may take real-time priority.
+ * The rights of this process on the machine: most are dropped; real-time priority on request.
  *
  * Context: the only thread of a process, before the loop starts.
  */
@@ -23,19 +23,19 @@ typedef enum ect_rights {
 } ect_rights_t;
 
 /**
- * Gives up, for good, every right that running twins do not need: capabilities, also those that a program started from
- * here could get (no_new_privs), and, where ectwin was built with libseccomp, every system call but those of the loop.
- * No file can then be opened for writing (but with ECT_RIGHTS_FILES), no connection made (but with ECT_RIGHTS_CLIENT),
- * no program started.
+ * Drops, irrevocably, every right that running twins do not need: capabilities, including those that a program started
+ * by this process could gain (no_new_privs), and, if ectwin was built with libseccomp, every system call except those
+ * of the loop. Afterwards no file can be opened for writing (except with ECT_RIGHTS_FILES), no connection be made
+ * (except with ECT_RIGHTS_CLIENT), no program be started.
  * @param keep          ORed ect_rights_t
  * @param[out] message  on failure one line for the user; ECT_RIGHTS_MESSAGE bytes
- * @return 0 · -1: a step was not possible; the others are done
+ * @return 0 · -1: a step has failed; the other steps are done
  */
 int ect_rights_drop(unsigned int keep, char *message);
 
 /**
- * Gives this process, but no process that it starts, real-time priority (SCHED_FIFO) and locks its memory. To be called
- * after the last large allocation and before a user namespace is entered, whose rights do not count for this.
+ * Gives this process, but not its children, real-time priority (SCHED_FIFO), and locks its memory. Due after the last
+ * large allocation, and before a user namespace is entered, because the rights there do not apply.
  * @param priority      ECT_RIGHTS_LOWEST..ECT_RIGHTS_HIGHEST
  * @param[out] message  on failure one line for the user, cause and cure; ECT_RIGHTS_MESSAGE bytes
  * @return 0, or -1

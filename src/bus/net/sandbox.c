@@ -15,11 +15,11 @@
 
 #define COUNT(list) (sizeof(list) / sizeof(list)[0])
 
-/* Frames, users, time, memory, what the twins save, and the end. */
+/* Frames, clients, time, memory, saved data, and the end. */
 static const int running[] = {
     SCMP_SYS(accept),
     SCMP_SYS(accept4),
-    SCMP_SYS(bind), /* of sockets that exist: socket() makes no others */
+    SCMP_SYS(bind), /* of existing sockets: socket() is limited */
     SCMP_SYS(brk),
     SCMP_SYS(clock_gettime),
     SCMP_SYS(clock_gettime64),
@@ -75,7 +75,7 @@ static const int running[] = {
     SCMP_SYS(rt_sigaction),
     SCMP_SYS(rt_sigprocmask),
     SCMP_SYS(rt_sigreturn),
-    SCMP_SYS(sched_getparam), /* the C library, before it starts the thread that waits for the disk */
+    SCMP_SYS(sched_getparam), /* by the C library, before it starts the thread that waits for the disk */
     SCMP_SYS(sched_getscheduler),
     SCMP_SYS(sched_yield),
     SCMP_SYS(send),
@@ -105,10 +105,10 @@ static const int with_children[] = {
 /* Files that a master writes are opened and renamed. */
 static const int with_files[] = {SCMP_SYS(openat), SCMP_SYS(rename), SCMP_SYS(renameat), SCMP_SYS(renameat2)};
 
-/* Connections to local sockets, which are found in a folder. socket() makes no others. */
+/* Connections to local sockets, which are found by reading a folder. */
 static const int with_client[] = {SCMP_SYS(connect), SCMP_SYS(getdents), SCMP_SYS(getdents64), SCMP_SYS(getpeername)};
 
-/* The calls that the sanitizers need to report leaks at the end. */
+/* Calls with which the sanitizers report leaks at the end. */
 #ifdef __SANITIZE_ADDRESS__
 static const int sanitizers[] = {
     SCMP_SYS(open),   SCMP_SYS(getdents), SCMP_SYS(getppid),    SCMP_SYS(arch_prctl),
@@ -121,7 +121,7 @@ static const int sanitizers[] = {
 static const int sanitizers[] = {SCMP_SYS(exit)};
 #endif
 
-/* A call that this machine does not have needs no rule. */
+/* Allows calls with any arguments. A call missing on this machine needs no rule. */
 static int allow(scmp_filter_ctx filter, const int *calls, size_t count)
 {
     int error = 0;
@@ -132,14 +132,14 @@ static int allow(scmp_filter_ctx filter, const int *calls, size_t count)
     return error;
 }
 
-/* A call whose arguments satisfy all conditions. A call that this machine does not have needs no rule. */
+/* Allows a call whose arguments satisfy all conditions. A call missing on this machine needs no rule. */
 static int allow_if(scmp_filter_ctx filter, int call, const struct scmp_arg_cmp *conditions, unsigned int count)
 {
     int error = seccomp_rule_add_array(filter, SCMP_ACT_ALLOW, call, count, conditions);
     return error == -EDOM ? 0 : error;
 }
 
-/* Threads, but no processes. */
+/* Allows threads, but no processes. */
 static int allow_threads(scmp_filter_ctx filter)
 {
     const struct scmp_arg_cmp thread = {
@@ -147,7 +147,7 @@ static int allow_threads(scmp_filter_ctx filter)
     return allow_if(filter, SCMP_SYS(clone), &thread, 1);
 }
 
-/* Local stream sockets, which cannot connect. */
+/* Allows local stream sockets, which cannot connect. */
 static int allow_sockets(scmp_filter_ctx filter)
 {
     const scmp_datum_t type = (uint32_t)~(SOCK_CLOEXEC | SOCK_NONBLOCK);
@@ -158,7 +158,7 @@ static int allow_sockets(scmp_filter_ctx filter)
     return allow_if(filter, SCMP_SYS(socket), local, COUNT(local));
 }
 
-/* Files that exist, for reading. */
+/* Allows existing files to be opened for reading. */
 static int allow_reading(scmp_filter_ctx filter)
 {
     const struct scmp_arg_cmp reading = {
@@ -166,7 +166,7 @@ static int allow_reading(scmp_filter_ctx filter)
     return allow_if(filter, SCMP_SYS(openat), &reading, 1);
 }
 
-/* Memory that is not executable. */
+/* Allows memory that is not executable. */
 static int allow_memory(scmp_filter_ctx filter)
 {
     static const int calls[] = {SCMP_SYS(mmap), SCMP_SYS(mmap2), SCMP_SYS(mprotect)};
@@ -177,7 +177,8 @@ static int allow_memory(scmp_filter_ctx filter)
     return error;
 }
 
-/* The interface's flags, address, number and link, the age of a frame, and what the C library asks of a terminal. */
+/* Allows requests for the interface's flags, address, number and link, for the age of a frame, and those of the C
+ * library for a terminal. */
 static int allow_ioctls(scmp_filter_ctx filter)
 {
     static const unsigned long numbers[] = {SIOCGIFFLAGS, SIOCSIFFLAGS, SIOCGIFHWADDR, SIOCGIFINDEX, SIOCETHTOOL,

@@ -14,7 +14,7 @@
 enum { SOURCE = 6, TYPE = 12, IP = 14, UDP = 34, ECAT_HEADER = 2 };
 enum { ETHERTYPE_IPV4 = 0x0800, PORT_ECAT = 0x88A4, LENGTH_MASK = 0x07FF };
 
-/* Offsets in the IPv4 header, and in that of UDP. */
+/* Offsets in the IPv4 and UDP headers. */
 enum { IP_SIZE = 2, IP_ID = 4, IP_LIFE = 8, IP_CARRIES = 9, IP_SUM = 10, IP_FROM = 12 };
 enum { UDP_FROM = 0, UDP_TO = 2, UDP_SIZE = 4, IP_BYTES = 20, UDP_BYTES = 8 };
 
@@ -32,7 +32,7 @@ int ect_udp_open(ect_udp_t *port, const char *where, char *message)
     *port = (ect_udp_t){.fd = -1};
     if (!ect_address_parse(&address, where) || address.at.ss_family != AF_INET) {
         snprintf(message, ECT_PACKET_MESSAGE,
-                 "'%s' is no [ADDRESS:]PORT: an IPv4 address in numbers, the port from 0 to 65535, as in "
+                 "'%s' is no [ADDRESS:]PORT: a numeric IPv4 address, the port from 0 to 65535, as in "
                  "127.0.0.1:34980",
                  where);
         errno = EINVAL;
@@ -47,7 +47,7 @@ int ect_udp_open(ect_udp_t *port, const char *where, char *message)
         return refuse(message, where, ect_address_why(error), error);
     }
     ect_address_print(port->fd, port->address);
-    (void)ect_packet_arrived(port->fd, NULL, &time); /* from here on the kernel keeps times */
+    (void)ect_packet_arrived(port->fd, NULL, &time); /* from this call on the kernel records times of arrival */
     return 0;
 }
 
@@ -58,7 +58,7 @@ void ect_udp_close(ect_udp_t *port)
     port->fd = -1;
 }
 
-/* The sum of a header that has its check sum is 0xFFFF (RFC 1071). */
+/* @return the sum of a header; 0xFFFF: its check sum is correct (RFC 1071) */
 static uint16_t sum_of(const uint8_t *ip)
 {
     uint32_t sum = 0;
@@ -68,15 +68,16 @@ static uint16_t sum_of(const uint8_t *ip)
     return (uint16_t)((sum & 0xFFFF) + (sum >> 16));
 }
 
-/* The identification repeats the sender's port, so that the check sum covers the whole way back. Controllers want the
- * destination port of EtherCAT, whichever port the datagram came to. */
+/* Writes the headers of a frame. The identification repeats the sender's port, so that the check sum of IPv4 covers the
+ * entire return address. The destination port is that of EtherCAT, as controllers require, whichever port received the
+ * datagram. */
 static void write_headers(uint8_t *frame, const struct sockaddr_in *from, size_t payload)
 {
     uint8_t *ip = frame + IP, *udp = frame + UDP;
     uint16_t port = ntohs(from->sin_port);
     memset(frame, 0, ECT_UDP_HEADERS);
     memset(frame, 0xFF, SOURCE);
-    frame[SOURCE] = 0x02; /* as a controller leaves it */
+    frame[SOURCE] = 0x02; /* as set by a controller */
     ect_store_be16(frame + TYPE, ETHERTYPE_IPV4);
     ip[0] = 0x45;
     ect_store_be16(ip + IP_SIZE, (uint16_t)(IP_BYTES + UDP_BYTES + payload));

@@ -30,7 +30,7 @@ static int add(struct nl_sock *socket, const char *one, const char *other)
     struct rtnl_link *link = rtnl_link_veth_alloc();
     if (!link)
         return -NLE_NOMEM;
-    struct rtnl_link *peer = rtnl_link_veth_get_peer(link); /* a reference of our own */
+    struct rtnl_link *peer = rtnl_link_veth_get_peer(link); /* the caller's own reference */
     rtnl_link_set_name(link, one);
     rtnl_link_set_name(peer, other);
     rtnl_link_put(peer);
@@ -51,7 +51,8 @@ int ect_veth_add(struct nl_sock *socket, const char *one, const char *other)
     return error >= 0 ? bring_up(socket, one, other) : error;
 }
 
-/* The kernel's own IPv6 packets would delay frames. Without IPv6 there is nothing to switch off. */
+/* Keeps the kernel's IPv6 packets off the pair, because they would delay frames. The file is missing on a kernel
+ * without IPv6. */
 static void disable_ipv6(const char *name)
 {
     char path[96];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Pairs of virtual Ethernet interfaces. Results of functions with a socket are those of libnl: negative, an error.
+ * Pairs of virtual Ethernet interfaces. A function with a socket returns a result of libnl: negative is an error.
  */
 #ifndef ECT_BUS_NET_VETH_H
 #define ECT_BUS_NET_VETH_H
@@ -22,13 +22,13 @@ int ect_veth_up(struct nl_sock *socket, const char *name);
 int ect_veth_add(struct nl_sock *socket, const char *one, const char *other);
 
 /**
- * Makes a pair in the network of this process, both ends up, without IPv6 on them. Needs CAP_NET_ADMIN.
+ * Makes a pair in the network of this process, both ends up and without IPv6. Needs CAP_NET_ADMIN.
  * @param[out] message  on failure one line for the user, cause and cure; ECT_VETH_MESSAGE bytes
  * @return 0; -1: nothing was made
  */
 int ect_veth_create(const char *one, const char *other, char *message);
 
-/** Removes a pair by the name of one of its ends. @return 0; -1: there is none, or the right for it is missing */
+/** Removes a pair by the name of one of its ends. @return 0; -1: no such pair, or CAP_NET_ADMIN is missing */
 int ect_veth_destroy(const char *one);
 
 ECT_C_END

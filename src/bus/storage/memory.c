@@ -173,7 +173,7 @@ static bool is_unmade(const bank_t *b, const uint8_t found[HEAD])
 /* Accepts only files of this module; other files are unchanged. @return the reason of a refusal; NULL: accepted */
 static const char *take_file(const bank_t *b, const char *name)
 {
-    static const char foreign[] = "it is no record of a twin; it is left unchanged";
+    static const char foreign[] = "it is not a twin's record; the file is left unchanged";
     struct stat info;
     uint8_t found[HEAD];
     if (fstat(b->fd, &info) < 0 || !S_ISREG(info.st_mode))
@@ -240,7 +240,7 @@ static const char *keep_aside(ect_memory_t *m, unsigned int bank, const char *na
         return strerror(errno);
     size_t used = strlen(message);
     const char *end = strrchr(other, '/');
-    snprintf(message + used, ECT_MEMORY_MESSAGE - used, "%s'%.200s' holds no whole record, it is kept as '%.30s'",
+    snprintf(message + used, ECT_MEMORY_MESSAGE - used, "%s'%.200s' has no complete record and is kept as '%.30s'",
              used > 0 ? "; " : "", name, end ? end + 1 : other);
     close(b->fd);
     memset(b->image, 0, ECT_MEMORY_BANK);

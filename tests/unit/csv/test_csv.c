@@ -107,8 +107,8 @@ static void a_line_is_refused_with_its_number_and_the_reason(void **state)
         unsigned int line;
         const char *why;
     } rows[] = {
-        {"a,b\n1\n", 2, "it has not as many cells as the first line has names"},
-        {"a,b\n1,2\n\n1,2,3\n", 4, "it has not as many cells as the first line has names"},
+        {"a,b\n1\n", 2, "its number of cells differs from the number of names in the first line"},
+        {"a,b\n1,2\n\n1,2,3\n", 4, "its number of cells differs from the number of names in the first line"},
         {"a,b\n\"1,2\n", 2, "a quote is not closed"},
         {"a,b\n\"1\"\",2\n", 2, "a quote is not closed"},
         {"a,b\n\"1\" 2,3\n", 2, "something follows a closing quote"},
@@ -134,7 +134,7 @@ static void a_first_line_is_refused_with_the_reason(void **state)
         const char *why;
     } rows[] = {
         {"", 0, "it is empty"},
-        {"a\0b\n", 4, "it has a zero byte in it: this is no text file"},
+        {"a\0b\n", 4, "it contains a zero byte: this is no text file"},
         {"\"a,b\n", 5, "a quote is not closed"},
     };
     (void)state;
@@ -220,7 +220,7 @@ static void a_dash_is_standard_input(void **state)
 
 static void a_time_is_seconds_in_ascending_order(void **state)
 {
-    static const char not_number[] = "its time is no number of seconds, 0 or more";
+    static const char not_number[] = "its time is not a number of seconds, 0 or more";
     static const char earlier[] = "its time is before that of the line above";
     static const struct {
         const char *cell;

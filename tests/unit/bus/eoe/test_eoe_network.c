@@ -894,7 +894,7 @@ static void refused_places(void **state)
         const char *place;
         int watch_error;
         const char *message;
-    } rows[] = {{"unix:", 0, "unix:PATH has 1 to 107 characters behind the colon"},
+    } rows[] = {{"unix:", 0, "unix:PATH has 1 to 107 characters after the colon"},
                 {"tap", 0, "no TAP for a test"},
                 {NULL, ENOSPC, "waiting for '%s' failed: No space left on device"}};
     char place[110], wanted[ECT_PLACE_MESSAGE];

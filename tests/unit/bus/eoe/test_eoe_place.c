@@ -206,7 +206,7 @@ static void a_path_has_1_to_107_characters(void **state)
     (void)state;
     assert_non_null(mkdtemp(folder));
     assert_int_equal(ect_place_listen("", message), -1);
-    assert_string_equal(message, "unix:PATH has 1 to 107 characters behind the colon");
+    assert_string_equal(message, "unix:PATH has 1 to 107 characters after the colon");
     (void)snprintf(path, sizeof path, "%s/%0*d", folder, (int)(MOST - sizeof folder), 0);
     assert_int_equal(strlen(path), MOST);
     const mode_t mask = umask(0027);
@@ -221,7 +221,7 @@ static void a_path_has_1_to_107_characters(void **state)
     path[MOST] = '0';
     *message = '\0';
     assert_int_equal(ect_place_listen(path, message), -1);
-    assert_string_equal(message, "unix:PATH has 1 to 107 characters behind the colon");
+    assert_string_equal(message, "unix:PATH has 1 to 107 characters after the colon");
     assert_int_equal(rmdir(folder), 0);
 }
 

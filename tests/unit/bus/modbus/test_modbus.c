@@ -739,7 +739,7 @@ static void cannot_listen(void **state)
     assert_null(ect_modbus_server_open(where, message));
     assert_int_equal(errno, EADDRINUSE);
     snprintf(want, sizeof want,
-             "cannot listen at '%s': the port is taken: choose another one, or 0 for any that is free", where);
+             "cannot listen at '%s': the port is in use: choose another port, or 0 for any free port", where);
     assert_string_equal(message, want);
     ect_modbus_server_close(first);
     ect_modbus_server_t *again = ect_modbus_server_open(where, message); /* the port is free again */

@@ -224,7 +224,7 @@ int __wrap_ect_veth_add(struct nl_sock *socket, const char *one, const char *oth
 #define WIRES      NETLINK "up lo\npair ectwin0 ecat0\npair ectwin1 ecat1\n"
 #define WHY        "no private network: "
 #define AS_ROOT_ADVICE                                                                                                 \
-    "run it as root ('sudo ectwin with ...'); in a container, start that with --privileged or "                        \
+    "run it as root ('sudo ectwin with ...'); in a container, start the container with --privileged or "               \
     "--cap-add=SYS_ADMIN,NET_ADMIN,NET_RAW"
 #define END "; or run the twins inside CMD: --in-process"
 
@@ -327,38 +327,38 @@ static void refusals(void **state)
          false,
          0,
          {"open", FIRST, EACCES},
-         WHY "mapping the user into it failed (Permission denied); " AS_ROOT_ADVICE END,
+         WHY "mapping the user failed (Permission denied); " AS_ROOT_ADVICE END,
          NAMESPACES "dumpable 1\n/proc/self/uid_map refused\n"},
         {"a map of users that is not taken",
          false,
          0,
          {"write", FIRST, EPERM},
-         WHY "mapping the user into it failed (Operation not permitted); " AS_ROOT_ADVICE END,
+         WHY "mapping the user failed (Operation not permitted); " AS_ROOT_ADVICE END,
          NAMESPACES "dumpable 1\n/proc/self/uid_map = 0 1000 1\n"},
         {"supplementary groups",
          false,
          0,
          {"write", SECOND, EPERM},
-         WHY "mapping the user into it failed (Operation not permitted); " AS_ROOT_ADVICE END,
+         WHY "mapping the user failed (Operation not permitted); " AS_ROOT_ADVICE END,
          NAMESPACES "dumpable 1\n/proc/self/uid_map = 0 1000 1\n/proc/self/setgroups = deny\n"},
         {"no map of groups",
          false,
          0,
          {"open", THIRD, EACCES},
-         WHY "mapping the user into it failed (Permission denied); " AS_ROOT_ADVICE END,
+         WHY "mapping the user failed (Permission denied); " AS_ROOT_ADVICE END,
          NAMESPACES
          "dumpable 1\n/proc/self/uid_map = 0 1000 1\n/proc/self/setgroups = deny\n/proc/self/gid_map refused\n"},
         {"root whose users cannot be mapped",
          true,
          256,
          {0},
-         WHY "mapping the users into it failed (Operation not permitted); " AS_ROOT_ADVICE END,
+         WHY "mapping the users failed (Operation not permitted); " AS_ROOT_ADVICE END,
          AS_ROOT},
         {"root whose helper is gone",
          true,
          0,
          {"go", FIRST, EPIPE},
-         WHY "mapping the users into it failed (Operation not permitted); " AS_ROOT_ADVICE END,
+         WHY "mapping the users failed (Operation not permitted); " AS_ROOT_ADVICE END,
          AS_ROOT},
         {"root without the right",
          true,

@@ -122,9 +122,9 @@ static void names(void **state)
         {"a b", "a name has no blank, '/' or ':' in it, and is not '.' or '..'"},
         {".", "a name has no blank, '/' or ':' in it, and is not '.' or '..'"},
         {"..", "a name has no blank, '/' or ':' in it, and is not '.' or '..'"},
-        {"lo", "'lo', 'ectwin0' and 'ectwin1' have their use there already"},
-        {"ectwin0", "'lo', 'ectwin0' and 'ectwin1' have their use there already"},
-        {"ectwin1", "'lo', 'ectwin0' and 'ectwin1' have their use there already"},
+        {"lo", "'lo', 'ectwin0' and 'ectwin1' are reserved"},
+        {"ectwin0", "'lo', 'ectwin0' and 'ectwin1' are reserved"},
+        {"ectwin1", "'lo', 'ectwin0' and 'ectwin1' are reserved"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {

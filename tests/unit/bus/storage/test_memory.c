@@ -337,7 +337,7 @@ static void damaged(void **state)
         memory = ect_memory_open("damaged", message);
         assert_non_null(memory);
         snprintf(other, sizeof other, "kept as 'damaged.%u.damaged", bank);
-        assert_non_null(strstr(message, "holds no whole record"));
+        assert_non_null(strstr(message, "has no complete record"));
         assert_non_null(strstr(message, other));
         expect_saved(memory, "one"); /* the record before */
         ect_memory_close(memory);
@@ -381,11 +381,11 @@ static void reports_of_damage(void **state)
         bool damaged[2];
         const char *message;
     } rows[] = {
-        {{true, false}, "'aside/x.0' holds no whole record, it is kept as 'x.0.damaged1'"},
-        {{false, true}, "'aside/x.1' holds no whole record, it is kept as 'x.1.damaged1'"},
+        {{true, false}, "'aside/x.0' has no complete record and is kept as 'x.0.damaged1'"},
+        {{false, true}, "'aside/x.1' has no complete record and is kept as 'x.1.damaged1'"},
         {{true, true},
-         "'aside/x.0' holds no whole record, it is kept as 'x.0.damaged2'; "
-         "'aside/x.1' holds no whole record, it is kept as 'x.1.damaged2'"},
+         "'aside/x.0' has no complete record and is kept as 'x.0.damaged2'; "
+         "'aside/x.1' has no complete record and is kept as 'x.1.damaged2'"},
     };
     (void)state;
     assert_int_equal(mkdir("aside", 0700), 0);
@@ -661,7 +661,7 @@ static void damaged_headers(void **state)
         overwrite("header.0", 32, headers[i]);
         ect_memory_t *memory = ect_memory_open("header", message);
         assert_non_null(memory);
-        assert_non_null(strstr(message, "holds no whole record"));
+        assert_non_null(strstr(message, "has no complete record"));
         expect_saved(memory, "none");
         assert_true(save(memory, "one", 4));
         ect_memory_close(memory);
