@@ -284,7 +284,8 @@ static void set_mailbox(ect_build_t *build, ect_device_t *device)
     device->coe_details = coe_details_of(m);
     bool has_sms = device->sm[0].type == ECT_SM_MAILBOX_OUT && device->sm[1].type == ECT_SM_MAILBOX_IN;
     if (device->mailbox_protocols != 0 && !has_sms) {
-        ect_build_note(build, "it has mailbox protocols and no mailbox SyncManagers 0 and 1: it has no mailbox");
+        ect_build_note(build,
+                       "it has mailbox protocols and no mailbox SyncManagers 0 and 1: the device has no mailbox");
         device->mailbox_protocols = 0;
         device->coe_details = 0;
     }

@@ -4,7 +4,7 @@
 #define COUNTER(member, name, meaning) ECT_SIGNAL(ect_progress_t, member, name, U32, READ, 0, INT32_MAX, NULL, meaning)
 
 static const ect_signal_t signals[] = {
-    COUNTER(line, "line", "Line of the step that has begun or ended last; 0: none"),
+    COUNTER(line, "line", "Line of the last step that has begun or ended; 0: none"),
     ECT_SIGNAL(ect_progress_t, step, "step", TEXT, READ, 0, ECT_SIGNAL_LONGEST_TEXT, NULL, "Text of this step"),
     COUNTER(steps, "steps", "Steps of the script"),
     COUNTER(over, "over", "Steps that are over"),

@@ -17,7 +17,8 @@ static bool is_space(char c)
     return c == ' ' || c == '\t';
 }
 
-/* A line without its comment, its end, and spaces around it; what is too long is cut, and then makes no sense. */
+/* Removes comment, line end and surrounding spaces of a line. A line that is too long is truncated, and then refused as
+ * invalid. */
 static void trim(const char *line, char *text, size_t room)
 {
     size_t length = strcspn(line, "#\r\n");
@@ -69,7 +70,7 @@ uint16_t ect_scenario_highest_slave(const ect_scenario_t *s)
     return highest;
 }
 
-/* The next of the words "NAME=VALUE"; cut into two in `room`. @return false: there is none */
+/* Splits the next word "NAME=VALUE" into two parts in `room`. @return false: no further word */
 static bool next_setting(const char **text, char room[ECT_STEP_ACTION], ect_setting_t *setting)
 {
     size_t length = strcspn(*text, " ");
@@ -114,7 +115,7 @@ static bool check_signals(const ect_chain_t *chain, const ect_step_t *plan, char
 
 const ect_scenario_step_t *ect_scenario_check(const ect_scenario_t *s, const ect_chain_t *chain, char *message)
 {
-    _Static_assert((int)ECT_SIGNAL_MESSAGE <= (int)ECT_STEP_MESSAGE, "a message of a signal has room");
+    _Static_assert((int)ECT_SIGNAL_MESSAGE <= (int)ECT_STEP_MESSAGE, "the room includes a message of a signal");
     for (size_t i = 0; i < s->step_count; i++) {
         const ect_step_t *plan = &s->steps[i].plan;
         if (ect_step_highest_slave(plan) > ect_chain_count(chain)) {
@@ -181,14 +182,14 @@ bool ect_scenario_set(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *
     return true;
 }
 
-/* Whether a step that is not over has set the fault. */
+/* @return whether a step that is not over has set the fault */
 static bool is_of_step(const ect_scenario_t *s, const ect_fault_t *fault)
 {
     size_t step = fault->tag > 0 ? (fault->tag - 1u) / 2u : s->step_count;
     return step < s->step_count && s->steps[step].progress != ECT_STEP_OVER;
 }
 
-/* The i-th fault that is set; NULL: there is none. */
+/* @return the i-th fault that is set; NULL: none */
 static const ect_fault_t *fault_at(const ect_scenario_t *s, const ect_chain_t *chain, size_t i)
 {
     return i < s->set_count ? &s->set[i].fault : ect_chain_fault_at(chain, i - s->set_count);
@@ -196,7 +197,7 @@ static const ect_fault_t *fault_at(const ect_scenario_t *s, const ect_chain_t *c
 
 bool ect_scenario_left(const ect_scenario_t *s, const ect_chain_t *chain, size_t i, char *text)
 {
-    _Static_assert((int)ECT_FAULT_TEXT <= (int)ECT_STEP_LINE, "a fault has room");
+    _Static_assert((int)ECT_FAULT_TEXT <= (int)ECT_STEP_LINE, "the room includes a fault");
     const ect_fault_t *fault;
     for (size_t n = 0; (fault = fault_at(s, chain, n)) != NULL; n++) {
         if (fault->kind == ECT_FAULT_COUNT || is_of_step(s, fault))
@@ -223,7 +224,7 @@ bool ect_scenario_show(const ect_scenario_t *s, const ect_chain_t *chain, size_t
     return fault != NULL;
 }
 
-/* Ends the fault of a step: takes it out of those that are set, or carries out its opposite. */
+/* Ends the fault of a step: removes a lasting fault, or executes the opposite of a fault of a slave. */
 static void end_fault(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *fault, uint64_t now_ns)
 {
     size_t kept = 0;
@@ -241,7 +242,7 @@ static void end_fault(ect_scenario_t *s, ect_chain_t *chain, const ect_fault_t *
 
 /* --- steps -------------------------------------------------------------------------------------------------------- */
 
-/* The tags of a step: of its fault, and of the count of its milestone. */
+/* The tags of a step: for its fault, and for the count of its milestone. */
 static uint32_t tag_of(const ect_scenario_t *s, const ect_scenario_step_t *step, bool count)
 {
     return 1u + 2u * (uint32_t)(step - s->steps) + count;
@@ -257,7 +258,7 @@ static void refuse(const ect_scenario_t *s, const ect_scenario_step_t *step, con
     s->refused(s->ctx, step->plan.action == ECT_ACTION_FAULT ? text : step->text, why);
 }
 
-/* From now on the transfers of a milestone are counted: of one slave, or of all. */
+/* Starts to count the transfers of a milestone, for one slave or all. */
 static void begin_count(const ect_scenario_t *s, ect_chain_t *chain, const ect_scenario_step_t *step,
                         const ect_milestone_t *m, uint64_t now_ns)
 {
@@ -276,7 +277,7 @@ static bool is_in_state(const ect_chain_t *chain, const ect_milestone_t *m)
     return m->slave <= ect_chain_count(chain) && ect_chain_slave(chain, m->slave - 1u)->state == m->value;
 }
 
-/* "again": the slave has been in another state meanwhile. */
+/* @return whether the slave is in the state again, after another state */
 static bool is_back(const ect_chain_t *chain, ect_scenario_step_t *step, const ect_milestone_t *m)
 {
     bool in_state = is_in_state(chain, m);
@@ -312,7 +313,7 @@ static bool is_reached(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_
     }
 }
 
-/* The time at which a milestone is reached; ECT_NEVER: not by time. */
+/* @return the time at which a milestone is reached; ECT_NEVER: not by time */
 static uint64_t due_ns(const ect_scenario_t *s, const ect_scenario_step_t *step, const ect_milestone_t *m)
 {
     return m->kind == ECT_MILESTONE_TIME    ? s->start_ns + m->value
@@ -320,7 +321,7 @@ static uint64_t due_ns(const ect_scenario_t *s, const ect_scenario_step_t *step,
                                             : ECT_NEVER;
 }
 
-/* The next milestone counts from here. */
+/* Sets the start of the next milestone. */
 static void pass(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step, const ect_milestone_t *m,
                  uint64_t now_ns)
 {
@@ -342,7 +343,7 @@ static const char *verdict_word(const ect_scenario_t *s)
     return s->steps_left > 0 ? "running" : "over";
 }
 
-/* @param step  that has begun or ended; NULL: none */
+/* @param step  the step that has begun or ended; NULL: none */
 static void show_progress(ect_scenario_t *s, const ect_scenario_step_t *step)
 {
     ect_progress_t *p = &s->progress;
@@ -365,7 +366,7 @@ static void step_over(ect_scenario_t *s, ect_scenario_step_t *step)
     ECT_ASSERT(step->progress != ECT_STEP_OVER && s->steps_left > 0);
     step->progress = ECT_STEP_OVER;
     s->steps_left--;
-    s->acted = true; /* a bus without traffic shows it to its clients */
+    s->acted = true; /* clients of a bus without traffic receive the change */
     show_progress(s, step);
 }
 
@@ -383,7 +384,7 @@ static void judge(ect_scenario_t *s, ect_scenario_step_t *step, bool met, const 
         s->judged(s->ctx, step);
 }
 
-/* Sets signals; with an end the value of the one before is noted first. */
+/* Sets signals; if the step has an end, the previous value is stored first. */
 static void set_signals(const ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step, uint64_t now_ns)
 {
     enum { MOST = ECT_STEP_ACTION / 4 };
@@ -400,7 +401,7 @@ static void set_signals(const ect_scenario_t *s, ect_chain_t *chain, ect_scenari
         refuse(s, step, message);
 }
 
-/* The end of SET: a step with an end has one signal. */
+/* Restores the value at the end of SET: a step with an end has one signal. */
 static void set_again(const ect_scenario_t *s, ect_chain_t *chain, const ect_scenario_step_t *step, uint64_t now_ns)
 {
     char room[ECT_STEP_ACTION], message[ECT_SIGNAL_MESSAGE];
@@ -446,7 +447,7 @@ static void undo(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *ste
         set_again(s, chain, step, now_ns);
 }
 
-/* Whether the condition of an expectation is fulfilled now; if not, `why` is a line. */
+/* @return whether the condition of an expectation is fulfilled now. @param[out] why on false, a line with the reason */
 static bool is_as_expected(const ect_chain_t *chain, const ect_step_t *plan, char *why)
 {
     ect_condition_t condition;
@@ -459,7 +460,8 @@ static bool is_as_expected(const ect_chain_t *chain, const ect_step_t *plan, cha
     return ect_condition_met(&condition, value);
 }
 
-/* An expectation without an end is judged at once; one that holds fails at once, any other is met at once. */
+/* Judges an expectation. Without an end the verdict is immediate. An expectation for a time fails as soon as its
+ * condition is false; an expectation within a time is met as soon as its condition is true. */
 static void expect(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step, uint64_t now_ns)
 {
     char why[ECT_STEP_MESSAGE];
@@ -467,12 +469,12 @@ static void expect(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *s
     bool met = is_as_expected(chain, plan, why);
     bool ends = plan->until.kind == ECT_MILESTONE_NONE || is_reached(s, chain, step, &plan->until, now_ns);
     if (ends && plan->repeats)
-        met = true; /* it was so as long as the slave was in the state */
+        met = true; /* the condition was true throughout the state */
     if (ends || met != plan->holds)
         judge(s, step, met, met ? "" : why);
 }
 
-/* A step that acts: its end, if that has come. */
+/* Ends an active step if its end is reached. */
 static void go_on(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step, uint64_t now_ns)
 {
     const ect_step_t *plan = &step->plan;
@@ -496,7 +498,7 @@ static void go_on(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *st
     }
 }
 
-/* As far as the step comes now. @return the time at which it goes on, ECT_NEVER: not by time */
+/* Advances a step as far as possible. @return the time at which it continues; ECT_NEVER: not by time */
 static uint64_t advance(ect_scenario_t *s, ect_chain_t *chain, ect_scenario_step_t *step, uint64_t now_ns)
 {
     const ect_step_t *plan = &step->plan;
@@ -521,8 +523,8 @@ static void begin(ect_scenario_t *s, uint64_t now_ns)
     show_progress(s, NULL);
 }
 
-/* Plays the rows of tables that are due, those of one time at once: after a late call the devices and clients see the
- * values of each time. @return when the next one is due */
+/* Plays due rows of tables, one time after the other, so that devices and clients receive the values of each time even
+ * after a late call. @return the time at which the next row is due */
 static uint64_t play_tables(ect_scenario_t *s, ect_chain_t *chain, uint64_t now_ns)
 {
     uint64_t next_ns = ECT_NEVER;
@@ -620,7 +622,7 @@ static void apply_fault(ect_scenario_t *s, const ect_fault_t *fault, uint8_t *fr
     }
 }
 
-/* Whether a datagram of the frame is a logical one. */
+/* @return whether the frame contains a logical datagram */
 static bool has_process_data(const uint8_t *frame, size_t length)
 {
     size_t at = ect_frame_datagrams(frame, length);
@@ -653,7 +655,7 @@ ect_frame_effects_t ect_scenario_frame(ect_scenario_t *s, ect_chain_t *chain, ui
             s->set[kept++] = s->set[i];
     }
     s->set_count = kept;
-    if (!effects.lose_request) /* else it would happen to the next one */
+    if (!effects.lose_request) /* else the effect would apply to the next frame */
         ect_wires_end(&s->wires, chain);
     return effects;
 }

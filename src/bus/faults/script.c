@@ -10,7 +10,7 @@
 
 enum { NS_PER_S = 1000000000 };
 
-_Static_assert((int)ECT_STEP_LINE >= (int)ECT_WORDS_ROOM, "a line has room");
+_Static_assert((int)ECT_STEP_LINE >= (int)ECT_WORDS_ROOM, "the room exceeds a line");
 static const ect_words_limits_t limits = {"a line", " \t", ECT_WORDS_ROOM - 1, ECT_WORDS_MOST};
 
 static bool take_number(ect_words_t *w, uint64_t minimum, uint64_t maximum, uint64_t *value)
@@ -44,7 +44,7 @@ static bool take_duration(ect_words_t *w, uint64_t *ns)
 
 /* --- milestones --------------------------------------------------------------------------------------------------- */
 
-/* "slave 1 in OP again", all but the state may be left out. */
+/* "slave 1 in OP again": only the state is mandatory. */
 static bool take_state(ect_words_t *w, ect_milestone_t *m)
 {
     uint64_t slave = 0;
@@ -123,7 +123,7 @@ static bool set_until(ect_words_t *w, ect_step_t *step, const ect_milestone_t *m
     return true;
 }
 
-/* "while in PREOP": begins in the state, ends when it is left. */
+/* "while in PREOP": begins in the state, and ends outside. */
 static bool add_while(ect_words_t *w, ect_step_t *step, const ect_milestone_t *m, const char *word)
 {
     ect_milestone_t left = *m;
@@ -134,7 +134,7 @@ static bool add_while(ect_words_t *w, ect_step_t *step, const ect_milestone_t *m
     return true;
 }
 
-/* A milestone, from its first word on. */
+/* Reads a milestone, from its first word on. */
 static bool read_milestone(ect_words_t *w, ect_step_t *step)
 {
     ect_milestone_t m;
@@ -230,7 +230,7 @@ static bool is_signal(const ect_step_t *step, const char *text)
     return is_one && (step->action == ECT_ACTION_EXPECT || condition.relation == '=');
 }
 
-/* The number or the name of a twin. */
+/* Reads the number or the name of a twin. */
 static bool is_twin(const ect_names_t *names, const char *word, uint16_t *slave)
 {
     uint64_t number = ect_names_find(names, word, strlen(word));
@@ -245,7 +245,7 @@ static const char *signals_wanted(const ect_step_t *step)
                                           : "expected 'expect NAME=VALUE', with =, !=, < or >";
 }
 
-/* The signals of a line are many only in a 'set' without an end. */
+/* Several signals in a line are permitted only in a 'set' without an end. */
 static bool check_count(ect_words_t *w, const ect_step_t *step, size_t count)
 {
     if (count == 0)
@@ -268,7 +268,7 @@ static bool read_signals(ect_words_t *w, const char *const *word, ect_step_t *st
         uint16_t slave = step->slave;
         const char *signal = read_slave(w->names, *word, &slave);
         if (count > 0 && slave != step->slave)
-            return ect_words_wrong(w, "the signals of a line are of one slave: write a line for each slave", *word);
+            return ect_words_wrong(w, "all signals of a line belong to one slave: write a line for each slave", *word);
         step->slave = slave;
         if (!is_signal(step, signal))
             return ect_words_wrong(w, signals_wanted(step), *word);
@@ -280,7 +280,7 @@ static bool read_signals(ect_words_t *w, const char *const *word, ect_step_t *st
     return check_count(w, step, count);
 }
 
-/* Whether there is something that its end takes back. */
+/* @return whether the step has an effect that its end can revert */
 static bool can_end(const ect_fault_t *fault)
 {
     return ect_fault_is_of_frames(fault) || ect_fault_is_above_wire(fault) || fault->kind == ECT_FAULT_HANG ||
@@ -300,7 +300,7 @@ static bool read_fault(ect_words_t *w, const char *const *word, ect_step_t *step
            ect_words_wrong(w, "'while', 'until' and 'for' need a fault that lasts", text);
 }
 
-/* The words that belong to no milestone. */
+/* Collects the words that belong to no milestone. */
 static bool read_action(ect_words_t *w, const char *const *word, ect_step_t *step)
 {
     bool expects = *word && strcmp(*word, "expect") == 0;
@@ -311,7 +311,7 @@ static bool read_action(ect_words_t *w, const char *const *word, ect_step_t *ste
     return read_fault(w, word, step);
 }
 
-/* The slave that an action names; 0: none. */
+/* @return the slave named by an action; 0: none */
 static uint16_t slave_of(const ect_step_t *step)
 {
     if (step->action != ECT_ACTION_FAULT)

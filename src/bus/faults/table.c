@@ -69,12 +69,12 @@ bool ect_table_add(ect_table_t *table, uint64_t due_ns, const char *const *value
 
 /* --- rows between rows -------------------------------------------------------------------------------------------- */
 
-/* Most rows of a table that is refined. */
+/* Limit of rows of an interpolated table. */
 enum { REFINED_MOST = 1000000 };
 
-/* Two numbers of a column, one above and one below the present time. */
+/* Two numbers of a column, before and after the present time. */
 typedef struct line {
-    size_t to; /* row of the second; the number of rows: there is none */
+    size_t to; /* row of the second number; the number of rows: none */
     bool numbers, whole;
     double from_value, to_value;
     uint64_t from_ns, to_ns;
@@ -87,7 +87,7 @@ static bool read_number(const char *text, double *value)
     return end != text && *end == 0 && isfinite(*value);
 }
 
-/* Moves on to the line behind a row. */
+/* Advances to the next segment after a row. */
 static void follow(const ect_table_t *table, size_t column, size_t row, line_t *line)
 {
     const char *from = table->rows[row]->values[column];
@@ -117,7 +117,7 @@ static const char *text_between(const line_t *line, uint64_t now_ns, char *text,
     return text;
 }
 
-/* @param row  whose values precede those on the lines; NULL: none */
+/* @param row  whose own values take precedence; NULL: none */
 static bool add_row(ect_table_t *refined, const line_t *lines, const ect_table_row_t *row, uint64_t now_ns)
 {
     char texts[ECT_TABLE_COLUMNS][32];

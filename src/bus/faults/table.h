@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A table of signals that is played in time: rows of values, each due at its time.
+ * A table of signals over time: rows of values, each due at its time.
  *
  * This file uses no clock; memory comes from the heap. Context: the thread of the runner. Cost: a comparison while no
  * row is due.
@@ -27,26 +27,26 @@ typedef struct ect_table_row {
     char *values[]; /* by column; NULL: not set */
 } ect_table_row_t;
 
-/** Private, but for `slave`. */
+/** Private, except `slave`. */
 typedef struct ect_table {
     struct ect_table *next;
     uint16_t slave; /**< from 1 */
     size_t columns, count, room, done;
-    uint64_t base_ns, period_ns; /* of the present round, and of a loop; 0: played once */
+    uint64_t base_ns, period_ns; /* start of the present repetition, and length of a repetition; 0: played once */
     char *names[ECT_TABLE_COLUMNS];
     ect_table_row_t **rows;
 } ect_table_t;
 
 /**
  * Makes an empty table for one slave.
- * @param names  of its signals, `columns` (1..ECT_TABLE_COLUMNS) of them; copied
+ * @param names  of the signals, `columns` (1..ECT_TABLE_COLUMNS) of them; copied
  * @return NULL: out of memory. To be freed with ::ect_table_free
  */
 ect_table_t *ect_table_new(uint16_t slave, const char *const *names, size_t columns);
 
 /**
  * Adds a row.
- * @param due_ns  since the beginning of the run, not before that of the row above
+ * @param due_ns  since the beginning of the run, not before that of the previous row
  * @param values  by column; empty: the signal keeps its value. Copied
  * @return false: out of memory
  */
@@ -60,10 +60,10 @@ bool ect_table_add(ect_table_t *table, uint64_t due_ns, const char *const *value
  */
 const char *ect_table_refine(ect_table_t *table, uint64_t every_ns);
 
-/** Lets a table begin again at the time of its last row, for ever. @return false: this time is 0 */
+/** Makes a table repeat from its beginning at the time of its last row, endlessly. @return false: this time is 0 */
 bool ect_table_loop(ect_table_t *table);
 
-/** Frees a table and those behind it. NULL: no effect */
+/** Frees a table and all tables linked after it. NULL: no effect */
 void ect_table_free(ect_table_t *table);
 
 /**

@@ -45,7 +45,7 @@ static void write_value(const ect_signal_t *signal, double value, char text[32])
         strcpy(text, "0");
 }
 
-/* @return the number of the wave of a signal; `count`: it has none */
+/* @return the number of the wave of a signal; `count`: none */
 static size_t find(const ect_waves_t *waves, size_t position, const char *name)
 {
     size_t i = 0;
@@ -77,7 +77,7 @@ bool ect_waves_set(ect_waves_t *waves, const ect_chain_t *chain, const ect_wave_
 {
     const size_t place = find(waves, wave->position, wave->name);
     if (!(wave->low <= wave->high) || wave->period_ns < SHORTEST_NS) {
-        snprintf(message, ECT_SIGNAL_MESSAGE, "a wave goes from low to high, in a period of 0.01 s or more");
+        snprintf(message, ECT_SIGNAL_MESSAGE, "a wave needs low <= high, and a period of 0.01 s or more");
         return false;
     }
     if (place == ECT_WAVES) {

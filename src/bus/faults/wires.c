@@ -30,7 +30,7 @@ void ect_frame_count(uint8_t *frame, size_t length, int32_t by)
 
 /* --- kept frames -------------------------------------------------------------------------------------------------- */
 
-/* @return whether there is room for it */
+/* @return whether a further frame can be kept */
 static bool keep(ect_wires_t *w, const ect_crossing_t *c, uint64_t due_ns, uint64_t due_frame, bool slow)
 {
     ect_kept_t **last = &w->kept;
@@ -48,7 +48,7 @@ static bool keep(ect_wires_t *w, const ect_crossing_t *c, uint64_t due_ns, uint6
     return true;
 }
 
-/* The time at which the wire is free of delayed frames; 0: now. */
+/* @return the time at which the wire is free of delayed frames; 0: now */
 static uint64_t free_at(const ect_wires_t *w, const ect_crossing_t *c)
 {
     uint64_t free_ns = 0;
@@ -108,14 +108,14 @@ static void cut(ect_wires_t *w, ect_crossing_t *c, size_t bytes)
     w->cut += bytes;
 }
 
-/* Keeps the frame, if there is room. */
+/* Keeps the frame, if the limit permits. */
 static bool delay_frame(ect_wires_t *w, const ect_crossing_t *c, uint64_t due_ns, uint64_t due_frame, bool slow)
 {
     w->result = keep(w, c, due_ns, due_frame, slow) ? ECT_WIRES_KEEP : ECT_WIRES_LOST;
     return false;
 }
 
-/* @return whether the frame goes on */
+/* @return whether the frame continues */
 static bool apply_fault(ect_wires_t *w, const ect_fault_t *fault, ect_crossing_t *c, uint64_t free_ns)
 {
     switch (fault->kind) {
@@ -144,7 +144,7 @@ static bool apply_fault(ect_wires_t *w, const ect_fault_t *fault, ect_crossing_t
     }
 }
 
-/* None overtakes another on a wire that is slow. */
+/* Frames never overtake each other on a slow wire. */
 static bool cross(void *ctx, ect_crossing_t *c)
 {
     ect_wires_t *w = ctx;

@@ -39,15 +39,15 @@ typedef struct client {
 
 struct ect_modbus_server {
     int fd, epoll;
-    uint32_t ready;    /* bit n: client n; one more bit for ACCEPT */
+    uint32_t ready;    /* bit n: client n; a further bit for ACCEPT */
     uint32_t turn;     /* next client to serve */
     uint64_t retry_ns; /* next accept() after a lack of descriptors; ECT_NEVER: none */
     uint64_t due_ns;   /* cached ect_modbus_server_due, which is called for each frame */
     client_t clients[ECT_MODBUS_CLIENTS];
     modbus_t *replies;
     modbus_mapping_t mapping;
-    int replied[2]; /* for observers: libmodbus writes to the first, the reply is read from the second; -1: replies go
-                       to clients */
+    int replied[2]; /* for observers: libmodbus writes to the first, the server reads the reply from the second; -1:
+                       replies go to clients */
     ect_modbus_observer_t *observer; /* NULL: none */
     void *observer_ctx;
     char address[ECT_ADDRESS_TEXT];

@@ -7,7 +7,8 @@
  * present request of one client and replies to it; the next call serves the next client. The server stores at most one
  * request of each client; further bytes wait in the socket, where TCP's flow control stops the client. A client that
  * does not read its replies is not served meanwhile. The device sets the number of connections. A further connection is
- * closed at once, as is one without a request for the device's timeout, or with bytes that are not Modbus TCP.
+ * closed at once; so is a connection without a request during the device's timeout, or with bytes that are not Modbus
+ * TCP.
  *
  * Every unit identifier gets a reply, because the IP address alone selects the server (MODBUS Messaging on TCP/IP
  * Implementation Guide V1.0b §4.4.2.1).
@@ -52,7 +53,7 @@ ect_modbus_server_t *ect_modbus_server_at(int fd, char *message);
 /** Closes a server. NULL: no effect */
 void ect_modbus_server_close(ect_modbus_server_t *server);
 
-/** The address of the server, "127.0.0.1:1502", "[::1]:502"; valid until it is closed. */
+/** @return the address of the server, "127.0.0.1:1502", "[::1]:502"; valid until the server is closed. */
 const char *ect_modbus_server_address(const ect_modbus_server_t *server);
 
 /** A descriptor that is readable when ::ect_modbus_server_serve has work. */

@@ -4,8 +4,8 @@
  * The EEPROM of a twin on a PC, in a file that keeps the words written by a master.
  *
  * The file contains two images: that of the twin's description (the factory image) and the present one. If the
- * description gives another image at the next start (a newer ectwin, other options), each word written by the master is
- * kept, unless the factory image has a new value for this word, which then prevails.
+ * description results in another image at the next start (a newer ectwin, other options), each word written by the
+ * master is kept, unless the factory image has a new value for this word, which then prevails.
  */
 #ifndef ECT_BUS_STORAGE_EEPROM_H
 #define ECT_BUS_STORAGE_EEPROM_H

@@ -168,12 +168,12 @@ static const char *why_not(const ect_device_t *device)
 {
     size_t count = 0;
     if (device->mailbox_protocols == 0)
-        return "it has no mailbox";
+        return "the device has no mailbox";
     for (const ect_protocol_t *const *p = device->protocols; p && *p; p++, count++) {
         if ((*p)->type == ECT_MAILBOX_TYPE_FOE && (*p)->request)
-            return "it has files of its own";
+            return "the device has files of its own";
     }
-    return count <= PROTOCOLS ? NULL : "it has too many protocols";
+    return count <= PROTOCOLS ? NULL : "the device has too many protocols";
 }
 
 static void make_device(ect_files_t *f, const ect_device_t *device)

@@ -17,8 +17,8 @@
 #include "wire/assert.h"
 
 /* A file consists of a header and a bank. Reads use a copy of the bank in memory, so changes of the file by other
- * programs have no effect on the twin. Without a path there is no file. The C library's aio thread waits for the disk.
- */
+ * programs have no effect on the twin. Without a path the bank is only in memory. The C library's aio thread waits for
+ * the disk. */
 enum { HEAD = 32, FILE_SIZE = HEAD + ECT_MEMORY_BANK, NAME = ECT_MEMORY_PATH + 16, MOST_KEPT = 9 };
 
 static const uint8_t head[HEAD] = "ectwin store 1\n";
@@ -26,7 +26,7 @@ static const uint8_t head[HEAD] = "ectwin store 1\n";
 typedef struct bank {
     int fd; /* -1: none */
     uint8_t *image;
-    bool written; /* written since the start of the last synchronisation */
+    bool written; /* whether bytes were written since the start of the last synchronisation */
     bool syncing;
     struct aiocb sync;
 } bank_t;

@@ -726,7 +726,7 @@ static void refused_lines(void **state)
         {"set ru1.on", "expected 'set NAME=VALUE'"},
         {"set ru1.on>1", "expected 'set NAME=VALUE'"},
         {"set a=1 b=2 for 1s", "expected one signal"},
-        {"set a=1 2:b=2", "the signals of a line are of one slave: write a line for each slave"},
+        {"set a=1 2:b=2", "all signals of a line belong to one slave: write a line for each slave"},
         {"expect", "expected 'expect NAME=VALUE'"},
         {"expect a=1 b=2", "expected one signal"},
         {"expect a<b", "expected 'expect NAME=VALUE'"},

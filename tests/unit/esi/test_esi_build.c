@@ -897,7 +897,7 @@ static void protocols(void **state)
         {"SoE and VoE beside CoE", MAILBOX("<CoE/><SoE/><VoE/>"), ECT_MAILBOX_COE | ECT_MAILBOX_SOE | ECT_MAILBOX_VOE,
          ECT_COE_SDO, 4, "VoE answered with \"unsupported protocol\""},
         {"without SyncManagers", ESI_DEVICE("<Mailbox><CoE/></Mailbox>" ESI_EEPROM), 0, 0, 0,
-         "it has mailbox protocols and no mailbox SyncManagers 0 and 1: it has no mailbox"},
+         "it has mailbox protocols and no mailbox SyncManagers 0 and 1: the device has no mailbox"},
         {"SyncManagers without protocols", ESI_DEVICE(MAIL ESI_EEPROM), 0, 0, 0,
          "line 2: SyncManager 0 is for a mailbox, and the device has none: it is unused (and 1 more like it)"},
     };

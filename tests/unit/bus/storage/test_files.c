@@ -382,7 +382,7 @@ static void most_protocols_of_a_device(void **state)
         ect_files_t *opened = ect_files_open(folder, &device, 0, message);
         assert_true((opened != NULL) == (count <= MOST));
         if (opened == NULL) {
-            assert_non_null(strstr(message, "it has too many protocols"));
+            assert_non_null(strstr(message, "the device has too many protocols"));
             continue;
         }
         const ect_protocol_t *const *all = ect_files_device(opened)->protocols;
@@ -401,9 +401,9 @@ static void refused_devices(void **state)
     (void)state;
     none.mailbox_protocols = 0;
     assert_null(ect_files_open(folder, &none, 0, message));
-    assert_non_null(strstr(message, "it has no mailbox"));
+    assert_non_null(strstr(message, "the device has no mailbox"));
     assert_null(ect_files_open(folder, ect_files_device(files), 0, message));
-    assert_non_null(strstr(message, "it has files of its own"));
+    assert_non_null(strstr(message, "the device has files of its own"));
     assert_null(ect_files_open("/no/such/folder", &testdev, 0, message));
     assert_string_equal(message, "cannot open the folder '/no/such/folder' for files: No such file or directory");
     assert_null(ect_files_open(outside, &testdev, 0, message));
