@@ -9,7 +9,7 @@
 #include "wire/bytes.h"
 #include "wire/registers.h"
 
-/* Offsets in a mail, and the smallest one with an SDO in it. */
+/* Offsets in a mail, and the length of the shortest mail with an SDO. */
 enum { COUNTER = 5, COE = 6, SDO = 8, SDO_INDEX = 9, SDO_SUB = 11, SDO_CODE = 12, SDO_MAIL = 16 };
 enum { REQUEST = 2, RESPONSE = 3 };                             /* services of CoE */
 enum { SEGMENT_DOWN, START_DOWN, START_UP, SEGMENT_UP, ABORT }; /* SDO requests */
@@ -21,7 +21,7 @@ typedef struct rule {
     uint64_t seen;
 } rule_t;
 
-/* An SDO transfer: the last one that was requested. */
+/* The last requested SDO transfer. */
 typedef struct transfer {
     uint16_t index;
     uint8_t sub;
@@ -36,16 +36,16 @@ struct ect_above {
     rule_t rules[ECT_ABOVE_FAULTS];
     size_t count;
     transfer_t transfer;
-    uint8_t request[MAIL_ROOM]; /* as the stack reads it */
+    uint8_t request[MAIL_ROOM]; /* as read by the stack */
     uint8_t request_counter;
-    uint32_t abort_code;     /* of the request; 0: it is not aborted, and reads as it is */
-    uint16_t refused_code;   /* of the AL control that was read last */
-    bool refused;            /* ... and not yet noted in the slave */
-    uint8_t mail[MAIL_ROOM]; /* the last one on its way into SM1 */
+    uint32_t abort_code;     /* of the request; 0: the request is not aborted, and is read unchanged */
+    uint16_t refused_code;   /* of the last AL control read by the stack */
+    bool refused;            /* ... and not yet set in the slave */
+    uint8_t mail[MAIL_ROOM]; /* the last mail on its way into SM1 */
     uint16_t start, last, length;
     bool kept;    /* `mail` is sent at due_ns */
-    bool again;   /* `mail` is sent once more when the master has fetched it */
-    bool fetched; /* the stack is to take SM1 as empty */
+    bool again;   /* `mail` is sent again after the master has fetched it */
+    bool fetched; /* SM1 is reported to the stack as empty */
     uint64_t due_ns;
 };
 
@@ -86,7 +86,7 @@ uint64_t ect_above_seen(const ect_above_t *a, uint32_t tag)
     return seen;
 }
 
-/* Whether a fault concerns this one of those that it sees. */
+/* @return whether a fault applies to the present event among those that it counts */
 static bool applies(rule_t *rule)
 {
     return ect_fault_applies(&rule->fault, ++rule->seen, &rule->fault.seed);
@@ -103,7 +103,7 @@ static void end_those_over(ect_above_t *a)
     a->count = kept;
 }
 
-/* Whether the transfer is one of those that a fault names. */
+/* @return whether a fault names the transfer */
 static bool is_of(const transfer_t *t, const ect_fault_object_t *object)
 {
     return t->direction != ECT_FAULT_ANY_TRANSFER && object->index == t->index &&
@@ -124,7 +124,7 @@ static bool is_sdo(const uint8_t *mail, unsigned int service)
            mail[COE + 1] >> 4 == service;
 }
 
-/* The transfer goes on, or another one begins. */
+/* Follows the transfer: the present one continues, or another one begins. */
 static void follow_transfer(ect_above_t *a, const uint8_t *mail)
 {
     transfer_t *t = &a->transfer;
@@ -138,7 +138,7 @@ static void follow_transfer(ect_above_t *a, const uint8_t *mail)
         t->direction = command == START_UP ? ECT_FAULT_UPLOAD : ECT_FAULT_DOWNLOAD;
 }
 
-/* The stack reads an upload of object 0000h instead, which it aborts: the device never gets the request. */
+/* Aborts a request before the device gets it: the stack reads an upload of object 0000h instead, and aborts that. */
 static void replace_request(ect_above_t *a, uint32_t code)
 {
     uint8_t *mail = a->request;
@@ -163,7 +163,7 @@ static void check_sdo(ect_above_t *a)
     end_those_over(a);
 }
 
-/* A request that the master repeats is the same one again. */
+/* @return whether the request is new: a request repeated by the master counts once */
 static void take_request(ect_above_t *a, uint16_t start)
 {
     const uint8_t *mail = a->esc->config.memory + start;
@@ -184,7 +184,7 @@ static void take_request(ect_above_t *a, uint16_t start)
 
 /* --- AL control and SyncManagers ---------------------------------------------------------------------------------- */
 
-/* The request reads as one for the present state, or for a state that does not exist. */
+/* Changes a request in AL control into one for the present state, or for a state that does not exist. */
 static void change_al_control(ect_above_t *a, uint8_t *control)
 {
     uint8_t state = a->esc->config.memory[ECT_REG_AL_STATUS] & 0x0F;
@@ -202,7 +202,7 @@ static void change_al_control(ect_above_t *a, uint8_t *control)
     }
 }
 
-/* The process data of the device are longer than described, so those of the master read as shorter. */
+/* Simulates process data longer than described: the length set by the master is read as shorter. */
 static void change_sizes(const ect_above_t *a, uint8_t *registers, uint16_t length)
 {
     for (size_t i = 0; i < a->count; i++) {
@@ -246,7 +246,7 @@ static bool is_segment(const uint8_t *mail)
     return is_sdo(mail, RESPONSE) && mail[SDO] >> 5 <= START_DOWN;
 }
 
-/* Whether a fault has to do with the mail at all. */
+/* @return whether any fault applies to the mail */
 static bool sees_mail(const ect_above_t *a, const ect_fault_t *fault)
 {
     bool sdo = is_sdo(a->mail, RESPONSE) || is_sdo(a->mail, REQUEST);
@@ -255,7 +255,7 @@ static bool sees_mail(const ect_above_t *a, const ect_fault_t *fault)
            (!fault->object.named || (sdo && is_of(&a->transfer, &fault->object)));
 }
 
-/* That of the mail before: 1 to 7, then 1. */
+/* @return the counter of the previous mail; the values are 1 to 7, then 1 */
 static unsigned int counter_before(const uint8_t *mail)
 {
     unsigned int counter = (mail[COUNTER] >> 4) & 7u;
@@ -307,7 +307,7 @@ static void forget_mails(ect_above_t *a)
     a->kept = a->again = a->fetched = false;
 }
 
-/* The mail is complete: changed, and sent unless it is late or lost. */
+/* Handles a complete mail: changes it, and sends it unless it is late or lost. */
 static void send_mail(ect_above_t *a)
 {
     forget_mails(a);

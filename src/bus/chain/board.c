@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Boards whose times twins can take. tests/check/cycles.sh counts the instructions on a Cortex-M4 and compares them
- * with those here.
+ * Boards whose times twins can have. tests/check/cycles.sh counts the instructions on a Cortex-M4 and compares the
+ * counts with this file.
  */
 #include <string.h>
 

@@ -29,7 +29,7 @@ size_t ect_cabling_check(const ect_twin_config_t *twins, size_t count)
     return wrong;
 }
 
-/* Initially every plug is in, and nothing is connected behind the last slave. */
+/* Initially all plugs are plugged in, and nothing is connected behind the last slave. */
 static void plug_all_in(ect_cabling_t *cabling)
 {
     for (size_t i = 0; i < cabling->count; i++) {

@@ -21,23 +21,23 @@ enum { REST_NS = 25000 };
 
 struct ect_chain {
     ect_cabling_t cabling;
-    ect_twin_t *twins; /* those of the cabling */
+    ect_twin_t *twins; /* as in the cabling */
     bool links_due;    /* a plug may have been pulled, or a twin switched off, since the links were updated */
     bool delays_due;   /* a link or a loop may have changed since the delays were computed */
     ect_guard_t guard; /* of the next frame; NULL: none */
     void *guard_ctx;
     ect_fast_t *fast;
-    ect_deadlines_t *deadlines; /* of twins: no later than when the twin or its ESC wants to run */
+    ect_deadlines_t *deadlines; /* of twins, not later than the deadline of the twin or of its ESC */
     uint64_t *ready;            /* one bit for each twin: to be served by the next poll */
     uint64_t *owing;            /* one bit for each twin: its inputs are held since ect_chain_catch_up() */
-    bool owes, catching_up;     /* there is such a bit; the present poll is that of ect_chain_catch_up() */
-    uint64_t now_ns;            /* time of the last call that had one */
+    bool owes, catching_up;     /* a bit is set in `held`; the present poll is that of ect_chain_catch_up() */
+    uint64_t now_ns;            /* time of the last call with a time */
     uint64_t rests_ns;          /* no wake-up before */
     uint64_t frame_ns;          /* time of the last frame; 0: none yet */
-    uint64_t fast_frame_ns; /* time of the last frame that took the fast path through the first `fast_reach` twins */
+    uint64_t fast_frame_ns;     /* time of the last frame on the fast path, through the first `fast_reach` twins */
     size_t fast_reach;
-    uint8_t *pool; /* memory of all ESCs and buffers in one block: the system provides pages when they are written to */
-    ect_twin_snapshot_t *kept; /* one a twin; NULL: none was kept yet */
+    uint8_t *pool; /* memory of all ESCs and buffers in one block: the system allocates pages at the first write */
+    ect_twin_snapshot_t *kept; /* one for each twin; NULL: none yet */
     const ect_names_t *names;  /* NULL: none */
     const ect_plant_t *shown;  /* signals of the bus; NULL: none */
     void *shown_instance;
@@ -61,7 +61,7 @@ static void make_ready(ect_chain_t *chain, size_t i)
     ect_bits_add(chain->ready, i);
 }
 
-/* The twin has seen a frame, which may change the deadline of its ESC. */
+/* Records a frame of the twin, which may change the deadline of its ESC. */
 static inline void mark_frame(ect_chain_t *chain, size_t i)
 {
     uint64_t due_ns = ect_esc_due(&chain->twins[i].esc);
@@ -78,7 +78,7 @@ static void mark_touched(ect_chain_t *chain)
         mark_frame(chain, touched[k]);
 }
 
-/* The fast path postpones some work. Due before a controller is accessed in any other way. */
+/* Does work postponed by the fast path. Due before a controller is accessed in any other way. */
 static void settle(ect_chain_t *chain)
 {
     ect_fast_settle(chain->fast);
@@ -264,7 +264,7 @@ void ect_chain_guard(ect_chain_t *chain, ect_guard_t guard, void *ctx)
     chain->guard_ctx = ctx;
 }
 
-/* The frame may have reached any twin. */
+/* Handles a frame that may have reached any twin. */
 static void mark_all(ect_chain_t *chain)
 {
     for (size_t i = 0; i < chain->cabling.count; i++) {
@@ -300,8 +300,8 @@ ect_end_t ect_chain_resume(ect_chain_t *chain, const ect_crossing_t *from, uint6
     return out;
 }
 
-/* Runs the ESCs whose deadline has passed: other twins' frames may show the effect. The next poll also attends to these
- * twins, not this call, since a frame may be waiting. */
+/* Runs the ESCs whose deadline has passed: the effect may be visible in frames of other twins. The twins run at the
+ * next poll, not in this call, because a frame may be waiting. */
 static void tick_due(ect_chain_t *chain, uint64_t now_ns)
 {
     size_t i;
@@ -320,7 +320,7 @@ static uint64_t last_frame(const ect_chain_t *chain, size_t i)
     return i < chain->fast_reach && chain->fast_frame_ns > slow_ns ? chain->fast_frame_ns : slow_ns;
 }
 
-/* Before the reach changes, each twin within the old one notes its last frame. */
+/* Records the last frame in each twin within the reach, before the reach changes. */
 static void mark_reach(ect_chain_t *chain, size_t reach)
 {
     if (reach == chain->fast_reach)
@@ -370,7 +370,7 @@ const ect_esc_t *ect_chain_time_source(ect_chain_t *chain, const uint8_t *datagr
     return ect_fast_time_source(chain->fast, datagram, takes);
 }
 
-/* A master may configure a pulse every nanosecond. The ESC counts them all; the chain asks for fewer wake-ups. */
+/* A master may configure a pulse every nanosecond. The ESC counts each pulse; the chain limits the rate of wake-ups. */
 static void tick_esc(ect_chain_t *chain, ect_twin_t *twin, uint64_t now_ns)
 {
     bool woken = now_ns >= twin->esc_ns;
@@ -379,7 +379,7 @@ static void tick_esc(ect_chain_t *chain, ect_twin_t *twin, uint64_t now_ns)
         chain->rests_ns = now_ns + REST_NS;
 }
 
-/* The slave stack, which holds its inputs while the chain catches up. @return whether the twin has restarted */
+/* Runs the slave stack, which keeps its inputs while the chain catches up. @return whether the twin has restarted */
 static bool poll_slave(ect_chain_t *chain, size_t i, uint64_t now_ns)
 {
     ect_twin_t *twin = &chain->twins[i];
@@ -430,7 +430,7 @@ static void wake(void *chain, size_t position)
     ect_chain_wake(chain, position);
 }
 
-/* A value may pass through as many twins as there are connections. */
+/* Runs the connections repeatedly, because a value may pass through as many twins as there are connections. */
 static void run_connections(ect_chain_t *chain, uint64_t now_ns)
 {
     for (size_t round = 0; round < chain->connection_count; round++) {
@@ -451,7 +451,7 @@ bool ect_chain_connect(ect_chain_t *chain, const ect_connection_t *list, size_t 
     return true;
 }
 
-/* The inputs that were held are due. */
+/* Makes held inputs due. */
 static void release_inputs(ect_chain_t *chain)
 {
     chain->owes = false;
@@ -491,7 +491,7 @@ uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
         update_links(chain);
     if (chain->delays_due)
         update_delays(chain);
-    uint64_t quiet_ns = chain->frame_ns + ECT_INDICATOR_TRAFFIC_NS; /* then lamps change */
+    uint64_t quiet_ns = chain->frame_ns + ECT_INDICATOR_TRAFFIC_NS; /* the lamps change at that time */
     uint64_t next_ns = ect_later(ect_deadlines_first(chain->deadlines, &i), chain->rests_ns);
     if (chain->connections)
         next_ns = ect_earlier(next_ns, ect_connections_next(chain->connections));
@@ -546,7 +546,7 @@ bool ect_chain_next_signal(const ect_chain_t *chain, size_t position, ect_chain_
     return found;
 }
 
-/* The name of a signal whose first part is the name of a twin. */
+/* Finds a signal whose name begins with the name of a twin. */
 static bool is_hidden(const ect_chain_t *chain, const ect_names_t *names, size_t position, char *message)
 {
     ect_chain_cursor_t cursor = {0};
@@ -566,7 +566,7 @@ static bool is_hidden(const ect_chain_t *chain, const ect_names_t *names, size_t
 
 bool ect_chain_set_names(ect_chain_t *chain, const ect_names_t *names, char *message)
 {
-    const char scenario[] = "scenario"; /* signals that are shown later (ect_chain_show) */
+    const char scenario[] = "scenario"; /* signals added later (ect_chain_show) */
     if (ect_names_find(names, scenario, strlen(scenario)) != 0) {
         (void)snprintf(message, ECT_SIGNAL_MESSAGE,
                        "the name 'scenario' hides the signals of a scenario: choose another name");

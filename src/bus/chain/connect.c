@@ -15,7 +15,7 @@ typedef struct delayed {
 typedef struct line {
     ect_connection_t c;
     bool known, set;              /* `last` is a value of the source, `sent` one of the target */
-    uint8_t last[sizeof(double)]; /* as the instance holds it */
+    uint8_t last[sizeof(double)]; /* as in the instance */
     double sent;
     delayed_t *values; /* a ring; NULL: no delay */
     size_t first, count;
@@ -34,7 +34,7 @@ bool ect_connection_fits(const ect_connection_t *c)
 
 /* --- loops -------------------------------------------------------------------------------------------------------- */
 
-/* Whether `from` reaches `to` by connections without a delay. Each connection is followed once. */
+/* @return whether `from` reaches `to` by connections without a delay. Each connection is followed once */
 static bool reaches(const ect_connection_t *list, size_t count, size_t from, size_t to, bool *followed)
 {
     if (from == to)
@@ -106,7 +106,7 @@ static double result_of(const ect_connection_t *c, double value)
     return ect_signal_fit(c->target.signal, result);
 }
 
-/* A plant may refuse a value: the last one stays. @return whether the target was set */
+/* Sets the target, unless its plant refuses the value: the last value remains. @return whether the target was set */
 static bool set(line_t *line, double value, uint64_t now_ns)
 {
     char text[ECT_SIGNAL_TEXT_ROOM];

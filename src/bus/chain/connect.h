@@ -3,7 +3,7 @@
  * @file
  * Connections: a signal of one twin sets a signal of another, with factor, offset, inversion and delay.
  *
- * A chain runs its connections in its poll, after the twins, in the order of the list; times are those of the polls, so
+ * A poll of the chain runs the connections after the twins, in the order of the list; times are those of the polls, so
  * a run on a virtual clock is repeatable. A target is set when its value changes, and once at the start.
  *
  * Context: the thread of the chain.
@@ -15,14 +15,14 @@
 
 ECT_C_BEGIN
 
-/** Values under way in a connection with a delay; when there are more, the newest one replaces the one before it. */
+/** Limit of pending values in a connection with a delay; beyond it, the newest value replaces the previous one. */
 enum { ECT_CONNECTION_VALUES = 1024 };
 
 typedef struct ect_connection {
     size_t from, to; /**< positions in the chain */
     ect_signal_ref_t source, target;
-    double factor, offset; /**< source x factor + offset, the nearest integer for one, within the target's range */
-    bool invert;           /**< the target is 1 when that result is 0, else 0 */
+    double factor, offset; /**< source x factor + offset, rounded for an integer, within the target's range */
+    bool invert;           /**< the target is 1 if this result is 0, else 0 */
     uint64_t delay_ns;
 } ect_connection_t;
 
@@ -32,20 +32,22 @@ typedef struct ect_connections ect_connections_t;
 bool ect_connection_fits(const ect_connection_t *connection);
 
 /**
- * @return the position in the list of a connection that is part of a loop without any delay; `count`: there is none, or
- * no memory to search for one. Cost: grows with the square of the list, for each connection
+ * @return the position in the list of a connection in a loop without any delay; `count`: none, or no memory for the
+ * search. Cost: for each connection, the square of the length of the list
  */
 size_t ect_connections_loop(const ect_connection_t *list, size_t count);
 
-/** @param list  copied; each fits, none is in a loop; the signals outlive the result. @return NULL: no memory */
+/**
+ * @param list  copied; each connection fits, none is in a loop; the signals outlive the result. @return NULL: no memory
+ */
 ect_connections_t *ect_connections_new(const ect_connection_t *list, size_t count);
 
-/** NULL is allowed. */
+/** Frees the connections. NULL: no effect */
 void ect_connections_free(ect_connections_t *connections);
 
 /**
- * Passes on what has changed and what is due.
- * @param changed  called with the position of each twin that a signal was set of
+ * Transfers changed values and due values.
+ * @param changed  called with the position of each twin in which a signal was set
  * @return whether any signal was set
  */
 bool ect_connections_run(ect_connections_t *connections, uint64_t now_ns, void (*changed)(void *ctx, size_t position),

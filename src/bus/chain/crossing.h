@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The ends of a chain, the wires between its slaves, and a guard that sees each frame on a wire.
+ * The ends of a chain, the wires between its slaves, and a guard that gets each frame on a wire.
  */
 #ifndef ECT_BUS_CHAIN_CROSSING_H
 #define ECT_BUS_CHAIN_CROSSING_H
@@ -17,15 +17,15 @@ ECT_C_BEGIN
 /** The two ends of a chain, where frames enter and leave. */
 typedef enum ect_end {
     ECT_END_IN,   /**< port 0 of the first slave: the master */
-    ECT_END_OUT,  /**< port 1 of the last slave: nothing, or the master's second interface (cable redundancy) */
+    ECT_END_OUT,  /**< port 1 of the last slave: not connected, or the master's second interface (cable redundancy) */
     ECT_END_NONE, /**< neither: the frame is lost */
 } ect_end_t;
 enum { ECT_ENDS = ECT_END_NONE };
 
 /** A frame on a wire. */
 typedef struct ect_crossing {
-    size_t wire;    /**< position of the slave whose port 0 the wire leads to; the number of slaves: behind the last */
-    bool back;      /**< true: towards the master; false: away from the master */
+    size_t wire; /**< position of the slave at whose port 0 the wire ends; the number of slaves: behind the last one */
+    bool back;   /**< true: towards the master; false: away from the master */
     uint8_t *frame; /**< `length` bytes, from the destination address on, without the check sum */
     size_t length;  /**< a guard may reduce it */
     bool damaged;   /**< the check sum is wrong; a guard may set it */
@@ -33,9 +33,9 @@ typedef struct ect_crossing {
 } ect_crossing_t;
 
 /**
- * Sees a frame on each wire that the frame crosses, in order, and may change the frame.
+ * Gets a frame on each wire that the frame crosses, in order, and may change the frame.
  * @param crossing  valid during the call
- * @return true: the frame goes on; false: it ends on this wire
+ * @return true: the frame continues; false: it ends on this wire
  */
 typedef bool (*ect_guard_t)(void *ctx, ect_crossing_t *crossing);
 

@@ -21,7 +21,7 @@ void ect_datagrams_want(ect_datagrams_t *d, uint64_t now_ns, uint64_t until_ns)
     d->until_ns = until_ns;
 }
 
-/* @return the place of a datagram, a new one if there is none; then that of the one seen longest ago may be taken */
+/* @return the place of a datagram; a new datagram may replace the least recent one */
 static ect_datagram_t *find(ect_datagrams_t *d, uint8_t command, uint32_t address, uint16_t length)
 {
     ect_datagram_t *place = &d->all[0];

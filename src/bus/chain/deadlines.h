@@ -3,7 +3,7 @@
  * @file
  * Deadlines: one time for each of many members, and the earliest of all.
  *
- * No clock in here. Context: one thread. Cost: log2(count) steps for a change, constant for the earliest.
+ * This file uses no clock. Context: one thread. Cost: log2(count) steps for a change, constant for the earliest.
  */
 #ifndef ECT_BUS_CHAIN_DEADLINES_H
 #define ECT_BUS_CHAIN_DEADLINES_H
@@ -18,17 +18,17 @@ ECT_C_BEGIN
 
 typedef struct ect_deadlines ect_deadlines_t;
 
-/** Makes deadlines of `count` (1..UINT32_MAX) members, all never (UINT64_MAX). @return NULL: out of memory */
+/** Makes deadlines of `count` (1..UINT32_MAX) members, all UINT64_MAX (never). @return NULL: out of memory */
 ect_deadlines_t *ect_deadlines_new(size_t count);
 void ect_deadlines_free(ect_deadlines_t *deadlines);
 
 /** Sets the time of a member; UINT64_MAX: never. */
 void ect_deadlines_set(ect_deadlines_t *deadlines, size_t member, uint64_t time_ns);
 
-/** The time of a member. */
+/** @return the time of a member. */
 uint64_t ect_deadlines_of(const ect_deadlines_t *deadlines, size_t member);
 
-/** The earliest of all times. @param[out] member  the member with that time; not NULL */
+/** @return the earliest of all times. @param[out] member  the member with that time; not NULL */
 uint64_t ect_deadlines_first(const ect_deadlines_t *deadlines, size_t *member);
 
 ECT_C_END

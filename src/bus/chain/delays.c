@@ -3,10 +3,10 @@
 
 #include <stdlib.h>
 
-/* Two PHYs, and a metre of cable. */
+/* Delays of two PHYs, and of a metre of cable. */
 enum { PHYS_NS = 400, METRE_NS = 5 };
 
-/* A frame on its way through the chain, and the time since it entered. */
+/* A frame on its way through the chain, and the time since its entry. */
 typedef struct walk {
     ect_topology_place_t at;
     uint32_t ns;
@@ -21,7 +21,7 @@ static uint32_t wire_ns(const ect_cabling_t *cabling, size_t wire)
     return PHYS_NS + METRE_NS * metres;
 }
 
-/* The first arrival counts. */
+/* Sets the arrival at a place, unless the frame has been there before. */
 static void note_time(uint8_t *seen, unsigned int bit, uint32_t *time_ns, uint32_t now_ns)
 {
     if ((*seen & (1u << bit)) == 0)
@@ -29,7 +29,7 @@ static void note_time(uint8_t *seen, unsigned int bit, uint32_t *time_ns, uint32
     *seen = (uint8_t)(*seen | (1u << bit));
 }
 
-/* Through one controller. @return whether the frame leaves it; then at walk->at */
+/* Passes one controller. @return whether the frame leaves the controller, at walk->at */
 static bool through_one(ect_cabling_t *cabling, walk_t *walk)
 {
     ect_twin_t *twin = &cabling->twins[walk->at.slave];

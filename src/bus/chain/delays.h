@@ -14,7 +14,7 @@ ECT_C_BEGIN
 
 /**
  * Computes the propagation delays of all twins and sets them in their ESCs (::ect_esc_set_arrival). Due after a change
- * of a link or of a port's loop. Out of memory: the delays stay as they are. Cost: two walks through all ports.
+ * of a link or of a port's loop. If memory is exhausted, the delays are unchanged. Cost: two walks through all ports.
  */
 void ect_delays_update(ect_cabling_t *cabling);
 

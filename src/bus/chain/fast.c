@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Each datagram passes the controllers that it concerns before the next datagram does. In the chips the whole frame
- * passes one controller after the other. The result is the same, because each controller sees the datagrams in their
- * order, each datagram sees the controllers in theirs, and nothing else passes between controllers. Writes to registers
- * take effect when the frame has passed all of them.
+ * Each datagram passes all controllers that take part in it before the next datagram does. In the chips the entire
+ * frame passes one controller after the other. The result is the same, because each controller processes the datagrams
+ * in their order, each datagram passes the controllers in their order, and the frame is the only connection between
+ * controllers. Writes to registers take effect when the frame has passed all controllers.
  */
 #include "bus/chain/fast.h"
 
@@ -21,16 +21,17 @@ enum { SOURCE = 6, LOCAL = 0x02, TIMES = 8 };
 
 typedef struct controller {
     ect_esc_t *esc;
-    uint64_t frame;   /* number of the last frame in which it took part */
-    uint64_t times;   /* recorded system times that it has taken */
-    uint32_t routing; /* ect_esc_routing() that `route` belongs to */
+    uint64_t frame;   /* number of the last frame in which the controller took part */
+    uint64_t times;   /* recorded system times that the controller has taken */
+    uint32_t routing; /* ect_esc_routing() at the time of `route` */
     ect_esc_route_t route;
 } controller_t;
 
-/* A system time for all controllers: those before the source get the value of the master, those behind its own. */
+/* A system time for all controllers: controllers before the source get the master's value, those behind the source's.
+ */
 typedef struct time_update {
     uint64_t at_ns;
-    size_t source; /* the controller that is read; reach: none */
+    size_t source; /* the controller whose time is read; reach: none */
     size_t reach;
     uint32_t before, behind;
 } time_update_t;
@@ -44,7 +45,7 @@ typedef struct station {
 /* Logical addresses of an FMMU. The table is sorted by first byte. */
 typedef struct window {
     uint64_t first, end;
-    uint64_t furthest; /* the greatest end of this one and all before it */
+    uint64_t furthest; /* the greatest end of this window and all previous ones */
     uint16_t position;
     uint16_t direction;
 } window_t;
@@ -67,7 +68,7 @@ struct ect_fast {
     bool line_known, sums_known, stations_known, windows_known;
     uint64_t version; /* of the tables of stations and windows, and of the set of controllers */
     uint64_t now_ns;
-    uint64_t frame; /* number of frames that were taken */
+    uint64_t frame; /* number of frames taken */
     sums_t sums;
     uint64_t *chosen; /* one bit for each controller that takes part in the present datagram; zero between datagrams */
     uint64_t times;   /* system times recorded */
@@ -153,7 +154,7 @@ void ect_fast_refresh(ect_fast_t *fast, size_t position)
         read_route(fast, c);
 }
 
-/* The line ends at the first closed port; none of its controllers may send frames another way. */
+/* Finds the end of the line, the first closed port. A controller that may send frames another way rules out a line. */
 static void update_line(ect_fast_t *f)
 {
     size_t i = 0;
@@ -260,7 +261,7 @@ static uint32_t time_for(const time_update_t *t, size_t i)
     return i < t->source ? t->before : t->behind;
 }
 
-/* Times of earlier frames; due before any access to the controller. */
+/* Delivers the times of earlier frames; due before any access to the controller. */
 static void take_times(ect_fast_t *f, size_t i, uint64_t until)
 {
     controller_t *c = &f->controllers[i];
@@ -272,7 +273,7 @@ static void take_times(ect_fast_t *f, size_t i, uint64_t until)
     }
 }
 
-/* Times of the present frame, which take effect at its end, in the order of the datagrams. */
+/* Delivers the times of the present frame, which take effect at its end, in the order of the datagrams. */
 static void postpone_times(ect_fast_t *f, size_t i)
 {
     controller_t *c = &f->controllers[i];
@@ -322,7 +323,7 @@ static unsigned int to_position(ect_fast_t *f, uint8_t *d, unsigned int part)
     return position < f->reach ? take_part(f, position, d, part) : 0;
 }
 
-/* The first station whose address is not below this one. */
+/* @return the first station whose address is not below this one */
 static size_t first_station(const ect_fast_t *f, uint16_t address)
 {
     ECT_ASSERT(f->stations_known);
@@ -352,7 +353,7 @@ static unsigned int to_station(ect_fast_t *f, uint8_t *d, unsigned int part)
     return gain;
 }
 
-/* A read of the AL status of all, which has no side effect: the sum replies for all. */
+/* Handles a broadcast read of AL status without side effects: the sum of all controllers is the reply. */
 static bool is_known_status(const ect_fast_t *f, const uint8_t *d)
 {
     return ect_load_le16(d + ECT_DATAGRAM_ADO) == ECT_REG_AL_STATUS && ect_datagram_length(d) <= 2 &&
@@ -381,7 +382,7 @@ static bool answers(const ect_fast_t *f, const uint8_t *d, size_t i)
     return address == route->station || address == route->alias;
 }
 
-/* The controller that a read-multiple-write reads; reach: none. @return false: there are several */
+/* Finds the controller read by a read-multiple-write; reach: none. @return false: several controllers */
 static bool find_source(ect_fast_t *f, const uint8_t *d, size_t *source)
 {
     uint16_t address = ect_load_le16(d + ECT_DATAGRAM_ADP);
@@ -398,7 +399,7 @@ static bool find_source(ect_fast_t *f, const uint8_t *d, size_t *source)
     return true;
 }
 
-/* A write of the whole system time that no controller guards, with room to record it. */
+/* @return whether the datagram writes the entire system time, no controller protects it, and it can be recorded */
 static bool is_time_update(const ect_fast_t *f, const uint8_t *d)
 {
     unsigned int length = ect_datagram_length(d);
@@ -406,7 +407,7 @@ static bool is_time_update(const ect_fast_t *f, const uint8_t *d)
            !f->sums.guards_writes && f->times - f->taken < TIMES;
 }
 
-/* Only the source is accessed. The others count, and take the time at their next access. */
+/* Accesses the source only. The other controllers are counted, and take the time at their next access. */
 static unsigned int record_time(ect_fast_t *f, uint8_t *d, size_t source)
 {
     const uint8_t *time = d + ECT_DATAGRAM_DATA;
@@ -423,7 +424,7 @@ static unsigned int record_time(ect_fast_t *f, uint8_t *d, size_t source)
     return gain;
 }
 
-/* One reads, all others write. */
+/* Executes a read-multiple-write: one controller reads, all others write. */
 static unsigned int to_one_and_all(ect_fast_t *f, uint8_t *d)
 {
     unsigned int gain = 0;
@@ -435,7 +436,7 @@ static unsigned int to_one_and_all(ect_fast_t *f, uint8_t *d)
     return gain;
 }
 
-/* The number of windows that begin before `end`. */
+/* @return the number of windows that begin before `end` */
 static size_t windows_before(const ect_fast_t *f, uint64_t end)
 {
     ECT_ASSERT(f->windows_known);
@@ -451,7 +452,7 @@ static size_t windows_before(const ect_fast_t *f, uint64_t end)
     return low;
 }
 
-/* Words of `chosen` that have a bit. */
+/* The words of `chosen` with a bit. */
 typedef struct chosen {
     size_t low, high;
 } chosen_t;
@@ -537,7 +538,7 @@ static void add(uint8_t *to, size_t value)
     ect_store_le16(to, (uint16_t)(ect_load_le16(to) + value));
 }
 
-/* The header passes before the data: an event that this datagram clears is still in it. */
+/* Fills in the header, which passes before the data: an event cleared by this datagram is still set in it. */
 static void pass_datagram(ect_fast_t *f, uint8_t *d)
 {
     update_sums(f);
@@ -591,7 +592,7 @@ const uint32_t *ect_fast_touched(const ect_fast_t *fast, size_t *count)
     return fast->touched;
 }
 
-/* --- replies known in advance ------------------------------------------------------------------------------------- */
+/* --- replies in advance ------------------------------------------------------------------------------------------- */
 
 bool ect_fast_steady(ect_fast_t *fast, ect_chain_steady_t *steady)
 {

@@ -7,19 +7,19 @@
  * A line keeps of each controller the registers that decide on the path of frames (esc/route.h). A frame is parsed
  * once. Each datagram goes, in the order of the wire, to the controllers that take part in it; the effect of all others
  * on the frame (events, working counter, auto increment) is added in one step. The result equals ::ect_esc_pass for one
- * controller after the other, then ::ect_esc_end_of_frame for all. Frames for which this is not certain are not taken:
- * the caller passes them in that way.
+ * controller after the other, then ::ect_esc_end_of_frame for all. A frame for which this is not certain is not taken:
+ * the caller uses that reference path.
  *
- * Not taken are: malformed EtherCAT frames, EtherCAT in UDP, read-write commands; and the frame after one that has
- * enabled writes or continued a reset sequence, since these last for one frame.
+ * Not taken are malformed EtherCAT frames, EtherCAT in UDP, read-write commands, and the frame after one that has
+ * enabled writes or continued a reset sequence, because these last for one frame.
  *
  * The reference clock's time (ARMW, FRMW of 0x0910) goes to all controllers, and changes no reply. The line only
- * records it; each controller takes it at its next access, at the latest in ::ect_fast_settle.
+ * records this time; each controller takes it at its next access, at the latest in ::ect_fast_settle.
  *
- * No clock in here. Context: the thread of the chain. Cost of a frame: its datagrams, and for each the controllers that
- * take part. A broadcast read of AL status (0x0130) involves none unless a status is new, and the reference clock's
- * time only that clock. The first frame after a change of a station address, FMMU or the like also costs a pass over
- * all controllers.
+ * This file uses no clock. Context: the thread of the chain. Cost of a frame: its datagrams, and for each the
+ * controllers that take part. A broadcast read of AL status (0x0130) involves no controller unless a status is new; the
+ * reference clock's time involves only that clock. The first frame after a change of routing (esc/route.h), such as a
+ * station address or an FMMU, also costs a pass over all controllers.
  */
 #ifndef ECT_BUS_CHAIN_FAST_H
 #define ECT_BUS_CHAIN_FAST_H
@@ -43,33 +43,42 @@ void ect_fast_free(ect_fast_t *fast);
 /** Sets the controller at a position, from 0, for the first time or after a reset. It must outlive the line. */
 void ect_fast_put(ect_fast_t *fast, size_t position, ect_esc_t *esc);
 
-/** Notes that a controller was accessed in another way: by a slow frame, its slave, a cable. Cheap without a change. */
+/**
+ * Announces that a controller was accessed in another way: by a slow frame, its slave, a cable. Cost: a comparison
+ * without a change.
+ */
 void ect_fast_refresh(ect_fast_t *fast, size_t position);
 
 /** The end of a frame's path. */
 typedef enum ect_fast_result {
-    ECT_FAST_NOT_TAKEN, /**< nothing has changed; the caller passes it */
-    ECT_FAST_BACK,      /**< it returns at the beginning of the line */
-    ECT_FAST_OUT,       /**< it leaves at the end */
+    ECT_FAST_NOT_TAKEN, /**< nothing has changed; the caller passes the frame */
+    ECT_FAST_BACK,      /**< the frame returns at the beginning of the line */
+    ECT_FAST_OUT,       /**< the frame leaves at the end */
 } ect_fast_result_t;
 
 /** Passes a frame that enters at port 0 of the first controller. */
 ect_fast_result_t ect_fast_pass(ect_fast_t *fast, uint8_t *frame, size_t length, uint64_t now_ns);
 
 /**
- * Delivers recorded system times to all controllers. Due before any access to a controller but ::ect_fast_pass, and
- * before its time advances; the line calls it itself when eight are recorded. ::ect_fast_touched then lists the
- * controllers whose deadline may have changed. Cost: none without recorded times, else each controller with clocks.
+ * Delivers recorded system times to all controllers. Due before any access to a controller other than ::ect_fast_pass,
+ * and before its time advances; the line does so itself when eight times are recorded. ::ect_fast_touched then lists
+ * the controllers whose deadline may have changed. Cost: none without recorded times, else each controller with clocks.
  */
 void ect_fast_settle(ect_fast_t *fast);
 
-/** Number of controllers that a frame reaches, up to the first closed port; 0: not a line, frames are not taken. */
+/**
+ * @return the number of controllers that a frame reaches, up to the first closed port; 0: not a line, frames are not
+ * taken.
+ */
 size_t ect_fast_reach(ect_fast_t *fast);
 
-/** The controllers that took part in the last frame taken, each once. @param[out] count  their number */
+/** @return the controllers that took part in the last frame taken, each once. @param[out] count  their number */
 const uint32_t *ect_fast_touched(const ect_fast_t *fast, size_t *count);
 
-/** ::ect_chain_steady, for all that the line knows; each controller is up to date. Cost: a check of each controller. */
+/**
+ * ::ect_chain_steady, as far as the line decides it; each controller must be up to date. Cost: a check of each
+ * controller.
+ */
 bool ect_fast_steady(ect_fast_t *fast, ect_chain_steady_t *steady);
 
 /** ::ect_chain_visit_mapped, for a line with a reach. */

@@ -14,7 +14,7 @@
 /* The parameter of each kind of fault. */
 typedef enum amount { NO_AMOUNT, MICROSECONDS, BYTES, SIGNED, BIT, NANOSECONDS, MILLISECONDS, STEP, REGISTER } amount_t;
 
-/* Parts that a kind may have, beside its amount. */
+/* Parts that a kind may have in addition to its amount. */
 enum {
     WIRE = 1,        /* "wire N" */
     COUNTED = 2,     /* "every N", "5%", "3rd" */
@@ -30,7 +30,7 @@ enum {
 };
 
 typedef struct kind {
-    const char *name, *second; /* of two words: the second one */
+    const char *name, *second; /* the second word of a name of two words */
     amount_t amount;
     int32_t minimum, maximum;
     unsigned int parts;
@@ -79,17 +79,17 @@ static const char *unit_of(amount_t amount)
     return amount == MICROSECONDS ? "us" : amount == NANOSECONDS ? "ns" : amount == MILLISECONDS ? "ms" : "";
 }
 
-/* The word before an amount that may be left out; NULL: it may not. */
+/* The word before an optional amount; NULL: the amount is mandatory. */
 static const char *word_of(amount_t amount)
 {
     return amount == STEP ? "step" : amount == REGISTER ? "register" : NULL;
 }
 
-_Static_assert((int)ECT_WORDS_MESSAGE <= (int)ECT_FAULT_MESSAGE, "a message about words has room");
+_Static_assert((int)ECT_WORDS_MESSAGE <= (int)ECT_FAULT_MESSAGE, "the room includes a message about words");
 
 static const ect_words_limits_t limits = {"a fault", " ", ECT_FAULT_TEXT - 1, 12};
 
-/* A number with its unit behind it, in a word of its own. */
+/* Reads a word that consists of a number and its unit. */
 static bool number(ect_words_t *r, const char *unit, long long minimum, long long maximum, long long *value)
 {
     const char *word = ect_words_next(r);
@@ -116,7 +116,8 @@ static bool is_kind(const ect_words_t *r, size_t at, const kind_t *kind)
     return !kind->second || (r->word[at + 1] && strcmp(r->word[at + 1], kind->second) == 0);
 }
 
-/* The names, each once. @param second  of two words: those that may follow this one; NULL: the first words */
+/* Lists the names, each once. @param second the first word of names of two words, to list the second ones; NULL: to
+ * list the first words */
 static void list_kinds(const char *first, char *list, size_t room)
 {
     size_t used = 0;
@@ -143,8 +144,7 @@ static bool no_kind(ect_words_t *r, size_t at)
     return ect_words_wrong(r, what, r->word[0]);
 }
 
-/* The kind whose name begins with the word; names of two words are the last ones of their kind. @return
- * ECT_FAULT_KINDS: none */
+/* Finds the kind whose name begins with the word. @return ECT_FAULT_KINDS: none */
 static unsigned int kind_at(const ect_words_t *r, size_t at)
 {
     unsigned int i = ECT_FAULT_KINDS;
@@ -153,7 +153,7 @@ static unsigned int kind_at(const ect_words_t *r, size_t at)
     return i > 0 ? i - 1 : ECT_FAULT_KINDS;
 }
 
-/* Finds the name of a kind and takes it out of the words. The word "to" may also be a part of another kind. */
+/* Finds the name of a kind and removes it from the words. The word "to" may also be a part of another kind. */
 static bool read_kind(ect_words_t *r, ect_fault_t *fault)
 {
     size_t almost = 0, found = 0;
@@ -175,7 +175,7 @@ static bool read_kind(ect_words_t *r, ect_fault_t *fault)
     return true;
 }
 
-/* The parts of a fault that have been read, beside its kind. */
+/* The parts of a fault read so far, in addition to its kind. */
 typedef struct parts {
     bool when, place, amount, code, state, data;
 } parts_t;
@@ -185,7 +185,8 @@ static bool is_counted(const ect_fault_t *fault)
     return (kinds[fault->kind].parts & COUNTED) != 0;
 }
 
-/* "every N", "frame N", "3rd", "N%". @return whether the next word begins one; then in *good whether it is right */
+/* Reads "every N", "frame N", "3rd", "N%". @return whether the next word begins such a part. @param[out] good on true,
+ * whether the part is valid */
 static bool read_when(ect_words_t *r, ect_fault_t *fault, bool *good)
 {
     long long value = 0;
@@ -210,7 +211,7 @@ static bool read_when(ect_words_t *r, ect_fault_t *fault, bool *good)
     return true;
 }
 
-/* "slave N", or "wire N". @return as read_when() */
+/* Reads "slave N" or "wire N". @return as read_when() */
 static bool read_place(ect_words_t *r, ect_fault_t *fault, bool *good)
 {
     long long slave = 0;
@@ -238,7 +239,7 @@ static bool read_amount(ect_words_t *r, ect_fault_t *fault)
     return true;
 }
 
-/* A code of 16 bits, or a larger one. @return as read_when() */
+/* Reads a code of 16 bits, or a larger one. @return as read_when() */
 static bool read_code(ect_words_t *r, ect_fault_t *fault)
 {
     char *end = NULL;
@@ -253,7 +254,7 @@ static bool read_code(ect_words_t *r, ect_fault_t *fault)
     return true;
 }
 
-/* "SAFEOP", or "to SAFEOP". @return as read_when() */
+/* Reads "SAFEOP" or "to SAFEOP". @return as read_when() */
 static bool read_state(ect_words_t *r, ect_fault_t *fault, bool *good)
 {
     unsigned int parts = kinds[fault->kind].parts;
@@ -267,7 +268,7 @@ static bool read_state(ect_words_t *r, ect_fault_t *fault, bool *good)
     return true;
 }
 
-/* An object, or "of" and an object. @return as read_when() */
+/* Reads an object, or "of" and an object. @return as read_when() */
 static bool read_object(ect_words_t *r, ect_fault_t *fault, bool *good)
 {
     unsigned int parts = kinds[fault->kind].parts;
@@ -305,7 +306,7 @@ static bool read_data(ect_words_t *r, ect_fault_t *fault, bool *good)
     return true;
 }
 
-/* A part of faults above the wire. @return as read_when() */
+/* Reads a part of a fault above the wire. @return as read_when() */
 static bool read_part_above(ect_words_t *r, ect_fault_t *fault, parts_t *parts, bool *good)
 {
     unsigned int has = kinds[fault->kind].parts;
@@ -320,7 +321,7 @@ static bool read_part_above(ect_words_t *r, ect_fault_t *fault, parts_t *parts, 
     return is_counted(fault) && fault->object.transfer == ECT_FAULT_ANY_TRANSFER && read_transfer(r, fault);
 }
 
-/* The amount, behind its word where it has one. @return as read_when() */
+/* Reads the amount, after its word if the kind has one. @return as read_when() */
 static bool read_amount_part(ect_words_t *r, ect_fault_t *fault, bool *good)
 {
     amount_t amount = kinds[fault->kind].amount;
@@ -330,7 +331,7 @@ static bool read_amount_part(ect_words_t *r, ect_fault_t *fault, bool *good)
     return true;
 }
 
-/* The next part, whichever it is. */
+/* Reads the next part, of any kind. */
 static bool read_part(ect_words_t *r, ect_fault_t *fault, parts_t *parts)
 {
     bool good = true;
@@ -432,7 +433,7 @@ static const char *name_of(uint8_t state)
     return states[i].name;
 }
 
-/* The hexadecimal digits from `at` on, at most four. @return the text behind them; NULL: there are none, or more */
+/* Reads one to four hexadecimal digits. @return the text after the digits; NULL: none, or more than four */
 static const char *hexadecimal(const char *at, uint16_t *value)
 {
     char *end = NULL;

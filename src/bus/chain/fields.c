@@ -16,7 +16,7 @@ __attribute__((format(printf, 2, 3))) static void append(char *text, const char 
     va_end(values);
 }
 
-/* "ru1.state" is shown by "ru.state": the structure's number is left out. */
+/* Compares without the number of the structure: the field "ru.state" describes the signal "ru1.state". */
 static bool is_signal(const ect_signal_ref_t *ref, const char *wanted)
 {
     const char *dot = strchr(ref->name, '.');

@@ -12,23 +12,25 @@
 
 ECT_C_BEGIN
 
-/** Room for a field as text, terminator included. Longer texts are cut. */
+/** Room for a field as text, terminator included. Longer texts are truncated. */
 enum { ECT_FIELD_TEXT = 512 };
 
 /**
- * Finds the field that a signal shows. Cost: one comparison of names a field.
- * @return the field, a constant of the plant; NULL: the plant has none for this signal
+ * Finds the field of a signal. Cost: one comparison of names for each field.
+ * @return the field, a constant of the plant; NULL: none for this signal
  */
 const ect_field_t *ect_signal_field(const ect_signal_ref_t *ref);
 
 /**
- * Writes where a field is and how its values are called: "2200h:1 bit 2", or "2001h:8: 0 Initial, 1 Stopped". Values of
- * four decimal digits and more are hexadecimal.
+ * Writes the place of a field and the names of its values: "2200h:1 bit 2", or "2001h:8: 0 Initial, 1 Stopped". Values
+ * of four or more decimal digits are hexadecimal.
  * @param[out] text  ECT_FIELD_TEXT bytes
  */
 void ect_field_text(const ect_field_t *field, char *text);
 
-/** Writes the names of its values alone: "0 Initial, 1 Stopped"; "" for none. @param[out] text  ECT_FIELD_TEXT bytes */
+/**
+ * Writes only the names of a field's values: "0 Initial, 1 Stopped"; "" for none. @param[out] text ECT_FIELD_TEXT bytes
+ */
 void ect_field_values(const ect_field_t *field, char *text);
 
 ECT_C_END

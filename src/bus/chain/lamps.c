@@ -34,7 +34,7 @@ static void show(ect_lamps_t *lamps, unsigned int lamp, ect_pattern_t pattern)
     memcpy(lamps->text[lamp], name, strlen(name));
 }
 
-/* The state that the lamps depend on; never 0. */
+/* @return the state that determines the lamps; never 0 */
 static uint64_t seen_of(const ect_slave_t *slave, bool in_link, bool out_link, bool traffic)
 {
     return 1u | (uint64_t)in_link << 4 | (uint64_t)slave->off_bus << 1 | (uint64_t)out_link << 2 |

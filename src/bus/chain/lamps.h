@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The EtherCAT lamps of every slave, its AL state and AL status code as signals (ecat.NAME), beside those of the
- * device.
+ * The EtherCAT lamps, the AL state and the AL status code of every slave as signals (ecat.NAME), in addition to the
+ * device's.
  */
 #ifndef ECT_BUS_CHAIN_LAMPS_H
 #define ECT_BUS_CHAIN_LAMPS_H
@@ -25,11 +25,11 @@ typedef struct ect_lamps {
     char text[4][ECT_LAMP_TEXT];
 } ect_lamps_t;
 
-/** The signals of an ect_lamps_t; its instance is the structure. */
+/** The signals of an ect_lamps_t; the instance is the structure. */
 extern const ect_plant_t ect_lamps_plant;
 
 /**
- * Updates the lamps. Cost: a comparison when nothing has changed.
+ * Updates the lamps. Cost: a comparison without a change.
  * @param in_link, out_link  link at port 0 and at port 1
  * @param last_frame_ns  time of the last frame, 0 never; ECT_INDICATOR_TRAFFIC_NS later the lamps change
  */

@@ -50,7 +50,7 @@ static bool is_name(const ect_names_t *names, uint32_t number, const char *name,
     return strncmp(own, name, length) == 0 && own[length] == 0;
 }
 
-/* The slot of a name, or a free one for it. */
+/* @return the slot of a name, or a free slot */
 static uint32_t *slot_of(const ect_names_t *names, const char *name, size_t length)
 {
     uint32_t hash = 2166136261u; /* FNV-1a */

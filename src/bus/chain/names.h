@@ -16,7 +16,7 @@
 
 ECT_C_BEGIN
 
-/** Room of a name, terminator included. */
+/** Room for a name, terminator included. */
 enum { ECT_NAME_ROOM = 32 };
 
 typedef struct ect_names ect_names_t;
@@ -31,9 +31,9 @@ void ect_names_free(ect_names_t *names);
 size_t ect_name_begins(const char *text);
 
 /**
- * Names a twin that has no name yet.
+ * Names a twin without a name.
  * @param position  0..count - 1
- * @param name      valid in full by ::ect_name_begins; copied
+ * @param name      a valid name (::ect_name_begins); copied
  * @return false: another twin has the name; no effect
  */
 bool ect_names_add(ect_names_t *names, size_t position, const char *name);

@@ -4,7 +4,7 @@
 #include "esc/route.h"
 #include "wire/assert.h"
 
-/* Receives the frame at a port. @return false: it ends here */
+/* Receives the frame at a port. @return false: the frame ends */
 static bool arrive(ect_twin_t *twin, unsigned int port, ect_passage_t *p)
 {
     twin->last_frame_ns = p->now_ns;
@@ -33,7 +33,7 @@ static bool depart(ect_twin_t *twin, unsigned int *port, const ect_passage_t *p)
     return twin->link[*port]; /* the master may force a loop open at a port without a wire */
 }
 
-/* Shows the frame to the guard. @return false: it ends on the wire */
+/* Passes the frame to the guard. @return false: the frame ends on the wire */
 static bool cross_wire(ect_passage_t *p, size_t wire, bool back)
 {
     p->c.wire = wire;
@@ -41,7 +41,7 @@ static bool cross_wire(ect_passage_t *p, size_t wire, bool back)
     return !p->guard || p->guard(p->guard_ctx, &p->c);
 }
 
-/* Through one controller and over the wire behind it. @return false: the frame ends here */
+/* Passes one controller and the next wire. @return false: the frame ends */
 static bool through(ect_cabling_t *cabling, ect_topology_place_t *at, ect_passage_t *p)
 {
     ect_twin_t *twin = &cabling->twins[at->slave];
@@ -64,7 +64,8 @@ static ect_end_t walk(ect_cabling_t *cabling, ect_topology_place_t at, ect_passa
     return ECT_END_NONE;
 }
 
-/* Loops change when no port transmits the frame any more (data sheet II §2.4.1), so it ends everywhere at once. */
+/* Ends the frame in all controllers at the same time, because loops change when no port transmits the frame any more
+ * (data sheet II §2.4.1). */
 ect_end_t ect_passage_walk(ect_cabling_t *cabling, ect_topology_place_t at, ect_passage_t *passage)
 {
     ECT_ASSERT(cabling->twins[at.slave].link[at.port]);
@@ -82,7 +83,7 @@ ect_end_t ect_passage_enter(ect_cabling_t *cabling, ect_end_t in, ect_passage_t 
     return arrives ? ect_passage_walk(cabling, at, passage) : ECT_END_NONE; /* else the cable ends in a dead port */
 }
 
-/* The other end of the wire that a frame is on. @return whether it is at a slave; else the frame leaves the chain */
+/* Finds the other end of a frame's wire. @return whether a slave is there; else the frame leaves the chain */
 static bool far_end(const ect_cabling_t *cabling, const ect_crossing_t *c, ect_topology_place_t *to)
 {
     ECT_ASSERT(c->wire <= cabling->count);

@@ -8,10 +8,10 @@
 typedef struct step {
     ect_setting_place_t place;
     const char *value;
-    bool waits; /* refused so far, because of another perhaps */
+    bool waits; /* refused so far; another setting may be a condition */
 } step_t;
 
-/* The number of characters to change, insert or leave out that make one name the other (Levenshtein). */
+/* @return the number of characters to change, insert or delete between two names (Levenshtein distance) */
 static size_t distance(const char *a, const char *b)
 {
     size_t row[ECT_SIGNAL_NAME + 1];
@@ -31,7 +31,7 @@ static size_t distance(const char *a, const char *b)
     return row[length];
 }
 
-/* The signal whose name is closest to a wrong one, if few characters differ. @return whether there is one */
+/* Finds the signal whose name is nearest to a wrong name. @return whether a name differs by few characters */
 static bool find_nearest(const ect_chain_t *chain, size_t position, const char *wrong, char name[ECT_SIGNAL_NAME])
 {
     enum { MOST = 2 };
@@ -52,8 +52,8 @@ static bool find_nearest(const ect_chain_t *chain, size_t position, const char *
     return best <= MOST;
 }
 
-/* Finds the part before a dot or colon that is neither a twin nor the group of a signal: "crane.low", "crane:low".
- * @return the characters of that; 0: it does not */
+/* Checks whether a name begins with an unknown twin, a part before a dot or colon that is neither a twin nor the group
+ * of a signal: "crane.low", "crane:low". @return the length of that part; 0: none */
 static size_t unknown_twin(const ect_chain_t *chain, size_t position, const char *wrong)
 {
     ect_chain_cursor_t cursor = {0};
@@ -97,7 +97,7 @@ bool ect_settings_find(const ect_chain_t *chain, size_t position, const char *na
     return true;
 }
 
-/* Checks names, access and ranges, before anything is changed. */
+/* Checks names, access and ranges before any change. */
 static bool prepare(const ect_chain_t *chain, size_t position, const ect_setting_t *settings, size_t count,
                     step_t *steps, char *message)
 {
@@ -110,7 +110,7 @@ static bool prepare(const ect_chain_t *chain, size_t position, const ect_setting
     return true;
 }
 
-/* Those before `end` that wait, until no more of them is taken. @return how many still wait */
+/* Repeats refused settings before `end` until no further one is accepted. @return the number of refused settings */
 static size_t try_again(step_t *steps, size_t end, uint64_t now_ns)
 {
     char message[ECT_SIGNAL_MESSAGE];
@@ -121,19 +121,19 @@ static size_t try_again(step_t *steps, size_t end, uint64_t now_ns)
         steps[i].waits = !ect_signal_write(&steps[i].place.ref, steps[i].value, now_ns, message);
         waiting += steps[i].waits;
         if (!steps[i].waits && waiting > 0)
-            return try_again(steps, end, now_ns); /* it may have been what an earlier one waits for */
+            return try_again(steps, end, now_ns); /* an earlier refused setting may depend on this one */
     }
     return waiting;
 }
 
-/* 0 for those that come first. */
+/* @return 0 for settings that come first */
 static unsigned int turn_of(const step_t *step)
 {
     unsigned int turn = step->place.ref.signal->turn;
     return turn > 0 ? turn - 1 : UINT8_MAX;
 }
 
-/* Settings with a turn come first; the others stay in the order given. */
+/* Sorts the settings with a turn first; the others keep the given order. */
 static void sort(step_t *steps, size_t count)
 {
     for (size_t end = 1; end < count; end++) {
@@ -159,7 +159,7 @@ static bool write_all(step_t *steps, size_t count, uint64_t now_ns, char *messag
     return waiting == 0;
 }
 
-/* Calls `act` for each twin of the steps once. @return false: as soon as it does */
+/* Calls `act` once for each twin of the steps. @return false: `act` has returned false, which ends the calls */
 static bool each_twin(ect_chain_t *chain, const step_t *steps, size_t count,
                       bool (*act)(ect_chain_t *chain, size_t position))
 {
@@ -185,7 +185,7 @@ static bool put_back(ect_chain_t *chain, size_t position)
     return true;
 }
 
-/* Keeps the twins, sets all and wakes the twins, or puts the twins back. */
+/* Saves the twins, then sets all signals and wakes the twins; restores the twins after a refusal. */
 static bool change(ect_chain_t *chain, step_t *steps, size_t count, uint64_t now_ns, char *message)
 {
     if (count > 1 && !each_twin(chain, steps, count, ect_chain_keep))

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* A value in its own type. The room is that of the longest text or byte string that a signal may have. */
+/* A value in its own type, with room for the longest text or byte string of a signal. */
 typedef union value {
     uint8_t u8;
     int8_t i8;
@@ -101,7 +101,7 @@ bool ect_signals_next(const ect_plant_t *plant, void *instance, ect_signal_curso
     return false;
 }
 
-/* The part of a name after the group's prefix, number and dot; NULL: the name is of another group. */
+/* @return the part of a name after the group's prefix, number and dot; NULL: a name of another group */
 static const char *inside(const ect_signal_group_t *group, const char *name, uint16_t *number)
 {
     size_t length = group->prefix ? strlen(group->prefix) : 0;
@@ -191,7 +191,7 @@ void ect_signal_text(const ect_signal_ref_t *ref, const void *value, char *text)
     case ECT_SIGNAL_TEXT:
         snprintf(text, ECT_SIGNAL_TEXT_ROOM, "%s", v.text);
         for (char *c = text; *c != 0; c++)
-            *c = visible(*c) ? *c : '?'; /* a master may have written anything */
+            *c = visible(*c) ? *c : '?'; /* a master may have written any bytes */
         return;
     case ECT_SIGNAL_BYTES:
         for (size_t i = 0; i < size && 2 * i + 2 < ECT_SIGNAL_TEXT_ROOM; i++)
@@ -296,7 +296,7 @@ static bool parse(const ect_signal_t *signal, const char *text, value_t *v)
     }
 }
 
-/* @return whether the text is a value that the user may set; then *v is it */
+/* @return whether the text is a value that the user may set. @param[out] v  the value, set on true */
 static bool accept(const ect_signal_ref_t *ref, const char *text, value_t *v, char *message)
 {
     char range[ECT_SIGNAL_TEXT_ROOM];

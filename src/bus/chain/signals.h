@@ -37,30 +37,30 @@ typedef struct ect_signal_cursor {
 } ect_signal_cursor_t;
 
 /**
- * Takes the next signal, in the order of the tables. Cost: that of writing one name, at any position.
+ * Takes the next signal, in the order of the tables. Cost: one name is written, at any position.
  * @param plant  NULL: the list is empty
- * @param[in,out] cursor  moves past the signal
+ * @param[in,out] cursor  advanced past the signal
  * @param[out] ref  set on true; valid as long as the instance
- * @return false: there are no more
+ * @return false: no further signal
  */
 bool ect_signals_next(const ect_plant_t *plant, void *instance, ect_signal_cursor_t *cursor, ect_signal_ref_t *ref);
 
 /**
- * Finds a signal by its exact name. Cost: comparing the names of one group.
+ * Finds a signal by its exact name. Cost: comparisons with the names of one group.
  * @param[out] ref  set on true; valid as long as the instance
- * @return whether there is one
+ * @return whether the signal exists
  */
 bool ect_signal_find(const ect_plant_t *plant, void *instance, const char *name, ect_signal_ref_t *ref);
 
-/** Bytes that a value takes in the instance. */
+/** @return the bytes of a value in the instance. */
 size_t ect_signal_size(const ect_signal_t *signal);
 
 /** @return whether the value is a number in JSON, not a string (TEXT, BYTES, DESCRIBED) */
 bool ect_signal_is_number(const ect_signal_t *signal);
 
 /**
- * Writes a value of this signal as text: numbers decimal, bytes hexadecimal, characters that are not visible as '?'.
- * @param value      ect_signal_size() bytes as an instance holds them, of any alignment
+ * Writes a value of this signal as text: numbers decimal, bytes hexadecimal, invisible characters as '?'.
+ * @param value      ect_signal_size() bytes as in an instance, of any alignment
  * @param[out] text  ECT_SIGNAL_TEXT_ROOM bytes
  */
 void ect_signal_text(const ect_signal_ref_t *ref, const void *value, char *text);
@@ -75,12 +75,12 @@ void ect_signal_read(const ect_signal_ref_t *ref, char *text);
  */
 bool ect_signal_write(const ect_signal_ref_t *ref, const char *text, uint64_t now_ns, char *message);
 
-/** The checks of ::ect_signal_write that need no plant: access and range. Sets nothing. */
+/** Checks access and range, like ::ect_signal_write, without the plant. The signal is unchanged. */
 bool ect_signal_check(const ect_signal_ref_t *ref, const char *text, char *message);
 
 /**
- * Fits a number into a signal that is one: limited to its range, rounded to the nearest integer for an integer.
- * @param value  not a number: gives the lowest value
+ * Fits a number into a numeric signal: limited to the range, and rounded for an integer signal.
+ * @param value  NaN results in the lowest value
  */
 double ect_signal_fit(const ect_signal_t *signal, double value);
 

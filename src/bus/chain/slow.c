@@ -7,7 +7,7 @@
 #include "slave/slave.h"
 #include "wire/assert.h"
 
-/* A write in the queue: its time, its address, its length, its data. */
+/* A write in the queue: time, address, length, data. */
 enum { DUE = 0, ADDRESS = 8, LENGTH = 10, DATA = 12 };
 
 static uint64_t draw(ect_slow_t *slow, const ect_slow_range_t *span)
@@ -56,7 +56,7 @@ static void apply(ect_slow_t *slow, uint64_t until_ns)
         slow->first = slow->used = 0;
 }
 
-/* Whether a buffer of process data begins at this address. */
+/* @return whether a buffer of process data begins at this address */
 static bool is_process_data(const ect_esc_t *esc, uint16_t address)
 {
     for (const uint8_t *sm = esc->memory + ECT_REG_SM; sm < esc->memory + ECT_REG_SM + ECT_SM_SIZE * ECT_ESC_MAX_SM;
@@ -67,7 +67,7 @@ static bool is_process_data(const ect_esc_t *esc, uint16_t address)
     return false;
 }
 
-/* The device's own code runs once a poll, beside the process data. */
+/* Adds the time of the device's own code, once in each poll with process data. */
 static void spend(ect_slow_t *slow, uint16_t address, uint16_t length, bool write)
 {
     slow->now_ns += ect_board_access_ns(slow->config.board, address, length, write);
@@ -103,7 +103,7 @@ static int write(void *ctx, uint16_t address, const void *buffer, uint16_t lengt
     return ect_esc_pdi_write(slow->esc, address, buffer, length);
 }
 
-/* The stack sees its own earlier writes, so they take effect early. */
+/* Executes pending writes before a read, because the stack must read its own earlier writes. */
 static int read(void *ctx, uint16_t address, void *buffer, uint16_t length)
 {
     ect_slow_t *slow = ctx;
@@ -128,7 +128,7 @@ static bool hides(ect_slow_t *slow, ect_hidden_t *hidden, const ect_slow_range_t
     return !hidden->shown;
 }
 
-/* AL control is read at once, so that the master may change its mind, and processed later. */
+/* AL control is read at once and processed later, so that the master may replace the request. */
 static uint32_t hide_al(ect_slow_t *slow, uint32_t event, uint64_t now_ns)
 {
     if ((event & ECT_EVENT_AL_CONTROL) != 0) {
@@ -197,7 +197,7 @@ void ect_slow_delays(ect_slow_t *slow, bool before)
         slow->arrival = slow->esc->arrival;
 }
 
-/* Without an interrupt pin the main loop reads the event word again and again: the next reading begins a poll. */
+/* Without an interrupt pin the main loop reads the event word repeatedly: the next read begins a poll. */
 static uint64_t begin_of_poll(ect_slow_t *slow, uint64_t now_ns)
 {
     uint64_t start_ns = now_ns;

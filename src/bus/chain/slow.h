@@ -4,9 +4,9 @@
  * The delays of a microcontroller, between the slave stack and the software ESC of a twin. Internal to bus/chain.
  *
  * The stack runs in one call, at one time. The delays are in its PDI: events are hidden until the slave would process
- * them. On a board each access takes the time of its bytes, writes reach the ESC when the board would have finished
- * them, and the next poll begins when the last access has ended. Reads take place at the beginning of a poll: a mailbox
- * is empty earlier than on the board, by the time of its bytes.
+ * them. With a board, each access takes the time of its bytes, writes reach the ESC when the board would have completed
+ * them, and the next poll begins after the end of the last access. Reads take place at the beginning of a poll: a
+ * mailbox is empty earlier than on the board, by the time of its bytes.
  *
  * This file uses no clock and no heap. Context: the thread of the chain.
  */
@@ -19,14 +19,14 @@
 
 ECT_C_BEGIN
 
-/** Bytes of the writes that are on their way to the ESC; a write beyond them reaches the ESC at once, with all before.
+/** Limit of bytes of the pending writes to the ESC; a write beyond it reaches the ESC at once, with all earlier ones.
  */
 enum { ECT_SLOW_QUEUE = 8192 };
 
-/** An event that is hidden from the slave. */
+/** An event hidden from the slave. */
 typedef struct ect_hidden {
     bool waits;
-    bool shown; /* it is due: the slave may read or leave it, as the event of a mail in INIT */
+    bool shown; /* the event is due: the slave may read or ignore it, such as the event of a mail in INIT */
     uint64_t due_ns;
 } ect_hidden_t;
 
@@ -35,9 +35,9 @@ typedef struct ect_slow {
     ect_slow_config_t config;
     ect_esc_t *esc;
     uint32_t random;
-    uint64_t now_ns;   /* of the poll; on a board of its present access */
-    uint64_t start_ns; /* the poll that an event has caused begins; 0: none is due */
-    uint64_t busy_ns;  /* the last access ends */
+    uint64_t now_ns;   /* of the poll; with a board: of its present access */
+    uint64_t start_ns; /* begin of the poll caused by an event; 0: none is due */
+    uint64_t busy_ns;  /* end of the last access */
     bool polling;
     bool cycled; /* the device's own code has run in this poll */
     ect_hidden_t al, mailbox;
@@ -53,20 +53,22 @@ void ect_slow_init(ect_slow_t *slow, const ect_slow_config_t *config, ect_esc_t 
 /** @return the PDI of a slave with these delays @param slow  may be initialised later */
 ect_pdi_t ect_slow_pdi(ect_slow_t *slow);
 
-/** Lets the writes that are due reach the ESC, whose time is `now_ns`, and draws the receive times of the next frame.
+/** Executes due writes to the ESC, whose time is `now_ns`, and selects the random receive times of the next frame.
  */
 void ect_slow_run(ect_slow_t *slow, uint64_t now_ns);
 
-/** @return whether a poll of the slave that is due begins now; if so, ::ect_slow_end must follow the poll */
+/** @return whether a due poll of the slave begins now; on true, ::ect_slow_end must follow the poll */
 bool ect_slow_begins(ect_slow_t *slow, uint64_t now_ns);
 
-/** Ends a poll. @param slave_ns  its deadline  @return the deadline with the hidden events */
+/** Ends a poll. @param slave_ns  deadline of the slave @return the deadline, hidden events included */
 uint64_t ect_slow_end(ect_slow_t *slow, uint64_t slave_ns);
 
 /** @return the time of the next call of ::ect_slow_run, given the deadline of the slave */
 uint64_t ect_slow_next(const ect_slow_t *slow, uint64_t slave_ns);
 
-/** Removes the jitter of receive times (`true`) before the delays of the chain are computed; takes the new delays. */
+/**
+ * Removes the jitter of receive times (`true`) before the delays of the chain are computed; else stores the new delays.
+ */
 void ect_slow_delays(ect_slow_t *slow, bool before);
 
 ECT_C_END

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What a chain that nothing but frames changes shows in each frame, for code that knows a reply in advance
- * (bus/kernel). The values hold until the next call of the chain, and through any number of frames with cyclic data.
+ * The common effect of a chain on each frame while only frames access the chain, for code that computes replies in
+ * advance (bus/kernel). The values are valid until the next call of the chain, and for any number of frames with cyclic
+ * data.
  */
 #ifndef ECT_BUS_CHAIN_STEADY_H
 #define ECT_BUS_CHAIN_STEADY_H
@@ -18,22 +19,22 @@ ECT_C_BEGIN
 
 /** The sum of all ESCs on the way of a frame, which enters and leaves at ECT_END_IN. */
 typedef struct ect_chain_steady {
-    size_t reach;             /**< ESCs that a frame reaches, from position 0 on */
-    unsigned int time_takers; /**< of these, the ones that take a written system time */
-    uint16_t events;          /**< ECAT events that datagrams collect */
-    uint16_t al_status;       /**< bits of AL status (0x0130), of all */
-    bool al_status_new;       /**< an AL status is yet to be read, which clears an event */
+    size_t reach;             /**< ESCs reached by a frame, from position 0 on */
+    unsigned int time_takers; /**< of these, ESCs that take a written system time */
+    uint16_t events;          /**< ECAT events collected by datagrams */
+    uint16_t al_status;       /**< bits of AL status (0x0130), ORed over all ESCs */
+    bool al_status_new;       /**< an AL status is unread; reading it clears an event */
     bool marks_source;        /**< the source address gets its "locally administered" bit */
-    uint64_t version;         /**< changes with the station addresses and FMMUs of ESCs, and with their power */
+    uint64_t version;         /**< changes with station addresses, FMMUs and power of the ESCs */
 } ect_chain_steady_t;
 
 /**
- * Checks whether time, cables and faults leave the replies to frames as they are now.
- * @return false: no, or the chain is not a line whose frames take the fast path; then `steady` is not set
+ * Checks whether time, cables and faults leave the replies to frames unchanged.
+ * @return false: no, or the chain is not a line whose frames take the fast path; `steady` is not set
  */
 bool ect_chain_steady(ect_chain_t *chain, ect_chain_steady_t *steady);
 
-/** Called for an ESC. @return whether to go on */
+/** Called for an ESC. @return whether to continue */
 typedef bool (*ect_chain_visit_t)(void *ctx, const ect_esc_t *esc);
 
 /**
@@ -45,10 +46,10 @@ bool ect_chain_visit_mapped(ect_chain_t *chain, uint32_t first, uint16_t length,
                             ect_chain_visit_t visit, void *ctx);
 
 /**
- * Finds the ESC that an ARMW or FRMW reads, when only one does.
- * @param datagram     from its header on
+ * Finds the ESC that an ARMW or FRMW reads, if exactly one ESC is read.
+ * @param datagram     begins with its header
  * @param[out] takes   whether that ESC takes a written system time itself
- * @return NULL: none, or several
+ * @return NULL: no ESC, or several
  */
 const ect_esc_t *ect_chain_time_source(ect_chain_t *chain, const uint8_t *datagram, bool *takes);
 

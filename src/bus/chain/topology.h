@@ -3,11 +3,11 @@
  * @file
  * Topology: the wires between slaves, and the path of a frame over them. A line, or a tree with junctions.
  *
- * A controller takes frames from port 0 through its processing unit; its ports follow each other as 0, 3, 1, 2, and 0
- * again, closed ones left out (data sheet I §3). So a master finds the slaves of a junction behind port 3 first, then
- * those behind port 1, then those behind port 2.
+ * A controller passes frames from port 0 through its processing unit; the order of the ports is 0, 3, 1, 2, and 0
+ * again, without closed ones (data sheet I §3). A master therefore finds the slaves of a junction behind port 3 first,
+ * then behind port 1, then behind port 2.
  *
- * No clock, no socket. Context: the thread of the chain.
+ * This file uses no clock and no sockets. Context: the thread of the chain.
  */
 #ifndef ECT_BUS_CHAIN_TOPOLOGY_H
 #define ECT_BUS_CHAIN_TOPOLOGY_H
@@ -42,10 +42,10 @@ typedef struct ect_topology_place {
 typedef bool (*ect_topology_has_port_t)(const void *ctx, size_t slave, unsigned int port);
 
 /**
- * Connects slaves as `up` and `up_port` name it; with up_port 0, to port 1 of the slave before.
- * @param[in,out] nodes  `count` of them, 1 or more: `up` and `up_port` are read, the rest is written
- * @return count: done; else the slave that cannot be connected: `up` does not come before it, the port does not exist,
- * or another slave is connected to it
+ * Connects slaves according to `up` and `up_port`; with up_port 0, to port 1 of the previous slave.
+ * @param[in,out] nodes  `count` of them, 1 or more: `up` and `up_port` are read, the other members are written
+ * @return count: done; else the slave that cannot be connected: `up` is not an earlier slave, the port does not exist,
+ * or another slave is connected to the port
  */
 size_t ect_topology_lay(ect_topology_node_t *nodes, size_t count, ect_topology_has_port_t has_port, const void *ctx);
 
@@ -53,11 +53,11 @@ size_t ect_topology_lay(ect_topology_node_t *nodes, size_t count, ect_topology_h
 typedef enum ect_topology_end {
     ECT_TOPOLOGY_SLAVE,  /**< a port of a slave, in `*to` */
     ECT_TOPOLOGY_MASTER, /**< the master, before port 0 of the first slave */
-    ECT_TOPOLOGY_FAR,    /**< behind port 1 of the last one: nothing, or the master's second interface */
+    ECT_TOPOLOGY_FAR,    /**< behind port 1 of the last slave: not connected, or the master's second interface */
     ECT_TOPOLOGY_OPEN,   /**< no wire */
 } ect_topology_end_t;
 
-/** The other end of the wire at a port. @param[out] to  set with ECT_TOPOLOGY_SLAVE. Cost: constant. */
+/** Finds the other end of the wire at a port. @param[out] to  set with ECT_TOPOLOGY_SLAVE. Cost: constant. */
 ect_topology_end_t ect_topology_across(const ect_topology_node_t *nodes, size_t count, ect_topology_place_t from,
                                        ect_topology_place_t *to);
 

@@ -81,7 +81,7 @@ static bool make_slave(ect_twin_t *twin)
     return ect_slave_take(&twin->slave.config, allocate, twin);
 }
 
-/* The configurations of controller and stack stay; all other state starts from its initial value. */
+/* Restarts the twin: the configurations of controller and stack remain, all other state gets its initial value. */
 static bool power_on(ect_twin_t *twin, const ect_slave_config_t *config, uint64_t now_ns)
 {
     const ect_plant_t *plant = twin->config.plant;
@@ -105,7 +105,7 @@ static bool power_on(ect_twin_t *twin, const ect_slave_config_t *config, uint64_
     return ect_slave_init(&twin->slave, &slave, now_ns) == 0;
 }
 
-/* The instance consists of zeros: nothing is cleared, so that untouched pages of a thousand instances stay unallocated.
+/* The instance is already zero and is not cleared, so that untouched pages of a thousand instances stay unallocated.
  */
 static bool power_on_first(ect_twin_t *twin, uint64_t now_ns)
 {
@@ -148,10 +148,10 @@ void ect_twin_restart(ect_twin_t *twin, uint64_t now_ns)
     if (twin->buffer)
         memset(twin->buffer, 0, twin->config.device->buffer_size);
     const ect_slave_config_t config = twin->slave.config;
-    (void)power_on(twin, &config, now_ns); /* it has succeeded before, with the same configuration */
+    (void)power_on(twin, &config, now_ns); /* the same configuration has been accepted before */
 }
 
-/* A replacement of the same kind, with the next product code. */
+/* Replaces the twin by one with the next product code. */
 static void change_identity(ect_twin_t *twin)
 {
     ect_esc_config_t *esc = &twin->esc.config;
@@ -190,13 +190,13 @@ static const char *set_above(ect_twin_t *twin, const ect_fault_t *fault)
                                                          : "8 faults above the wire are set already: 'off' ends them";
 }
 
-/* The state below one: OP, SAFEOP, PREOP, INIT. */
+/* @return the next lower state: OP, SAFEOP, PREOP, INIT */
 static uint8_t below(uint8_t state)
 {
     return state == ECT_STATE_BOOT ? ECT_STATE_INIT : state / 2;
 }
 
-/* The device leaves its state, as if by itself. @return the reason of a refusal; NULL: done */
+/* Makes the device leave its state without a request. @return the reason of a refusal; NULL: done */
 static const char *drop(ect_twin_t *twin, const ect_fault_t *fault)
 {
     const ect_host_t *host = ect_slave_host(&twin->slave);

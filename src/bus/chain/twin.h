@@ -3,7 +3,7 @@
  * @file
  * One twin: a software ESC with its slave stack, device, lamps and surroundings. Internal to bus/chain.
  *
- * No clock in here; memory comes from the heap, once, in ::ect_twin_make. Context: the thread of the chain.
+ * This file uses no clock; memory comes from the heap, once, in ::ect_twin_make. Context: the thread of the chain.
  */
 #ifndef ECT_BUS_CHAIN_TWIN_H
 #define ECT_BUS_CHAIN_TWIN_H
@@ -26,7 +26,7 @@
 
 ECT_C_BEGIN
 
-/** Most blocks of memory that a twin consists of. */
+/** Limit of memory blocks of a twin. */
 enum { ECT_TWIN_BLOCKS = 10 };
 
 typedef struct ect_twin {
@@ -34,8 +34,8 @@ typedef struct ect_twin {
     ect_esc_t esc;
     ect_pdi_t pdi;
     ect_slave_t slave;
-    ect_slow_t *slow;   /* NULL: the slave takes no time */
-    ect_above_t *above; /* faults above the wire; NULL: there was none yet */
+    ect_slow_t *slow;   /* NULL: no delays */
+    ect_above_t *above; /* faults above the wire; NULL: none yet */
     ect_wiring_t *wiring;
     ect_lamps_t *lamps;
     bool link[ECT_TOPOLOGY_PORTS]; /* link state of the ports, as set in the ESC */
@@ -52,15 +52,15 @@ typedef struct ect_twin {
     size_t blocks;
 } ect_twin_t;
 
-/** The chip of a twin. @return NULL: no such chip */
+/** Finds the chip of a twin. @return NULL: no such chip */
 const ect_esc_personality_t *ect_twin_chip(const ect_twin_config_t *config);
 
-/** Bytes of the pool that a twin needs: memory of the ESC and buffer of the device. */
+/** @return bytes of the pool that a twin needs: memory of the ESC and buffer of the device. */
 size_t ect_twin_pool_size(const ect_twin_config_t *config);
 
 /**
  * Builds a twin and powers it on.
- * @param twin  zeroed but for `link`
+ * @param twin  zeroed, except `link`
  * @param pool  ::ect_twin_pool_size zeroed bytes that outlive the twin
  * @return false: out of memory, or no such chip; ::ect_twin_free frees the rest
  */
@@ -72,19 +72,19 @@ void ect_twin_free(ect_twin_t *twin);
 void ect_twin_restart(ect_twin_t *twin, uint64_t now_ns);
 
 /**
- * Carries out a fault of a slave, or sets one above the wire.
+ * Executes a fault of a slave, or sets a fault above the wire.
  * @param[out] why  the reason of a refusal, a line for the user without the name of the slave; NULL: done
- * @return whether it has restarted the twin
+ * @return whether the fault has restarted the twin
  */
 bool ect_twin_fault(ect_twin_t *twin, const ect_fault_t *fault, uint64_t now_ns, const char **why);
 
-/** Whether the slave stack, which has something to do, does it now; ::ect_twin_next then has the time. */
+/** @return whether pending work of the slave stack is done now; if not, ::ect_twin_next returns the time. */
 static inline bool ect_twin_begins(const ect_twin_t *twin, uint64_t now_ns)
 {
     return !twin->slow || ect_slow_begins(twin->slow, now_ns);
 }
 
-/** @return the deadline of the twin: of its slave stack, or of what is on its way to the ESC */
+/** @return the deadline of the twin: of its slave stack, or of pending writes to the ESC */
 static inline uint64_t ect_twin_next(const ect_twin_t *twin)
 {
     return twin->slow ? ect_slow_next(twin->slow, twin->slave_ns) : twin->slave_ns;
@@ -102,13 +102,16 @@ static inline bool ect_twin_on_bus(const ect_twin_t *twin)
     return !twin->slave.off_bus;
 }
 
-/** The plant whose signals the device has now (ect_plant_t::present). */
+/** @return the plant with the present signals of the device (ect_plant_t::present). */
 const ect_plant_t *ect_twin_plant(const ect_twin_t *twin);
 
-/** Finds a signal of the device, the lamps or the wiring by its name. @return whether there is one; then sets *ref */
+/**
+ * Finds a signal of the device, the lamps or the wiring by its name. @return whether the signal exists; sets *ref on
+ * true
+ */
 bool ect_twin_signal(const ect_twin_t *twin, const char *name, ect_signal_ref_t *ref);
 
-/** State of a twin that signals can change. Zeroed: empty. */
+/** The state of a twin that signals can change. Zeroed: empty. */
 typedef struct ect_twin_snapshot {
     void *instance;
     size_t room; /* bytes of `instance` */
@@ -117,7 +120,7 @@ typedef struct ect_twin_snapshot {
     bool off_bus, restart;
 } ect_twin_snapshot_t;
 
-/** Copies the state of a twin. @return false: out of memory, nothing changed */
+/** Copies the state of a twin. @return false: out of memory; nothing has changed */
 bool ect_twin_save(const ect_twin_t *twin, ect_twin_snapshot_t *snapshot);
 /** Restores the state of the same twin. */
 void ect_twin_restore(ect_twin_t *twin, const ect_twin_snapshot_t *snapshot);

@@ -8,7 +8,7 @@
 #define PLUG(name, port, meaning) INPUT(name, plug[port], BOOL, NULL, 0, 1, meaning)
 
 static const ect_signal_t signals[] = {
-    PLUG("plug_in", 0, "Plug of the input: 0 pulls it, the wire to the slave before is cut"),
+    PLUG("plug_in", 0, "Plug of the input: 0 pulls it, the wire to the previous slave is cut"),
     PLUG("plug_out", 1, "Plug of the output: 0 pulls it, the wire to the next slave is cut"),
     PLUG("plug_2", 2, "Plug of port 2, at a junction"),
     PLUG("plug_3", 3, "Plug of port 3, at a junction"),

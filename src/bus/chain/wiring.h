@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The surroundings of every slave's chip as signals (ecat.NAME): its plugs (a pulled plug cuts the wire), its latch
- * inputs, its oscillator.
+ * The surroundings of every slave's chip as signals (ecat.NAME): plugs (a pulled plug cuts the wire), latch inputs,
+ * oscillator.
  */
 #ifndef ECT_BUS_CHAIN_WIRING_H
 #define ECT_BUS_CHAIN_WIRING_H
@@ -21,7 +21,7 @@ typedef struct ect_wiring {
     int32_t drift_ppb; /**< deviation of the oscillator; > 0: fast */
 } ect_wiring_t;
 
-/** The signals of an ect_wiring_t; its instance is the structure. */
+/** The signals of an ect_wiring_t; the instance is the structure. */
 extern const ect_plant_t ect_wiring_plant;
 
 ECT_C_END

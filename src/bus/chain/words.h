@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The words of a line that a user types: a fault, a step of a script.
+ * The words of a line typed by a user: a fault, a step of a script.
  *
  * This file uses no clock and no heap. Context: any.
  */
