@@ -21,7 +21,7 @@ bool ect_change_is(const char *op)
     return strcmp(op, "set") == 0 || strcmp(op, "fault") == 0 || strcmp(op, "write") == 0 || strcmp(op, "wave") == 0;
 }
 
-/* @return the slave that alias:N refers to, from 1; 0: none */
+/* @return the slave with the alias of alias:N, from 1; 0: none */
 static size_t by_alias(const ect_chain_t *chain, const char *name)
 {
     static const char prefix[] = "alias:";
@@ -92,7 +92,7 @@ static const char *set(ect_chain_t *chain, size_t slave, const cJSON *request, u
 static const char *set_fault(ect_scenario_t *scenario, ect_chain_t *chain, const cJSON *request, uint64_t now_ns,
                              char message[ECT_SIGNAL_MESSAGE])
 {
-    _Static_assert((int)ECT_FAULT_MESSAGE <= (int)ECT_SIGNAL_MESSAGE, "a message of a fault has room");
+    _Static_assert((int)ECT_FAULT_MESSAGE <= (int)ECT_SIGNAL_MESSAGE, "the room includes a message of a fault");
     const cJSON *text = cJSON_GetObjectItemCaseSensitive(request, "fault");
     ect_fault_t fault;
     if (!scenario)

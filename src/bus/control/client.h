@@ -4,7 +4,7 @@
  * One connection to the control socket: its requests, replies and watched signals. Internal to bus/control.
  *
  * All work is done in bounded steps, because frames wait meanwhile: a step serves one request, continues a reply, or
- * writes changes. A step writes at most ECT_CLIENT_LINES lines and one with the result.
+ * writes changes. A step writes at most ECT_CLIENT_LINES lines, and a line with the result.
  */
 #ifndef ECT_BUS_CONTROL_CLIENT_H
 #define ECT_BUS_CONTROL_CLIENT_H

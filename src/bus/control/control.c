@@ -476,7 +476,7 @@ uint64_t ect_control_step_due(const ect_control_t *c)
     return ect_outsides_due(&c->outsides);
 }
 
-/* Does one piece of work for any client; waits for it at most a tenth of a second. @return whether there was some */
+/* Does one piece of work for any client; waits at most 0.1 s for work. @return whether work was done */
 static bool serve_or_wait(ect_control_t *c, ect_chain_t *chain, uint64_t now_ns)
 {
     enum { PIECE_MS = 100 };
@@ -487,8 +487,8 @@ static bool serve_or_wait(ect_control_t *c, ect_chain_t *chain, uint64_t now_ns)
     return work;
 }
 
-/* The clock stands still until the plant has replied. The time of the machine is counted in short waits, so that a
- * machine that stands still leaves the plant its time. */
+/* Stops the clock until the plant has replied. The timeout is counted in short waits, so that a suspension of the
+ * machine does not reduce the plant's time. */
 static void await(ect_control_t *c, const ect_client_t *client, ect_chain_t *chain, uint64_t now_ns)
 {
     enum { WAITS = 100, WORK = 100000 };

@@ -108,26 +108,23 @@ void ect_control_record(ect_control_t *control, const ect_chain_t *chain, uint64
 /** Sets a function that gets a line for the user when a plant is late or has ended, once each; NULL: none. */
 void ect_control_report(ect_control_t *control, void (*report)(void *ctx, const char *text), void *ctx);
 
-/** Allows plants to stop the clock during their steps, because it is virtual: ::ect_control_step waits for them then.
+/** Allows plants to stop a virtual clock during their steps; ::ect_control_step then waits for these plants.
  */
 void ect_control_let_wait(ect_control_t *control);
 
-/**
- * Waits until a plant with a name has been started, at most 20 s.
- * @return false: it has not
- */
+/** Waits until a plant with a name has been started, at most 20 s. @return false: not started in this time */
 bool ect_control_await_plant(ect_control_t *control, ect_chain_t *chain, const char *name, uint64_t now_ns);
 
-/** Whether ::ect_control_step has work at a time. Cost: one comparison for each plant. */
+/** @return whether ::ect_control_step has work at a time. Cost: one comparison for each plant. */
 bool ect_control_wants_step(const ect_control_t *control, uint64_t now_ns);
 
-/** Time of the next step of a plant; ECT_NEVER: none. */
+/** @return the time of the next step of a plant; ECT_NEVER: none. */
 uint64_t ect_control_step_due(const ect_control_t *control);
 
 /**
  * Begins the steps that are due: sends the present values to their plants. Call it after the devices have run.
  * Cost: one line and one system call for each plant; a plant that stops the clock is awaited, at most 10 s.
- * @return whether the clock stood still for a plant, so that the devices must run again at the same time
+ * @return whether the clock was stopped for a plant, so that the devices must run again at the same time
  */
 bool ect_control_step(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns);
 

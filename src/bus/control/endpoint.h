@@ -3,10 +3,10 @@
  * @file
  * The paths of the control sockets of running twins, for the twins and their clients.
  *
- * Each user has a folder, mode 0700: $XDG_RUNTIME_DIR/ectwin, or /tmp/ectwin-UID. Each process has a socket in it, mode
- * 0600: PID.sock, or PID-2.sock and so on if a live socket has this name (containers with a common folder may have
- * equal process ids); NAME.sock for a process with a name. Any user may create a folder in /tmp, so neither side trusts
- * a folder of another user.
+ * Each user has a folder, mode 0700: $XDG_RUNTIME_DIR/ectwin, or /tmp/ectwin-UID. The folder contains a socket of each
+ * process, mode 0600: PID.sock, or PID-2.sock and so on if a live socket has this name (containers with a common folder
+ * may have equal process ids); NAME.sock for a process with a name. Any user may create a folder in /tmp, so neither
+ * side trusts a folder of another user.
  */
 #ifndef ECT_BUS_CONTROL_ENDPOINT_H
 #define ECT_BUS_CONTROL_ENDPOINT_H
@@ -59,7 +59,7 @@ const char *ect_endpoint_unfit(const char *name);
  */
 int ect_endpoint_listen(const char *name, char *path, char *message);
 
-/** The inode of a socket's file, for ::ect_endpoint_close. @return 0: no such socket */
+/** @return the inode of a socket's file, for ::ect_endpoint_close; 0: no such socket */
 ino_t ect_endpoint_identity(const char *path);
 /**
  * Closes a listening socket, and removes its file if the file still has this inode. (A process that has dropped its

@@ -15,7 +15,7 @@ enum { TEXT = 128 };
 typedef struct event {
     uint64_t time_ns;
     size_t position;
-    bool emergency; /* else a state */
+    bool emergency; /* else a change of state */
     uint8_t state;  /* 0: off the bus */
     bool error;
     uint16_t code; /* AL status code, or error code of the emergency */
@@ -23,7 +23,7 @@ typedef struct event {
     uint8_t data[5];
 } event_t;
 
-/* The state of a twin at the last look. */
+/* The state of a twin at the last check. */
 typedef struct seen {
     uint8_t state;
     bool error;
@@ -79,7 +79,7 @@ static void look_at_state(ect_events_t *events, const ect_slave_t *slave, size_t
     event->code = seen->code = now.code;
 }
 
-/* A slave that was restarted counts from 0 again. */
+/* A restarted slave counts from 0 again. */
 static void look_at_emergencies(ect_events_t *events, const ect_slave_t *slave, size_t position, uint64_t now_ns)
 {
     seen_t *seen = &events->seen[position];

@@ -23,19 +23,19 @@ enum { ECT_EVENTS = 256 };
 
 typedef struct ect_events ect_events_t;
 
-/** Begins with the present state of the chain, which is no event. @return NULL: not enough memory */
+/** Starts recording; the present state of the chain is not an event. @return NULL: not enough memory */
 ect_events_t *ect_events_new(const ect_chain_t *chain);
-/** NULL: no effect */
+/** Frees the events. NULL: no effect */
 void ect_events_free(ect_events_t *events);
 
 /** Records the difference between a twin and its state at the last call. Cost: two comparisons without a difference. */
 void ect_events_look(ect_events_t *events, const ect_chain_t *chain, size_t position, uint64_t now_ns);
 
 /**
- * Writes the first kept event after a number, as docs/CONTROL.md describes it.
- * @param[in,out] number  of the event before, 0 at the beginning; then of this one
+ * Writes the first kept event after a number, in the form of docs/CONTROL.md.
+ * @param[in,out] number  of the previous event, 0 at the beginning; set to that of the written event
  * @param start_ns        start of the bus
- * @return false: there is none, nothing has changed
+ * @return false: no such event; nothing has changed
  */
 bool ect_events_next(const ect_events_t *events, const ect_chain_t *chain, uint64_t *number, uint64_t start_ns,
                      ect_line_t *line);

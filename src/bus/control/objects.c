@@ -73,7 +73,7 @@ const char *ect_object_place(const cJSON *request, ect_object_place_t *place)
 
 /* --- the list ----------------------------------------------------------------------------------------------------- */
 
-/* Position of the first object with this index or a higher one. */
+/* @return the position of the first object with this index or a higher one */
 static size_t first_from(const ect_od_t *od, uint32_t index)
 {
     size_t low = 0, high = od->count;
@@ -132,7 +132,7 @@ bool ect_objects_next(const ect_od_t *od, size_t slave, ect_object_place_t *plac
 
 /* --- read and write ----------------------------------------------------------------------------------------------- */
 
-/* @return the entry of a request; NULL: none, then the stack gives the reason */
+/* @return the entry of a request; NULL: none, and the stack returns the reason */
 static const ect_entry_t *find_entry(const ect_slave_t *slave, const ect_object_place_t *place)
 {
     const ect_object_t *object = NULL;
@@ -274,7 +274,7 @@ static bool read_integer(const char *text, const type_t *type, uint64_t *value)
     return true;
 }
 
-/* A number, as text or JSON, in wire form. */
+/* Converts a number, as text or JSON, to wire form. */
 static bool read_value(const char *text, const type_t *type, uint8_t *bytes, uint16_t *size)
 {
     uint64_t value;
@@ -291,7 +291,7 @@ static bool read_value(const char *text, const type_t *type, uint8_t *bytes, uin
     return true;
 }
 
-/* The bytes of "data", or of "value". @return the reason of a refusal; NULL: read */
+/* Reads the bytes of "data" or "value". @return the reason of a refusal; NULL: done */
 static const char *read_bytes(const cJSON *request, const type_t *type, uint8_t *bytes, uint16_t *size, char *message)
 {
     char number[40];

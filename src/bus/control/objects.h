@@ -20,7 +20,7 @@
 
 ECT_C_BEGIN
 
-/** Most bytes of a value that a line shows, and that a request writes. */
+/** Limit of bytes of a value in a line and in a request. */
 enum { ECT_OBJECT_BYTES = 200 };
 
 /** An entry of a dictionary. */
@@ -29,15 +29,15 @@ typedef struct ect_object_place {
     uint32_t subindex;
 } ect_object_place_t;
 
-/** Reads a member, a number from 0 to `maximum`; 0 without it. @return whether it is one */
+/** Reads a member, a number from 0 to `maximum`; a missing member is 0. @return whether the member is valid */
 bool ect_object_number(const cJSON *request, const char *member, uint32_t maximum, uint32_t *value);
 
-/** Name of a data type of the dictionary; "OTHER": a type without a name here. */
+/** @return the name of a data type of the dictionary; "OTHER": a type without a name. */
 const char *ect_object_type(uint16_t type);
 
 /**
- * Adds "data", the first ECT_OBJECT_BYTES bytes, and for numbers and texts "value".
- * @param bytes  `size` bytes in wire form; a text has a zero byte behind them
+ * Adds to a line "data", the first ECT_OBJECT_BYTES bytes, and for numbers and texts "value".
+ * @param bytes  `size` bytes in wire form; a text is followed by a zero byte
  */
 void ect_object_put_value(ect_line_t *line, uint16_t data_type, const uint8_t *bytes, size_t size);
 
@@ -47,8 +47,8 @@ const char *ect_object_place(const cJSON *request, ect_object_place_t *place);
 /**
  * Writes the first entry at or after a place. Cost: log2 of the objects.
  * @param slave          from 1
- * @param[in,out] place  then the place after the entry
- * @return false: there is none
+ * @param[in,out] place  set to the place after the entry
+ * @return false: no further entry
  */
 bool ect_objects_next(const ect_od_t *od, size_t slave, ect_object_place_t *place, ect_line_t *line);
 

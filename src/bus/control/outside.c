@@ -14,19 +14,19 @@
 
 struct ect_outside {
     char name[ECT_OUTSIDE_NAME];
-    const void *owner;      /* NULL: has ended */
+    const void *owner;      /* NULL: the plant has ended */
     bool runs;              /* has a period */
-    bool waits;             /* the clock stands still during its steps */
-    bool fits;              /* its values are rounded and limited */
+    bool waits;             /* the clock is stopped during its steps */
+    bool fits;              /* values are rounded and limited */
     bool pending;           /* no reply to the present step yet */
     bool was_late;          /* reported */
-    uint64_t period_ns;     /* from step to step; with `on`: longest time to a reply */
+    uint64_t period_ns;     /* period of the steps; with `on`: longest time to a reply */
     uint64_t due_ns;        /* next step; with `on`: end of the present one, ECT_NEVER: none */
-    ect_setting_place_t on; /* a change of this signal begins a step; signal NULL: the period does */
+    ect_setting_place_t on; /* a change of this signal begins a step; signal NULL: steps are periodic */
     uint8_t seen[8];        /* its value at the last step */
     uint64_t begun_ns;      /* time of the present step */
     uint64_t steps, late, refused;
-    ect_stats_t took; /* replies by the time that they took */
+    ect_stats_t took; /* replies by reply time */
     size_t read_count, write_count;
     ect_setting_place_t reads[ECT_OUTSIDE_VALUES];
     ect_setting_place_t writes[ECT_OUTSIDE_VALUES];
@@ -81,7 +81,7 @@ ect_outside_t *ect_outside_named(const ect_outsides_t *all, const char *name)
     return plant && plant->owner && plant->runs ? plant : NULL;
 }
 
-/* A place for a new plant: a free one, or that of a plant that has ended. */
+/* @return a place for a new plant: a free place, or that of an ended plant */
 static ect_outside_t **free_place(ect_outsides_t *all)
 {
     for (size_t i = 0; i < ECT_OUTSIDE_PLANTS; i++) {
@@ -95,7 +95,7 @@ static ect_outside_t **free_place(ect_outsides_t *all)
     return NULL;
 }
 
-/* A plant that has ended continues under its name, with its counters. @return NULL: *why is the reason */
+/* Starts a plant; a name of an ended plant continues its counters. @return NULL: *why is the reason */
 static ect_outside_t *enter(ect_outsides_t *all, const void *owner, const char *name, const char **why)
 {
     ect_outside_t *plant = named(all, name);
@@ -122,7 +122,7 @@ static ect_outside_t *enter(ect_outsides_t *all, const void *owner, const char *
     return plant;
 }
 
-/* Whether the signal that begins the steps has changed. */
+/* @return whether the signal that begins the steps has changed */
 static bool is_triggered(const ect_outside_t *plant)
 {
     const ect_signal_ref_t *on = &plant->on.ref;
@@ -284,7 +284,7 @@ bool ect_outsides_triggered(const ect_outsides_t *all)
     return false;
 }
 
-/* The next period after a time; those in between have no step. @return their number */
+/* Advances to the next period after a time. @return the number of skipped periods, which have no step */
 static uint64_t plan(ect_outside_t *plant, uint64_t now_ns)
 {
     const uint64_t over = now_ns > plant->due_ns ? (now_ns - plant->due_ns) / plant->period_ns : 0;
@@ -331,7 +331,7 @@ bool ect_outside_begin(ect_outsides_t *all, ect_outside_t *plant, const ect_chai
     if (triggered)
         plant->due_ns = now_ns + plant->period_ns;
     else
-        (void)plan(plant, now_ns); /* periods that the twins themselves have missed are not the plant's */
+        (void)plan(plant, now_ns); /* periods missed by the twins do not count for the plant */
     see(plant);
     plant->pending = true;
     plant->begun_ns = now_ns;
@@ -389,13 +389,13 @@ void ect_outside_give_up(ect_outsides_t *all, ect_outside_t *plant)
         count_late(all, plant, 1);
 }
 
-/* A finite number of a reply as its signal gets it. */
+/* Converts a finite number of a reply to the value of its signal. */
 static double fitted(const ect_outside_t *plant, size_t index, double value)
 {
     return plant->fits ? ect_signal_fit(plant->writes[index].ref.signal, value) : value;
 }
 
-/* The texts of the values; NULL for null. @return the reason of a refusal; NULL: done */
+/* Converts the values to texts; NULL for null. @return the reason of a refusal; NULL: done */
 static const char *read_values(const ect_outside_t *plant, const cJSON *request, char texts[][32],
                                const char *values[ECT_OUTSIDE_VALUES])
 {
@@ -417,7 +417,7 @@ static const char *read_values(const ect_outside_t *plant, const cJSON *request,
     return NULL;
 }
 
-/* Whether a reply names a step that has been given up: it has been counted. */
+/* @return whether a reply names a step that was given up, and has been counted */
 static bool is_over(const ect_outside_t *plant, const cJSON *request)
 {
     const cJSON *step = cJSON_GetObjectItemCaseSensitive(request, "step");
@@ -444,7 +444,7 @@ const char *ect_outside_reply(ect_outside_t *plant, ect_chain_t *chain, const cJ
     return why;
 }
 
-/* The position of the first signal at or behind a position. @return SIZE_MAX: none */
+/* @return the position of the first signal at or after a position; SIZE_MAX: none */
 static size_t next_position(const ect_outside_t *plant, size_t position)
 {
     size_t next = SIZE_MAX;

@@ -17,7 +17,7 @@ const char *ect_pdos_place(const cJSON *request, uint32_t *place)
     return ect_object_number(request, "place", 0xFFFFFF, place) ? NULL : "\"place\" is that of a line, plus 1";
 }
 
-/* A number of an assignment or mapping; 0: it does not exist. */
+/* @return a number in an assignment or mapping; 0: none */
 static uint32_t number_at(const ect_od_t *od, uint32_t index, uint32_t subindex)
 {
     uint32_t value = 0;
@@ -31,7 +31,7 @@ static bool has_pdos(const ect_slave_t *slave, unsigned int sm)
            ect_od_find(ect_slave_dictionary(slave), (uint16_t)(ECT_OD_ASSIGNMENT + sm)) != NULL;
 }
 
-/* Finds the entry at a place, or moves the place on by a PDO or a SyncManager. @return whether there is one */
+/* Finds the entry at a place, or advances the place by a PDO or a SyncManager. @return whether an entry was found */
 static bool find(const ect_slave_t *slave, uint32_t *place, mapped_t *mapped)
 {
     const ect_od_t *od = ect_slave_dictionary(slave);

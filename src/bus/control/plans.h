@@ -30,7 +30,7 @@ typedef struct ect_plans {
 /** Adds a copy of a request. @return the reason of a refusal; NULL: added */
 const char *ect_plans_add(ect_plans_t *plans, uint64_t due_ns, const cJSON *request);
 
-/** Time of the first request; ECT_NEVER: none. */
+/** @return the time of the first request; ECT_NEVER: none. */
 uint64_t ect_plans_due(const ect_plans_t *plans);
 
 /** Removes the first request; call it only with a pending one. @return the request, to be deleted by the caller */

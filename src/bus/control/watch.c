@@ -154,8 +154,8 @@ static bool changed(const ect_watch_t *watch, const peek_t *peek)
     }
 }
 
-/* @return the signal to report before a changed one: the first changed choice of the slave, or the signal itself. So a
- * list of changes can be replayed: a scene is selected before its values are set. */
+/* @return the signal to report before a changed one: the first changed choice of the slave, or the signal itself. A
+ * replay of the list of changes therefore selects a scene before it sets values of the scene. */
 static size_t first_change(const ect_watch_t *watch, size_t signal)
 {
     for (size_t n = 0; n < watch->choice_count; n++) {

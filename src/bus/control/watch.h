@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The signals that one connection watches, and the values reported last.
+ * The signals watched by a connection, and the last reported values.
  *
  * There are two modes. "In rounds": at intervals all watched values are compared with the reported ones, a few at a
  * time, and differences are reported; a value that changes and returns between two rounds is not reported. "Every
@@ -24,7 +24,7 @@
 
 ECT_C_BEGIN
 
-/** Most signals that one connection watches. */
+/** Limit of signals watched by a connection. */
 enum { ECT_WATCH_MOST = 4096 };
 
 typedef struct ect_watch ect_watch_t;
@@ -40,11 +40,11 @@ void ect_watch_free(ect_watch_t *watch);
  */
 bool ect_watch_add(ect_watch_t *watch, const ect_signal_ref_t *ref, size_t slave);
 
-/** The number of watched signals. */
+/** @return the number of watched signals. */
 size_t ect_watch_count(const ect_watch_t *watch);
 
 /**
- * The twins with a watched lamp (bus/chain/lamps.h): their lamps must be updated before a comparison.
+ * Lists the twins with a watched lamp (bus/chain/lamps.h), whose lamps must be updated before a comparison.
  * @param[out] slaves  positions in the chain, from 0; valid until the next ::ect_watch_add. @return their number
  */
 size_t ect_watch_lamps(const ect_watch_t *watch, const size_t **slaves);
