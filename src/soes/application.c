@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A slave out of what a SOES application brings along: SDOobjects, ecat_options.h, the hooks of its configuration. */
+/* The slave of a SOES application, made from SDOobjects, ecat_options.h and the hooks of its configuration. */
 #include <string.h>
 
 #include "seams/standard.h"
@@ -55,7 +55,7 @@ void ect_soes_outputs(void)
         CC_ATOMIC_SET(ect_soes.watchdog, ESCvar.watchdogcnt);
         cb_set_outputs();
     } else if (state != APPSTATE_IDLE) {
-        ESC_read(ESC_SM2_sma, rxpdo, ESCvar.ESC_SM2_sml); /* not for the application; the buffer becomes free */
+        ESC_read(ESC_SM2_sma, rxpdo, ESCvar.ESC_SM2_sml); /* reads and discards the outputs, which frees the buffer */
     }
 }
 
@@ -73,7 +73,7 @@ void ect_soes_inputs(void)
 
 /* --- states ------------------------------------------------------------------------------------------------------- */
 
-/* A mapping that cannot be, or one of more bytes than there is room for. */
+/* Refuses an invalid mapping, or a mapping of more bytes than the application has room for. */
 static bool is_wrong(int mappings, uint32_t bytes, uint32_t room)
 {
     return mappings < 0 || bytes > room;
@@ -134,7 +134,7 @@ static uint16_t go_up(uint8_t to)
     return ALERR_NONE;
 }
 
-/* App.state as SOES's hooks find it: already that of the lower state. */
+/* Sets App.state to the lower state before the hooks run, as SOES does. */
 static void go_down(uint8_t from, uint8_t to)
 {
     if (from < ESCsafeop)
@@ -183,8 +183,8 @@ static void safe_outputs(void *unused, uint64_t now_ns)
 
 /* --- objects ------------------------------------------------------------------------------------------------------ */
 
-/* An upload that is under way, for the hook behind it; a download in its second walk, which stores what the first has
- * shown to the hook. */
+/* The present transfer: an upload, for the hook after its end; a download, whose second pass stores the values that the
+ * first pass has passed to the hook. */
 static struct {
     bool reading;
     uint16_t index, flags;
@@ -193,7 +193,7 @@ static struct {
     bool second_walk;
 } transfer;
 
-/* An abort code goes out as it is. */
+/* @return the reason for a result of a hook: an abort code is sent unchanged */
 static ect_reason_t reason_of(uint32_t abort)
 {
     return abort == 0 ? ECT_OK : abort > UINT16_MAX ? abort : ECT_REASON_GENERAL;
@@ -224,7 +224,7 @@ static ect_reason_t sdo_request(void *unused, uint16_t index, uint8_t subindex)
     return ECT_OK;
 }
 
-/* The hook may change the length; a text without one is as long as it is. */
+/* Calls the hook, which may change the length. A text without a length in the list has the length of its content. */
 static ect_reason_t sdo_read(void *unused, uint16_t index, uint16_t subindex, ect_span_t *instead)
 {
     const ect_entry_t *entry = find(index, subindex);
@@ -243,7 +243,7 @@ static ect_reason_t sdo_read(void *unused, uint16_t index, uint16_t subindex, ec
     return reason_of(abort);
 }
 
-/* The answer is on its way by then: what the hook returns comes too late. */
+/* Calls the hook after an upload. Its result is ignored, because the reply has already been sent. */
 static void end_of_upload(void)
 {
     if (!transfer.reading || ect_slave_in_transfer(&ect_soes.slave))
@@ -319,7 +319,7 @@ ect_slave_config_t ect_soes_slave_config(void)
     static const ect_dc_mode_t clocks = {.name = "SYNC0"};
     static ect_pdo_run_t no_runs[1];
     ect_soes_describe(&device);
-    device.dc_modes = &clocks; /* the application's handler refuses what it does not support */
+    device.dc_modes = &clocks; /* the application's handler refuses unsupported requests */
     device.dc_mode_count = 1;
     device.protocols = protocols;
     device.instance_size = sizeof ect_soes_instance;
@@ -335,7 +335,7 @@ ect_slave_config_t ect_soes_slave_config(void)
         .mailbox = mailbox,
         .staging = ESCvar.mbxdata,
         .staging_size = sizeof ESCvar.mbxdata,
-        .process_data = mailbox, /* neither of the two is touched */
+        .process_data = mailbox, /* neither memory is accessed */
         .process_size = UINT16_MAX,
         .runs = no_runs,
         .run_count = UINT16_MAX,

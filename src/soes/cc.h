@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * SOES's API: what its headers call the compiler. Byte order, packing, atomic access, assertions, debug output.
+ * SOES's API for the compiler: byte order, packing, atomic access, assertions, debug output.
  *
- * The fixed-width names: `htoes` and `htoel` bring a 16- or 32-bit number from the processor's order into the ESC's,
- * `etohs` and `etohl` back. Exactly one of EC_LITTLE_ENDIAN and EC_BIG_ENDIAN is defined.
+ * `htoes` and `htoel` convert a 16- or 32-bit number from the processor's byte order to the ESC's, `etohs` and `etohl`
+ * back. Exactly one of EC_LITTLE_ENDIAN and EC_BIG_ENDIAN is defined.
  */
 #ifndef ECT_SOES_CC_H
 #define ECT_SOES_CC_H
@@ -37,7 +37,7 @@
 #define CC_SWAP16(x) __builtin_bswap16(x)
 #define CC_SWAP32(x) __builtin_bswap32(x)
 
-/** Access to what an interrupt touches too; AND, OR, ADD and SUB give the new value. */
+/** Access to variables that an interrupt accesses too; AND, OR, ADD and SUB return the new value. */
 #define CC_ATOMIC_SET(var, val) __atomic_store_n(&(var), (val), __ATOMIC_SEQ_CST)
 #define CC_ATOMIC_GET(var)      __atomic_load_n(&(var), __ATOMIC_SEQ_CST)
 #define CC_ATOMIC_ADD(var, val) __atomic_add_fetch(&(var), (val), __ATOMIC_SEQ_CST)
@@ -57,7 +57,7 @@
 #define etohs(x) htoes(x)
 #define etohl(x) htoel(x)
 
-/** With ESC_DEBUG defined: lines of an application on the standard output. */
+/** With ESC_DEBUG defined, an application prints lines to standard output. */
 #ifdef ESC_DEBUG
 #include <stdio.h>
 #define DPRINT(...) printf("soes: " __VA_ARGS__)

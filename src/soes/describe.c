@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* By the headers that the application is compiled with: ours, or SOES's own (ports/soes_hal). */
+/* Compiled with the application's headers: those of this folder, or SOES's own (ports/soes_hal). */
 #include <esc.h>
 #include <options.h>
 
@@ -8,10 +8,10 @@
 #include <string.h>
 
 _Static_assert(sizeof(_objd) == sizeof(ect_entry_t) && offsetof(_objd, data) == offsetof(ect_entry_t, data),
-               "an entry of SOES is an ect_entry_t");
+               "an entry of SOES has the layout of an ect_entry_t");
 _Static_assert(sizeof(_objectlist) == sizeof(ect_object_t) &&
                    offsetof(_objectlist, objdesc) == offsetof(ect_object_t, entries),
-               "an object of SOES is an ect_object_t");
+               "an object of SOES has the layout of an ect_object_t");
 
 static const ect_dc_mode_t dc_modes[] = {
     {.name = "FreeRun", .description = "Free run or SyncManager"},
@@ -26,7 +26,7 @@ static uint16_t count_objects(void)
     return count;
 }
 
-/* The value in the list: memory has no defaults yet. */
+/* @return the value in the list, because the memory has no defaults yet */
 static uint32_t number(const ect_device_t *device, uint16_t index, uint8_t subindex)
 {
     ect_od_t od = ect_device_od(device, NULL);
@@ -50,7 +50,7 @@ void ect_soes_describe(ect_device_t *device)
         .group_type = "SOES",
         .group_name = "SOES applications",
         .esc = "et1100",
-        .esc_config = {0x05, 0x0E, 0x03, 0x6E}, /* SPI; DC on; SYNC0 is an AL event too */
+        .esc_config = {0x05, 0x0E, 0x03, 0x6E}, /* SPI; DC on; SYNC0 is also an AL event */
         .sii_size = 4096,
         .sm = {{.start = MBX0_sma, .length = MBX0_sml, .control = MBX0_smc, .type = ECT_SM_MAILBOX_OUT},
                {.start = MBX1_sma, .length = MBX1_sml, .control = MBX1_smc, .type = ECT_SM_MAILBOX_IN},

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A description of a slave made from what a SOES application has: its object list and its `ecat_options.h`.
+ * The description of a slave, made from the object list and the `ecat_options.h` of a SOES application.
  *
- * describe.c is compiled with the application, against our headers or against SOES's own; so nothing in here knows
- * either.
+ * describe.c is compiled with the application, with the headers of this folder or with SOES's own, so this header
+ * includes neither.
  */
 #ifndef ECT_SOES_DESCRIBE_H
 #define ECT_SOES_DESCRIBE_H
@@ -16,9 +16,9 @@ ECT_C_BEGIN
 
 /**
  * Describes the application: identity and name from 1018h and 1008h, SyncManagers and mailboxes from its options, its
- * objects as they are; SYNC0 when it checks what a master makes of the clocks. No behaviour, no protocols, no instance:
- * those are the caller's to add.
- * @param[out] device  refers to SDOobjects, and lives as long as the caller wants
+ * objects unchanged; SYNC0 if the application checks the master's settings of the clocks. The caller adds behaviour,
+ * protocols and the instance.
+ * @param[out] device  refers to SDOobjects; the caller's memory
  * Context: any, after ESC_config. Cost: a walk over the object list.
  */
 void ect_soes_describe(ect_device_t *device);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* SOES's loop around our slave. */
+/* SOES's main loop around this stack. */
 #include "soes/ecat_slv.h"
 
 #include "soes/esc_foe.h"
@@ -23,7 +23,7 @@ static int hal_write(void *ctx, uint16_t address, const void *buffer, uint16_t l
     return 0;
 }
 
-/* The hardware file leaves it there with each access. */
+/* The hardware file stores the event word with each access. */
 static int hal_event(void *ctx, uint32_t *event)
 {
     (void)ctx;
@@ -31,7 +31,7 @@ static int hal_event(void *ctx, uint32_t *event)
     return 0;
 }
 
-/* Asked for by AL control bit 5, and looked up then: the application's, or the station alias. */
+/* Reads the device id when AL control bit 5 requests it: the application's, or the station alias. */
 static void look_up_id(const ect_pdi_t *below)
 {
     uint8_t alias[2] = {0};
@@ -57,8 +57,8 @@ static int read_over(void *ctx, uint16_t address, void *buffer, uint16_t length)
 }
 
 /*
- * From PREOP to SAFEOP the SyncManagers are on by now: the first inputs are there before the master reads the new
- * state, and before DIG_process in an interrupt may move any.
+ * Sets the state of the application. On the way to SAFEOP the SyncManagers are already enabled: the first inputs are
+ * written before the master reads the new state, and before DIG_process in an interrupt may write any.
  */
 static void follow_state(uint8_t status)
 {
@@ -74,7 +74,7 @@ static void follow_state(uint8_t status)
     ESCvar.ALstatus = status;
 }
 
-/* The AL event mask is a SOES application's: what the stack would make of it is only kept. */
+/* The AL event mask belongs to the SOES application: the stack's own mask is stored, not written. */
 static int write_over(void *ctx, uint16_t address, const void *buffer, uint16_t length)
 {
     const ect_pdi_t *below = ctx;
@@ -123,7 +123,7 @@ void ecat_slv_init(esc_cfg_t *config)
     wait_for_esc(&ect_soes.pdi);
     ect_soes.watchdog = ESCvar.watchdogcnt;
     while (ect_slave_init(&ect_soes.slave, &made_of, ect_soes_now()) == -3)
-        ; /* the ESC does not answer at present */
+        ; /* the ESC does not respond at present */
 }
 
 static void step(void)
@@ -135,7 +135,7 @@ static void step(void)
         ect_soes_follow_time(ESCvar.Time);
     }
     if (USE_EOE)
-        ect_mailbox_wake(&ect_soes.slave); /* a SOES application announces no frame: its callback is polled */
+        ect_mailbox_wake(&ect_soes.slave); /* a SOES application does not announce frames, so its callback is polled */
     ect_soes.due_ns = ect_slave_mainline(&ect_soes.slave, ect_soes_now());
 }
 
@@ -146,7 +146,7 @@ void ecat_slv_poll(void)
         ESCvar.esc_hw_eep_handler();
 }
 
-/* The events of the stack that it waits for, and all events that are not the stack's. */
+/* @return the stack's events that it waits for, and all events that are not the stack's */
 static uint32_t wanted(void)
 {
     const uint32_t ours = ESCREG_ALEVENT_CONTROL | ESCREG_ALEVENT_SMCHANGE | ESCREG_ALEVENT_SM0 | ESCREG_ALEVENT_SM1;
@@ -155,7 +155,7 @@ static uint32_t wanted(void)
 
 void ecat_slv_worker(uint32_t event_mask)
 {
-    enum { STEPS = 16 }; /* an event that stays beyond them raises the line again */
+    enum { STEPS = 16 }; /* an event that remains after these steps activates the line again */
     for (unsigned int n = 0; n < STEPS; n++) {
         ecat_slv_poll();
         CC_ATOMIC_SET(ESCvar.ALevent, ESC_ALeventread());

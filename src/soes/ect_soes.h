@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Functions of this stack beside SOES's API. All of them are optional.
+ * Functions of this stack in addition to SOES's API. All are optional.
  */
 #ifndef ECT_SOES_ECT_SOES_H
 #define ECT_SOES_ECT_SOES_H
@@ -13,17 +13,15 @@
 ECT_C_BEGIN
 
 /**
- * The time: nanoseconds of any clock that never goes back, to be given before ecat_slv_init. Without it time is that of
- * the ESC (ESCvar.Time), which does not move in a chip without distributed clocks; an application of SOES knows no
- * other.
- * @param now_ns  called in mainline, and where ::DIG_process is called
+ * Sets the clock: nanoseconds that never decrease. Due before ecat_slv_init. Without a clock the time is that of the
+ * ESC (ESCvar.Time), the only one of SOES's API, which does not advance in a chip without distributed clocks.
+ * @param now_ns  called in mainline, and in the context of ::DIG_process
  */
 void ect_soes_clock(uint64_t (*now_ns)(void));
 
 /**
- * When ecat_slv or ecat_slv_poll is to be called again even if the ESC has no event: what the last call of them found,
- * as
- * ::ect_slave_poll returns it. For a processor that sleeps. Context: mainline.
+ * @return the time at which ecat_slv or ecat_slv_poll is due without an event of the ESC, as of their last call
+ * (::ect_slave_poll). For a processor that sleeps. Context: mainline.
  */
 uint64_t ect_soes_due(void);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Registers of the ESC, and the state as an application may set it. */
+/* Registers of the ESC, and the functions by which an application sets the state. */
 #include "soes/esc.h"
 
 #include "soes/internal.h"
@@ -63,7 +63,7 @@ void ESC_ALstatus(uint8_t status)
     write_register(ESCREG_ALSTATUS, status, 2);
 }
 
-/* The state machine takes the step in mainline; outputs are not left to the application until then. */
+/* Requests a lower state, which the state machine enters in mainline; until then the application gets no outputs. */
 void ESC_ALstatusgotoerror(uint8_t status, uint16_t errornumber)
 {
     const ect_host_t *host = ect_slave_host(&ect_soes.slave);

@@ -3,8 +3,8 @@
  * @file
  * SOES's API: the ESC, the configuration of the stack, and its state.
  *
- * Below it is the hardware file, the application's or a board's: ESC_read, ESC_write, ESC_init, ESC_reset. Each
- * ESC_read and ESC_write leaves the AL event word (0x0220) in ESCvar.ALevent. They do not fail.
+ * The hardware file, of the application or of a board, has ESC_read, ESC_write, ESC_init and ESC_reset. Each ESC_read
+ * and ESC_write stores the AL event word (0x0220) in ESCvar.ALevent. These functions do not fail.
  *
  * docs/SOES.md lists the supported names and the differences. The facts (names, types, values) are those of
  * SOES's public headers.
@@ -77,7 +77,7 @@ ECT_C_BEGIN
 #define SYNCTYPE_SUPPORT_DCSYNC1  0x08
 #define SYNCTYPE_SUPPORT_SUBCYCLE 0x10
 
-/** AL states; ESCerror is the flag beside one. */
+/** AL states; ESCerror is the error flag, added to a state. */
 #define ESCinit   0x01
 #define ESCpreop  0x02
 #define ESCboot   0x03
@@ -178,7 +178,7 @@ ECT_C_BEGIN
 #define MBXERR_NOMOREMEMORY        0x0007
 #define MBXERR_INVALIDSIZE         0x0008
 
-/** SDO abort codes: what a hook of an object may return. */
+/** SDO abort codes, which the hook of an object may return. */
 #define ABORT_NOTOGGLE                  0x05030000
 #define ABORT_TRANSFER_TIMEOUT          0x05040000
 #define ABORT_UNKNOWN                   0x05040001
@@ -216,7 +216,7 @@ ECT_C_BEGIN
 #define ABORT_OBJECT_DICTIONARY_ERROR   0x08000023
 #define ABORT_NO_DATA_AVAILABLE         0x08000024
 
-/** States of a mailbox buffer, SDO commands, mailbox types: of the wire, not needed by an application. */
+/** States of a mailbox buffer, SDO commands, mailbox types: values on the wire, not needed by an application. */
 #define MBXstate_idle                0x00
 #define MBXstate_inclaim             0x01
 #define MBXstate_outclaim            0x02
@@ -267,7 +267,7 @@ ECT_C_BEGIN
 #define MBXSEU                       0x40
 #define MBXSED                       0x50
 
-/** ESCvar.SMtestresult: the SyncManager that was not as the application lays it out. */
+/** ESCvar.SMtestresult: the SyncManager that differs from the application's layout. */
 #define SMRESULT_ERRSM0 0x01
 #define SMRESULT_ERRSM1 0x02
 #define SMRESULT_ERRSM2 0x04
@@ -313,7 +313,7 @@ ECT_C_BEGIN
 
 #define PREALLOC_BUFFER_SIZE (PREALLOC_FACTOR * MBXSIZE)
 
-/** A SyncManager as the application lays it out: start, length, last byte, control, activation. */
+/** The application's layout of a SyncManager: start, length, last byte, control, activation. */
 typedef struct sm_cfg {
     uint16_t cfg_sma;
     uint16_t cfg_sml;
@@ -322,41 +322,53 @@ typedef struct sm_cfg {
     uint8_t cfg_smact;
 } sm_cfg_t;
 
-/** The configuration. Any hook may be NULL. Context of all: mainline, but for what ::DIG_process calls. */
+/** The configuration. Any hook may be NULL. Context: mainline, except hooks called by ::DIG_process. */
 typedef struct esc_cfg {
     void *user_arg;                   /**< for ESC_init */
     int use_interrupt;                /**< not 0: the hooks of interrupts are called */
-    int watchdog_cnt;                 /**< ::APP_setwatchdog at the start */
+    int watchdog_cnt;                 /**< argument of ::APP_setwatchdog at the start */
     bool skip_default_initialization; /**< entries keep the content of their memory */
-    /** After the entries got their defaults: others for some of them. */
+    /** Called after the entries have got their defaults, to replace some. */
     void (*set_defaults_hook)(void);
-    /** A change of state is about to be made, or has been: `*as` is one of the constants above (INIT_TO_PREOP ...),
-     * `*an` the state, before the change the present one. Setting ESCerror in `*an` afterwards, with ESC_ALerror,
-     * refuses it. */
+    /**
+     * Called before and after a change of state. `*as` is one of the constants above (INIT_TO_PREOP ...), `*an` the
+     * state, which is the present one before the change. The second hook refuses the change by ESCerror in `*an` and
+     * ESC_ALerror.
+     */
     void (*pre_state_change_hook)(uint8_t *as, uint8_t *an);
     void (*post_state_change_hook)(uint8_t *as, uint8_t *an);
-    /** In ::DIG_process, between outputs and inputs. */
+    /** Called in ::DIG_process, between outputs and inputs. */
     void (*application_hook)(void);
-    /** Outputs must go to their safe values. */
+    /** Called when outputs must get their safe values. */
     void (*safeoutput_override)(void);
-    /** A master reads or writes an entry, or a whole object (COMPLETE_ACCESS_FLAG in `flags`, which are those of the
-     * entry else). @return 0, or the SDO abort code of the reply */
+    /**
+     * Called when a master reads or writes an entry, or a whole object. `flags` are those of the entry, with
+     * COMPLETE_ACCESS_FLAG for a whole object. @return 0, or the SDO abort code of the reply
+     */
     uint32_t (*pre_object_download_hook)(uint16_t index, uint8_t subindex, void *data, size_t size, uint16_t flags);
     uint32_t (*post_object_download_hook)(uint16_t index, uint8_t subindex, uint16_t flags);
     uint32_t (*pre_object_upload_hook)(uint16_t index, uint8_t subindex, void *data, size_t *size, uint16_t flags);
     uint32_t (*post_object_upload_hook)(uint16_t index, uint8_t subindex, uint16_t flags);
-    /** In place of moving outputs from SyncManager 2 into their entries, or inputs into SyncManager 3. */
+    /** Replaces the transfer of outputs from SyncManager 2 into their entries, or of inputs into SyncManager 3. */
     void (*rxpdo_override)(void);
     void (*txpdo_override)(void);
-    /** With use_interrupt: process data begin in SAFEOP, and end; `mask` are the AL events that they come by. */
+    /**
+     * Called, with use_interrupt, at the begin of process data in SAFEOP, and at the end; `mask` has the AL events of
+     * process data.
+     */
     void (*esc_hw_interrupt_enable)(uint32_t mask);
     void (*esc_hw_interrupt_disable)(uint32_t mask);
-    /** In each ::ecat_slv_poll: an emulated EEPROM does its work. */
+    /** Called in each ::ecat_slv_poll, for the work of an emulated EEPROM. */
     void (*esc_hw_eep_handler)(void);
-    /** With use_interrupt, on the way to SAFEOP with SYNC signals on. @return 0, or the AL status code that refuses it
+    /**
+     * Called, with use_interrupt, on the way to SAFEOP with active SYNC signals. @return 0, or the AL status code of a
+     * refusal
      */
     uint16_t (*esc_check_dc_handler)(void);
-    /** The value that AL control bit 5 asks for. NULL: the configured station alias. @return 0, or there is none */
+    /**
+     * Returns the device id requested by AL control bit 5. NULL: the configured station alias. @return 0; another
+     * value: no id
+     */
     int (*get_device_id)(uint16_t *device_id);
 } esc_cfg_t;
 
@@ -422,7 +434,7 @@ typedef struct CC_PACKED {
 } _ESCsm;
 CC_PACKED_END
 
-/** The same by bytes. */
+/** The same registers by bytes. */
 CC_PACKED_BEGIN
 typedef struct CC_PACKED {
     uint16_t PSA;
@@ -442,7 +454,7 @@ typedef struct CC_PACKED {
 } _ESCsmCompact;
 CC_PACKED_END
 
-/** The stack as an application sees it. docs/SOES.md lists the members that are kept up to date. */
+/** The stack's variables for the application. docs/SOES.md lists the members that are kept up to date. */
 typedef struct {
     int use_interrupt;
     sm_cfg_t mb[2];
@@ -464,17 +476,17 @@ typedef struct {
     void (*esc_hw_eep_handler)(void);
     uint16_t (*esc_check_dc_handler)(void);
     int (*get_device_id)(uint16_t *device_id);
-    uint8_t MBXrun; /**< 1: the mailbox runs */
+    uint8_t MBXrun; /**< 1: the mailbox is active */
     uint32_t activembxsize;
     sm_cfg_t *activemb0;
     sm_cfg_t *activemb1;
     uint16_t ESC_SM2_sml;      /**< bytes of outputs, from the way to SAFEOP on */
     uint16_t ESC_SM3_sml;      /**< bytes of inputs */
-    uint8_t dcsync;            /**< the application's: it runs by SYNC0 */
+    uint8_t dcsync;            /**< set by the application: it is synchronised to SYNC0 */
     uint16_t synccounterlimit; /**< the application's */
-    uint16_t ALstatus;         /**< as written last */
-    uint16_t ALcontrol;        /**< as read last */
-    uint16_t ALerror;          /**< AL status code as written last */
+    uint16_t ALstatus;         /**< last value written */
+    uint16_t ALcontrol;        /**< last value read */
+    uint16_t ALerror;          /**< last AL status code written */
     uint16_t DLstatus;         /**< as read in ecat_slv_init */
     uint16_t address;          /**< station address, as read on the way to PREOP */
     uint8_t mbxcnt;
@@ -493,21 +505,21 @@ typedef struct {
     uint8_t subindex;
     uint16_t flags;
     uint8_t toggle;
-    int sm2mappings; /**< entries that SMmap2 holds */
+    int sm2mappings; /**< entries in SMmap2 */
     int sm3mappings;
     uint8_t SMtestresult;
     uint32_t PrevTime;
     _ESCsm SM[4];
     volatile int watchdogcnt;
-    volatile uint32_t Time;      /**< 0x0910, lower half, as read last */
-    volatile uint32_t ALevent;   /**< as the hardware file left it */
+    volatile uint32_t Time;      /**< 0x0910, lower half, last value read */
+    volatile uint32_t ALevent;   /**< stored by the hardware file */
     volatile int8_t synccounter; /**< the application's */
     volatile _App App;           /**< APPSTATE_..., while the process data run */
     uint8_t mbxdata[PREALLOC_BUFFER_SIZE];
 } _ESCvar;
 
 extern _ESCvar ESCvar;
-/** The entries that are mapped to SyncManagers 2 and 3, MAX_MAPPINGS_SM2 and _SM3 of them at most. */
+/** The entries mapped to SyncManagers 2 and 3, at most MAX_MAPPINGS_SM2 and MAX_MAPPINGS_SM3. */
 extern _SMmap SMmap2[];
 extern _SMmap SMmap3[];
 
@@ -530,7 +542,7 @@ extern _SMmap SMmap3[];
 #define ESC_SM3_smc    (SM3_smc)
 #define ESC_SM3_act    (SM3_act)
 
-/* --- the hardware file: the application's or the board's ---------------------------------------------------------- */
+/* --- the hardware file, of the application or of the board -------------------------------------------------------- */
 
 void ESC_read(uint16_t address, void *buf, uint16_t len);
 void ESC_write(uint16_t address, void *buf, uint16_t len);
@@ -539,7 +551,7 @@ void ESC_reset(void);
 
 /* --- registers ---------------------------------------------------------------------------------------------------- */
 
-/** AL events that are there (0x0220), and that the interrupt line is for (0x0204). One PDI access each. */
+/** Present AL events (0x0220), and AL events that activate the interrupt line (0x0204). One PDI access each. */
 uint32_t ESC_ALeventread(void);
 void ESC_ALeventwrite(uint32_t event);
 uint32_t ESC_ALeventmaskread(void);
@@ -551,24 +563,26 @@ uint8_t ESC_WDstatus(void);
 
 /* --- state -------------------------------------------------------------------------------------------------------- */
 
-/** Takes `cfg` over; ::ecat_slv_init does it. */
+/** Stores the configuration; called by ::ecat_slv_init. */
 void ESC_config(esc_cfg_t *cfg);
-/** The AL status code of the change of state that is being made: for hooks that refuse it. Else it is written at once.
+/**
+ * Sets the AL status code of the present change of state, for hooks that refuse the change. Outside a change the code
+ * is written at once.
  */
 void ESC_ALerror(uint16_t errornumber);
 /** Writes AL status at once, for a boot loader that reports a state before it jumps. */
 void ESC_ALstatus(uint8_t status);
 /**
- * Leaves the present state, on the application's own account, for a lower one: `status` with ESCerror in it. Process
- * data stop at once, the state is reported by the next ::ecat_slv_poll. ESCop and states that are not lower change
- * nothing. Context: any.
+ * Leaves the present state, at the application's own initiative, for a lower one: `status` includes ESCerror. Process
+ * data stop at once; the next ::ecat_slv_poll reports the state. ESCop, and states that are not lower, have no effect.
+ * Context: any.
  */
 void ESC_ALstatusgotoerror(uint8_t status, uint16_t errornumber);
 /** Calls safeoutput_override. */
 void APP_safeoutput(void);
 
-/* The pieces that loops are made of which do not call ::ecat_slv_poll: ESC_state does one step of all of it, the others
- * find nothing left to do, and ESC_mbxprocess returns 0. */
+/* For loops that do not call ::ecat_slv_poll: ESC_state executes one step of state machine and mailbox; the other
+ * functions have no effect, and ESC_mbxprocess returns 0. */
 void ESC_state(void);
 void ESC_sm_act_event(void);
 uint8_t ESC_mbxprocess(void);

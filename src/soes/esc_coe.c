@@ -11,7 +11,7 @@
 _SMmap SMmap2[MAX_MAPPINGS_SM2 > 0 ? MAX_MAPPINGS_SM2 : 1];
 _SMmap SMmap3[MAX_MAPPINGS_SM3 > 0 ? MAX_MAPPINGS_SM3 : 1];
 
-/* No object: SOES's list has its end in itself, and may be in any memory. */
+/* Marks "no object": the end of SOES's list is an element of the list, which may be in any memory. */
 static ect_od_t dictionary(void)
 {
     return ect_soes.slave.od;
@@ -52,7 +52,7 @@ uint8_t COE_maxSub(uint16_t index)
 
 /* --- process data ------------------------------------------------------------------------------------------------- */
 
-/* The entry of a mapping value, or a gap. @return false: there is none, or it is longer than its mapping */
+/* Finds the entry of a mapping value, or a gap. @return false: no such entry, or it is longer than its mapping */
 static bool resolve(uint32_t mapping, _SMmap *to)
 {
     int32_t object = SDO_findobject((uint16_t)(mapping >> 16));
@@ -62,7 +62,7 @@ static bool resolve(uint32_t mapping, _SMmap *to)
     return to->obj ? to->obj->bitlength <= (mapping & 0xFF) : mapping >> 8 == 0;
 }
 
-/* Adds a PDO's entries. @return false: too many, or one that there is not */
+/* Adds a PDO's entries. @return false: too many entries, or an entry that does not exist */
 static bool add_pdo(uint16_t pdo, _SMmap *sm, int max_mappings, int *count, uint32_t *bits)
 {
     uint8_t entries = COE_maxSub(pdo);

@@ -3,8 +3,8 @@
  * @file
  * SOES's API: the object list of an application.
  *
- * `SDOobjects` is the application's; it ends with index 0xFFFF. An entry whose `data` is NULL reads as `value`, one
- * with data starts with it. Lists written by the generators of SOES's world are taken as they are.
+ * The application defines `SDOobjects`, which ends with index 0xFFFF. An entry whose `data` is NULL reads as `value`;
+ * `data` of another entry initially has this value. Lists of SOES's generators are used unchanged.
  */
 #ifndef ECT_SOES_ESC_COE_H
 #define ECT_SOES_ESC_COE_H
@@ -108,39 +108,42 @@ typedef struct {
 #define RX_PDO_OBJIDX 0x1c12
 #define TX_PDO_OBJIDX 0x1c13
 
-/** In the flags that hooks are given: the whole object is accessed, in place of one entry. */
+/** A flag for hooks: the whole object is accessed, not one entry. */
 #define COMPLETE_ACCESS_FLAG (1 << 15)
 
 /** The application's dictionary. */
 extern const _objectlist SDOobjects[];
 
-/** Position of an object in the list. @return -1: there is none */
+/** @return the position of an object in the list; -1: none */
 int32_t SDO_findobject(uint16_t index);
-/** Position of an entry in the object at position `nidx`. @return -1: there is none */
+/** @return the position of an entry in the object at position `nidx`; -1: none */
 int16_t SDO_findsubindex(int32_t nidx, uint8_t subindex);
 
-/** The present value of sub-index 0. @return 0 also without such an object */
+/** @return the present value of sub-index 0; 0: also without such an object */
 uint8_t COE_maxSub(uint16_t index);
 
 /**
- * Bytes of the assignment `index`, RX_PDO_OBJIDX or TX_PDO_OBJIDX, at present, and the entries that it maps.
- * @param[out] nmappings  how many `sm` holds; 0 with max_mappings 0; -1: more than that, or one that there is not
+ * Computes the present bytes of the assignment `index`, RX_PDO_OBJIDX or TX_PDO_OBJIDX, and the mapped entries.
+ * @param[out] nmappings  elements set in `sm`; 0 with max_mappings 0; -1: more than max_mappings entries, or an entry
+ * that does not exist
  * @param[out] sm         `max_mappings` elements
  * @return bytes; 0 also with *nmappings -1
  */
 uint16_t sizeOfPDO(uint16_t index, int *nmappings, _SMmap *sm, int max_mappings);
 
-/** Process data from entries into `buffer`, and out of it into entries; 8-byte alignment is not needed here. */
+/** Copies process data from entries into `buffer`, or from `buffer` into entries; no alignment is necessary. */
 void COE_pdoPack(uint8_t *buffer, int nmappings, _SMmap *sm);
 void COE_pdoUnpack(uint8_t *buffer, int nmappings, _SMmap *sm);
 
-/** Gives entries of up to 64 bits their default, unless the configuration skips that, and calls set_defaults_hook. */
+/**
+ * Sets entries of up to 64 bits to their defaults, unless the configuration skips this, and calls set_defaults_hook.
+ */
 void COE_initDefaultValues(void);
 
-/** Nothing is left to do: ::ESC_state does it. For loops that are made of the pieces. */
+/** No effect, because ::ESC_state does this work. For loops that call the parts. */
 void ESC_coeprocess(void);
 
-/** The hooks of the configuration, by the names under which the stack calls them. @return 0, or an SDO abort code */
+/** Call the hooks of the configuration. @return 0, or an SDO abort code */
 uint32_t ESC_download_pre_objecthandler(uint16_t index, uint8_t subindex, void *data, size_t size, uint16_t flags);
 uint32_t ESC_download_post_objecthandler(uint16_t index, uint8_t subindex, uint16_t flags);
 uint32_t ESC_upload_pre_objecthandler(uint16_t index, uint8_t subindex, void *data, size_t *size, uint16_t flags);

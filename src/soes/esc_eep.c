@@ -2,7 +2,7 @@
 /* An EEPROM that the microcontroller emulates for its ESC (ET1100 data sheet, 0x0502 bit 5). */
 #include "soes/esc_eep.h"
 
-/* The hardware file's functions replace these; a slave whose ESC has an EEPROM of its own has none. */
+/* Defaults for a slave whose ESC has an EEPROM of its own; the hardware file's functions replace these. */
 __attribute__((weak)) void EEP_init(void)
 {
 }
@@ -23,7 +23,7 @@ __attribute__((weak)) int8_t EEP_write(uint32_t addr, uint8_t *data, uint16_t si
     return -1;
 }
 
-enum { LARGEST_READ = 8, COMMANDS = 64 /* in a row; after them the loop goes on, for the event stays */ };
+enum { LARGEST_READ = 8, COMMANDS = 64 /* successive commands; the loop then continues, because the event remains */ };
 
 static uint16_t read_size = LARGEST_READ;
 static void (*reload)(eep_stat_t *stat);
@@ -39,7 +39,7 @@ void EEP_set_reload_function_pointer(void (*reload_ptr)(eep_stat_t *stat))
     reload = reload_ptr;
 }
 
-/* Bytes of the EEPROM into the data register. @return whether they were there */
+/* Copies bytes of the EEPROM to the data register. @return whether the EEPROM has the bytes */
 static bool deliver(uint32_t word, uint16_t size)
 {
     uint8_t data[LARGEST_READ];
@@ -49,7 +49,7 @@ static bool deliver(uint32_t word, uint16_t size)
     return true;
 }
 
-/* With 4 bytes a read, what a reload wants is the station alias alone. */
+/* With 4 bytes for each read, a reload requests only the station alias. */
 static bool deliver_reload(uint32_t word)
 {
     return read_size == LARGEST_READ ? deliver(word, read_size) : deliver(EEP_CONFIG_ALIAS_WORD_OFFSET, 2);
@@ -88,7 +88,7 @@ static void carry_out(eep_stat_t *stat)
         stat->contstat.bits.ackErr = 1;
 }
 
-/* The ESC shows the next command as soon as this one is acknowledged. */
+/* The ESC presents the next command as soon as this one is acknowledged. */
 void EEP_process(void)
 {
     eep_stat_t stat;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * SOES's API: an EEPROM that the slave emulates, for ESCs that ask their microcontroller for it (XMC4800, TI ESC).
+ * SOES's API: an EEPROM emulated by the slave, for ESCs that request its content from the microcontroller (XMC4800, TI
+ * ESC).
  *
  * The hardware file provides `EEP_read` and `EEP_write`; the application names ::EEP_process, or a function that calls
  * it, as esc_cfg_t::esc_hw_eep_handler.
@@ -22,7 +23,7 @@ ECT_C_BEGIN
 #define EEP_CMD_WRITE  0x2
 #define EEP_CMD_RELOAD 0x4
 
-/** Bytes that a write brings. */
+/** Bytes of a write. */
 #define EEP_WRITE_SIZE 2
 
 /** Word of the configured station alias. */
@@ -65,13 +66,13 @@ typedef union eep_config {
     uint32_t dword[4];
 } eep_config_t;
 
-/** Carries out the command of the ESC when ESCvar.ALevent has its event. Cost: 3 PDI accesses a command. */
+/** Executes the command of the ESC if ESCvar.ALevent has its event. Cost: 3 PDI accesses for each command. */
 void EEP_process(void);
 
-/** Bytes that a read delivers, 8 (at the start) or 4; others change nothing. */
+/** Sets the bytes delivered by a read, 8 (initially) or 4; other values have no effect. */
 void EEP_set_read_size(uint16_t read_size);
 
-/** Handles a reload in place of delivering the requested words; sets the errors in *stat, too. NULL: deliver them. */
+/** Sets a function that handles a reload, and sets the errors in *stat. NULL: a reload gets the requested words. */
 void EEP_set_reload_function_pointer(void (*reload_ptr)(eep_stat_t *stat));
 
 /** Functions of the hardware file. `addr` and `size` in bytes; a negative result is a failure. */

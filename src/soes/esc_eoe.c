@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Ethernet frames as SOES's API has them, over our EoE (seams/eoe.h). */
+/* Ethernet frames of SOES's API over this stack's EoE (seams/eoe.h). */
 #include "soes/esc_eoe.h"
 
 #include <string.h>
@@ -133,7 +133,7 @@ int EOE_ecat_set_dns_name(uint8_t port, char *dns_name)
     return set(port, ECT_EOE_HAS_NAME, address()->name, name, sizeof name);
 }
 
-/* The callback finds the new address by EOE_ecat_get_… */
+/* The callback reads the new address by EOE_ecat_get_… */
 static uint16_t store(const ect_eoe_t *eoe, void *instance, uint8_t port, const ect_eoe_address_t *wanted)
 {
     const ect_eoe_address_t before = *address();

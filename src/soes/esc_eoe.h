@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * SOES's API: Ethernet frames by EoE. All functions: mainline, as the callbacks.
+ * SOES's API: Ethernet frames by EoE. Context of functions and callbacks: mainline.
  *
  * There is one port, 0. An address is a number with the first octet highest: 192.168.0.1 is C0A80001h.
  */
@@ -16,34 +16,41 @@ ECT_C_BEGIN
 
 /** A frame buffer of the application. */
 typedef struct eoe_pbuf {
-    void *pbuf;       /**< the application's; not used here */
+    void *pbuf;       /**< for the application; not used by the stack */
     uint8_t *payload; /**< the bytes, from the destination address on, without FCS */
     size_t len;       /**< bytes */
 } eoe_pbuf_t;
 
-/** The callbacks of an application. Lives as long as the slave. A callback must not be NULL unless noted. */
+/** The callbacks of an application; must outlive the slave. A callback must not be NULL unless noted. */
 typedef struct eoe_cfg {
-    /** Gives a buffer of 1518 bytes for a frame that has come whole; `payload` NULL, or the callback: no room, and the
-     * frame is dropped. */
+    /**
+     * Returns a buffer of 1518 bytes for a complete frame. If `payload` or the callback is NULL, the frame is dropped.
+     */
     void (*get_buffer)(eoe_pbuf_t *ebuf);
-    /** Takes back a buffer of fetch_send_buffer, as soon as its bytes are copied. May be NULL. */
+    /** Releases a buffer of fetch_send_buffer after its bytes are copied. May be NULL. */
     void (*free_buffer)(eoe_pbuf_t *ebuf);
-    /** A master asks for the address: the application refreshes it by EOE_ecat_set_…; the result has no effect. May be
-     * NULL. */
+    /**
+     * Called when a master reads the address: the application updates it by EOE_ecat_set_…; the result has no effect.
+     * May be NULL.
+     */
     int (*load_eth_settings)(void);
-    /** A master has set the address, which EOE_ecat_get_… give. @return the result for the master (EOE_RESULT_…);
-     * unless it is 0, the old address is kept. NULL: EOE_RESULT_NO_IP_SUPPORT */
+    /**
+     * Called when a master has set the address, which EOE_ecat_get_… return. @return the result for the master
+     * (EOE_RESULT_…); unless 0, the previous address is kept. NULL: EOE_RESULT_NO_IP_SUPPORT
+     */
     int (*store_ethernet_settings)(void);
-    /** Takes a frame, `len` bytes, with its buffer. */
+    /** Gets a frame of `len` bytes, and its buffer. */
     void (*handle_recv_buffer)(uint8_t port, eoe_pbuf_t *ebuf);
-    /** Gives the next frame to send: `payload`. Called when no frame is under way, at least once in each
-     * ::ecat_slv_poll. @return its bytes; 0 or less: none */
+    /**
+     * Returns the next frame to send in `payload`. Called when no frame is under way, at least once in each
+     * ::ecat_slv_poll. @return bytes of the frame; 0 or less: none
+     */
     int (*fetch_send_buffer)(uint8_t port, eoe_pbuf_t *ebuf);
-    /** A fragment was put into the mailbox. May be NULL. */
+    /** Called when a fragment has been written to the mailbox. May be NULL. */
     void (*fragment_sent_event)(void);
 } eoe_cfg_t;
 
-/** Copies a part of the address. @return 0 · -1: not known, or another port than 0; nothing is written then */
+/** Copies a part of the address. @return 0 · -1: not set, or a port other than 0; nothing is written */
 int EOE_ecat_get_mac(uint8_t port, uint8_t mac[]);
 int EOE_ecat_get_ip(uint8_t port, uint32_t *ip);
 int EOE_ecat_get_subnet(uint8_t port, uint32_t *subnet);
@@ -52,9 +59,7 @@ int EOE_ecat_get_dns_ip(uint8_t port, uint32_t *dns_ip);
 /** @param[out] dns_name  32 bytes, padded with zeros */
 int EOE_ecat_get_dns_name(uint8_t port, char *dns_name);
 
-/** Sets a part of the address, which is known from then on; also before ecat_slv_init. @return 0 · -1: another port
- * than
- * 0 */
+/** Sets a part of the address; also before ecat_slv_init. @return 0 · -1: a port other than 0 */
 int EOE_ecat_set_mac(uint8_t port, uint8_t mac[]);
 int EOE_ecat_set_ip(uint8_t port, uint32_t ip);
 int EOE_ecat_set_subnet(uint8_t port, uint32_t subnet);
@@ -63,12 +68,14 @@ int EOE_ecat_set_dns_ip(uint8_t port, uint32_t dns_ip);
 /** @param dns_name  up to 32 bytes, zero-terminated if shorter */
 int EOE_ecat_set_dns_name(uint8_t port, char *dns_name);
 
-/** Keeps the callbacks. Before ecat_slv_init. Without a call, frames are dropped and set IP is refused with
- * EOE_RESULT_NO_IP_SUPPORT. */
+/**
+ * Stores the callbacks. Due before ecat_slv_init. Without a call, frames are dropped and set IP is refused with
+ * EOE_RESULT_NO_IP_SUPPORT.
+ */
 void EOE_config(eoe_cfg_t *cfg);
-/** Drops frames of both directions that are under way. Before ecat_slv_init there are none. */
+/** Drops frames under way in both directions. No effect before ecat_slv_init. */
 void EOE_init(void);
-/** Nothing is left to do: ::ESC_state does it. For loops that are made of the pieces. */
+/** No effect, because ::ESC_state does this work. For loops that call the parts. */
 void ESC_eoeprocess(void);
 void ESC_eoeprocess_tx(void);
 

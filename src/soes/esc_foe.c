@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Files that a master may write, as SOES's API has them, over our FoE (seams/foe.h). They cannot be read. */
+/* Files of SOES's API, which a master may write and not read, over this stack's FoE (seams/foe.h). */
 #include "soes/esc_foe.h"
 
 #include "soes/internal.h"
@@ -7,8 +7,8 @@
 ect_soes_instance_t ect_soes_instance;
 
 static foe_cfg_t *files;
-static foe_file_cfg_t *file; /* that is being written */
-static uint32_t collected;   /* bytes of it in the buffer */
+static foe_file_cfg_t *file; /* file under way */
+static uint32_t collected;   /* bytes of the file in the buffer */
 
 void FOE_config(foe_cfg_t *cfg)
 {
@@ -20,7 +20,7 @@ void FOE_init(void)
     ect_soes_instance.transfer = (ect_foe_transfer_t){0};
 }
 
-/* A comparison by hand: memcmp and strlen of a C library take more flash than the rest of this file. */
+/* A loop in place of memcmp and strlen, which need more flash in a C library than the rest of this file. */
 static bool is_name(const char *name, const ect_foe_file_t *request)
 {
     uint16_t n = 0;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * SOES's API: how an application lays out its slave. A name that its own `ecat_options.h`, anywhere on the include
- * path, does not define has the value given here.
+ * SOES's API: the layout of an application's slave. A name that the application's `ecat_options.h`, anywhere on the
+ * include path, does not define has the value of this header.
  *
- * These are constants of the compiler: an application, its object list, its hardware file and src/soes are compiled
- * with the same ones.
+ * These are constants of the compiler: an application, its object list, its hardware file and src/soes must be compiled
+ * with the same values.
  */
 #ifndef ECT_SOES_OPTIONS_H
 #define ECT_SOES_OPTIONS_H
@@ -22,23 +22,23 @@
 #ifndef USE_FOE
 #define USE_FOE 1
 #endif
-/** 1: Ethernet by EoE, which this stack does not have (docs/SOES.md): such mail is answered as unsupported. */
+/** 1: Ethernet by EoE (soes/esc_eoe.h). */
 #ifndef USE_EOE
 #define USE_EOE 1
 #endif
 
-/** Bytes of a mailbox, and of one in BOOT. */
+/** Bytes of a mailbox, and of a mailbox in BOOT. */
 #ifndef MBXSIZE
 #define MBXSIZE 128
 #endif
 #ifndef MBXSIZEBOOT
 #define MBXSIZEBOOT 128
 #endif
-/** Not used: this stack keeps one request and two replies. */
+/** Not used, because this stack keeps one request and two replies. */
 #ifndef MBXBUFFERS
 #define MBXBUFFERS 3
 #endif
-/** Mailbox sizes that the longest value in pieces may have (ESCvar.mbxdata). */
+/** Longest value in pieces, in mailbox sizes (ESCvar.mbxdata). */
 #ifndef PREALLOC_FACTOR
 #define PREALLOC_FACTOR 3
 #endif
@@ -71,7 +71,7 @@
 #define MBX1_smc 0x22
 #endif
 
-/** The same two in BOOT. */
+/** SyncManagers 0 and 1 in BOOT. */
 #ifndef MBX0_sma_b
 #define MBX0_sma_b 0x1000
 #endif
@@ -97,7 +97,7 @@
 #define MBX1_smc_b 0x22
 #endif
 
-/** SyncManager 2, outputs, and 3, inputs: start, control, whether the master switches it on. */
+/** SyncManager 2, outputs, and 3, inputs: start, control, whether the master enables it. */
 #ifndef SM2_sma
 #define SM2_sma 0x1100
 #endif
@@ -118,8 +118,8 @@
 #endif
 
 /**
- * Entries that may be mapped, and bytes that they may come to. 0 mappings: process data are no entries, but the
- * application's own bytes, `uint8_t rxpdo[]` and `uint8_t txpdo[]`.
+ * Limits of mapped entries and of their bytes. 0 mappings: process data are not entries, but the application's bytes
+ * `uint8_t rxpdo[]` and `uint8_t txpdo[]`.
  */
 #ifndef MAX_MAPPINGS_SM2
 #define MAX_MAPPINGS_SM2 16

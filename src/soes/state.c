@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The variables that SOES's API has by definition, and the time. */
+/* The variables of SOES's API, and the time. */
 #include "soes/ect_soes.h"
 #include "soes/internal.h"
 
@@ -16,14 +16,15 @@ uint64_t ect_soes_now(void)
     return ect_soes.clock ? ect_soes.clock() : ect_soes.now_ns;
 }
 
-/* The exchange comes after mainline, and may leave it something to do. */
+/* The exchange runs after mainline, and may leave work for mainline. */
 uint64_t ect_soes_due(void)
 {
     const ect_slave_t *slave = &ect_soes.slave;
     return slave->woken || slave->inputs_due ? ect_soes_now() : ect_soes.due_ns;
 }
 
-/* The master sets the ESC's time once, by any amount: what cannot be the time between two polls is not counted. */
+/* Ignores a step too long for the time between two polls, because the master sets the ESC's time once, by any amount.
+ */
 void ect_soes_follow_time(uint32_t time)
 {
     enum { LONGEST_NS = 1000000000 };
