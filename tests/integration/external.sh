@@ -58,7 +58,7 @@ ends_of_processes() {
 
 wrong_usage() {
   "$twin" >"$work/out" 2>&1
-  check "no interface" "1 1" "$? $(grep -c 'name the interface to answer on: -i IFACE' "$work/out")"
+  check "no interface" "1 1" "$? $(grep -c 'the interface is missing: -i IFACE' "$work/out")"
   "$twin" --colour >"$work/out" 2>&1
   check "an option that there is not" "1 1" "$? $(grep -c '^usage: ' "$work/out")"
   "$twin" -i >"$work/out" 2>&1

@@ -6,7 +6,7 @@
 
 #include "seams/record.h"
 
-/* A record's header begins a bank, and is written when what is behind it is programmed already. */
+/* A record's header begins a bank, and is written after the rest of the record is programmed. */
 enum { HEADER = ECT_RECORD_HEADER, ERASED = 0xFF };
 
 static uint32_t unit_of(const ect_flash_t *f)
@@ -87,7 +87,7 @@ static int bank_erase(void *ctx, unsigned int bank)
     return 0;
 }
 
-/* The rest of a unit stays as it is when it is erased. */
+/* The rest of a unit keeps the value of erased flash. */
 static int bank_flush(void *ctx, unsigned int bank, bool wait)
 {
     ect_flash_t *f = ctx;
@@ -105,7 +105,7 @@ static int gather(ect_flash_t *f, uint32_t address, uint8_t byte)
         return -1;
     if (f->gathered_bytes == 0) {
         if (address % unit_of(f) != 0)
-            return -1; /* into the middle of a unit that may be programmed already */
+            return -1; /* a write into a unit that may be programmed already */
         f->gathered_at = address;
     }
     f->gathered[f->gathered_bytes++] = byte;

@@ -12,7 +12,7 @@ static void add(ect_lan9252_cost_t *cost, uint32_t transfers, uint32_t bytes)
     cost->bytes += bytes;
 }
 
-/* Command, status, data; a write carries its data in the command. */
+/* Command, status, data; a write sends its data with the command. */
 static void add_register(ect_lan9252_cost_t *cost, bool write)
 {
     if (write)
@@ -21,7 +21,7 @@ static void add_register(ect_lan9252_cost_t *cost, bool write)
         add(cost, 3, ONE + ONE + ONE);
 }
 
-/* Command; for each filling of the FIFO status and data; at the end of a write the status again. */
+/* Command; status and data for each filling of the FIFO; at the end of a write the status again. */
 static void add_ram(ect_lan9252_cost_t *cost, uint16_t address, uint32_t length, bool write)
 {
     uint32_t words = (address % WORD + length + WORD - 1) / WORD;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The transfers and bytes on the SPI that an access of the port needs, when the chip is never waited for: the table of
- * ports/lan9252/lan9252.h as a function. A test compares it with the port at the virtual chip.
+ * The SPI transfers and bytes of an access of the port, without waits for the chip: the table of
+ * ports/lan9252/lan9252.h as a function. A test compares the function with the port at the virtual chip.
  */
 #ifndef ECT_PORTS_LAN9252_COST_H
 #define ECT_PORTS_LAN9252_COST_H
@@ -19,7 +19,7 @@ typedef struct ect_lan9252_cost {
 } ect_lan9252_cost_t;
 
 /**
- * Pure. Any context.
+ * Computes the cost of an access. Pure. Context: any.
  * @param address  ESC address
  * @param length   bytes, 1 to 65535
  * @param write    false: a read

@@ -8,9 +8,10 @@
 
 /* A transfer: an instruction, an address, words. */
 enum { WRITE = 0x02, READ = 0x03, HEAD = 3, WORD = 4 };
-enum { NEXT = 0x4000 }; /* in the address: each further word goes to, or comes from, the next register */
+enum { NEXT = 0x4000 }; /* in the address: each further word is for the next register */
 
-/* The chip's own registers. A FIFO has one address: each word of a transfer that stays there is its next. */
+/* The chip's own registers. A FIFO has one address; each word of a transfer to this address is the next word of the
+ * FIFO. */
 enum {
     READ_FIFO = 0x000,
     WRITE_FIFO = 0x020,
@@ -20,9 +21,9 @@ enum {
     BYTE_TEST = 0x064,
     HW_CFG = 0x074,
     RESET_CTL = 0x1F8,
-    CSR_DATA = 0x300, /* a register of the ESC: data, and behind it the command */
+    CSR_DATA = 0x300, /* a register of the ESC: data, followed by the command */
     CSR_COMMAND = 0x304,
-    RAM_READ = 0x308, /* process RAM: address and length, and behind them the command */
+    RAM_READ = 0x308, /* process RAM: address and length, followed by the command */
     RAM_READ_COMMAND = 0x30C,
     RAM_WRITE = 0x310,
     RAM_WRITE_COMMAND = 0x314,
@@ -30,10 +31,10 @@ enum {
 
 enum { FIFO_WORDS = 16, DEFAULT_PATIENCE = 100, DEFAULT_READY_MS = 1000, DEFAULT_CHECK_MS = 50 };
 
-#define BUSY           0x80000000u /* write 1: begin; reads as 1 until it is done */
+#define BUSY           0x80000000u /* write 1: begin; reads as 1 until the end */
 #define CSR_READ       0x40000000u
 #define CSR_SIZE(n)    ((uint32_t)(n) << 16)
-#define CSR_MEANING    0x4007FFFFu /* direction, size, address; the other bits read as anything */
+#define CSR_MEANING    0x4007FFFFu /* direction, size, address; the other bits are undefined */
 #define RAM_ABORT      0x40000000u
 #define RAM_AVAILABLE  0x00000001u
 #define RAM_WORDS(v)   (((v) >> 8) & 0x1F)
@@ -50,7 +51,7 @@ enum { FIFO_WORDS = 16, DEFAULT_PATIENCE = 100, DEFAULT_READY_MS = 1000, DEFAULT
 
 /* --- words on the SPI --------------------------------------------------------------------------------------------- */
 
-/* `frame` has room for the head, and `words` words behind it. */
+/* Transfers words. `frame` has room for the head and `words` words. */
 static int transfer(const ect_lan9252_t *chip, uint8_t instruction, uint16_t address, uint8_t *frame,
                     unsigned int words)
 {
@@ -74,7 +75,7 @@ static int store(const ect_lan9252_t *chip, uint16_t address, uint32_t value)
     return transfer(chip, WRITE, address, frame, 1);
 }
 
-/* A command, and in the register before it what it is about. */
+/* Writes a command, and its parameters into the preceding register. */
 static int begin(const ect_lan9252_t *chip, uint16_t address, uint32_t about, uint32_t command)
 {
     uint8_t frame[HEAD + 2 * WORD];
@@ -83,7 +84,7 @@ static int begin(const ect_lan9252_t *chip, uint16_t address, uint32_t about, ui
     return transfer(chip, WRITE, address | NEXT, frame, 2);
 }
 
-/* Reads a command register until it is not busy. @return -1: it stays busy */
+/* Reads a command register until it is not busy. @return -1: busy to the end */
 static int wait(const ect_lan9252_t *chip, uint16_t address, uint32_t *value)
 {
     for (unsigned int n = chip->patience != 0 ? chip->patience : DEFAULT_PATIENCE; n > 0; n--) {
@@ -97,7 +98,7 @@ static int wait(const ect_lan9252_t *chip, uint16_t address, uint32_t *value)
 
 /* --- registers of the ESC ----------------------------------------------------------------------------------------- */
 
-/* A command that is done reads back as it arrived: damage on the way is seen. */
+/* Compares a completed command with the sent one: a completed command reads back as received, which reveals damage. */
 static int csr(const ect_lan9252_t *chip, uint32_t command)
 {
     uint32_t done;
@@ -126,7 +127,7 @@ static int write_csr(const ect_lan9252_t *chip, uint16_t address, const uint8_t 
 
 /* --- process RAM -------------------------------------------------------------------------------------------------- */
 
-/* Waits until a FIFO has words, or room for words: how many, at most `wanted`; -1: it has none in time. */
+/* Waits until a FIFO has words, or room for words. @return their number, at most `wanted`; -1: none in time */
 static int available(const ect_lan9252_t *chip, uint16_t command, unsigned int wanted)
 {
     for (unsigned int n = chip->patience != 0 ? chip->patience : DEFAULT_PATIENCE; n > 0; n--) {
@@ -137,16 +138,16 @@ static int available(const ect_lan9252_t *chip, uint16_t command, unsigned int w
             continue;
         unsigned int words = RAM_WORDS(value);
         if (words == 0 || words > FIFO_WORDS)
-            return -1; /* that is no status */
+            return -1; /* not a valid status */
         return (int)(words < wanted ? words : wanted);
     }
     return -1;
 }
 
-/* How an access lies in words: those of the FIFO are those of the memory, so the first one may begin in its middle. */
+/* The words of an access: the FIFO has the words of the memory, so an access may begin inside the first one. */
 typedef struct piece {
-    unsigned int skip;  /* bytes of the next word that lie before the access */
-    unsigned int words; /* that are still to come */
+    unsigned int skip;  /* bytes of the next word before the access */
+    unsigned int words; /* remaining bytes */
     uint32_t left;      /* bytes */
 } piece_t;
 
@@ -156,7 +157,7 @@ static piece_t whole(uint32_t address, uint32_t length)
     return (piece_t){.skip = skip, .words = (skip + length + WORD - 1) / WORD, .left = length};
 }
 
-/* The bytes of so many words; the next ones begin with their first. */
+/* @return the bytes of the access in a number of words; the next words begin with their first byte */
 static uint32_t take(piece_t *p, unsigned int words)
 {
     uint32_t bytes = WORD * words - p->skip;
@@ -184,7 +185,7 @@ static int read_ram(const ect_lan9252_t *chip, uint16_t address, uint8_t *to, ui
     return 0;
 }
 
-/* It is done when the chip has put the last byte into its memory, which may be what closes a buffer. */
+/* Waits until the chip has written the last byte to its memory, because that byte may close a buffer. */
 static int write_ram(const ect_lan9252_t *chip, uint16_t address, const uint8_t *from, uint16_t length)
 {
     uint32_t done;
@@ -207,7 +208,7 @@ static int write_ram(const ect_lan9252_t *chip, uint16_t address, const uint8_t 
 
 /* --- the seam ----------------------------------------------------------------------------------------------------- */
 
-/* Ends what an access that failed has left in the chip. */
+/* Ends the remains of a failed access in the chip. */
 static int settle(ect_lan9252_t *chip)
 {
     uint32_t status;
@@ -221,13 +222,13 @@ static int settle(ect_lan9252_t *chip)
     return 0;
 }
 
-/* Bytes of an access that go in one command: to a register the widest that is aligned, to process RAM all. */
+/* @return the bytes of an access in one command: for a register the widest aligned access, for process RAM all */
 static uint16_t part(uint32_t address, uint32_t left)
 {
     return (uint16_t)(address >= ECT_RAM ? left : ect_pdi_part(address, left, WORD));
 }
 
-/* Reads into `to`, or writes from `from`; the other one is NULL. */
+/* Reads to `to`, or writes from `from`; the other pointer is NULL. */
 static int access_parts(ect_lan9252_t *chip, uint16_t address, uint8_t *to, const uint8_t *from, uint16_t length)
 {
     int result = settle(chip);
@@ -273,12 +274,13 @@ bool ect_lan9252_reset(const ect_lan9252_t *chip)
     if (!spi->reset)
         return store(chip, RESET_CTL, RESET_ALL) >= 0;
     spi->reset(spi->ctx, true);
-    spi->pause(spi->ctx, 1000); /* the chip wants 200 us */
+    spi->pause(spi->ctx, 1000); /* the chip needs 200 us */
     spi->reset(spi->ctx, false);
     return true;
 }
 
-/* An earlier program may have left the chip in SQI mode, in which it understands no other instruction of SPI. */
+/* Ends SQI mode, which an earlier program may have left on, and in which the chip accepts no other instruction of SPI.
+ */
 static int leave_sqi(const ect_lan9252_t *chip)
 {
     uint8_t instruction = LEAVE_SQI;
@@ -306,7 +308,7 @@ static int check_esc(ect_lan9252_t *chip)
     return (status & 1u) != 0 ? ECT_LAN9252_READY : ECT_LAN9252_NO_EEPROM;
 }
 
-/* The chip ignores the polarity of an open drain, which is low when active: an active-high pin is driven. */
+/* Drives an active-high pin, because the chip ignores the polarity of an open drain, which is always active low. */
 static uint32_t interrupt_pin(const ect_lan9252_t *chip)
 {
     return IRQ_ENABLE | (chip->interrupt_high ? IRQ_HIGH | IRQ_DRIVEN : chip->interrupt_driven ? IRQ_DRIVEN : 0);
@@ -335,7 +337,7 @@ int ect_lan9252_start(ect_lan9252_t *chip)
     int result = await_ready(chip, check_chip);
     if (result != ECT_LAN9252_READY)
         return result;
-    chip->abandoned = true; /* by whoever used it before */
+    chip->abandoned = true; /* by an earlier program */
     result = await_ready(chip, check_esc);
     return result == ECT_LAN9252_READY ? set_interrupt(chip) : result;
 }

@@ -53,7 +53,7 @@ int ect_gpio_open(const char *name, unsigned int use, char *message)
     int result = chip < 0 ? -1 : ioctl(chip, GPIO_V2_GET_LINE_IOCTL, &request);
     if (result < 0)
         snprintf(message, ECT_LINUX_MESSAGE, "cannot take line %u of '%s': %s%s", request.offsets[0], path,
-                 strerror(errno), errno == EACCES ? "; the group that may is gpio on a Raspberry Pi" : "");
+                 strerror(errno), errno == EACCES ? "; on a Raspberry Pi the group gpio has access" : "");
     if (chip >= 0)
         close(chip);
     return result < 0 ? -1 : request.fd;
@@ -68,7 +68,7 @@ bool ect_gpio_get(int line)
 void ect_gpio_set(int line, bool active)
 {
     struct gpio_v2_line_values values = {.bits = active, .mask = 1};
-    (void)ioctl(line, GPIO_V2_LINE_SET_VALUES_IOCTL, &values); /* a lamp that does not light is all that follows */
+    (void)ioctl(line, GPIO_V2_LINE_SET_VALUES_IOCTL, &values); /* the only consequence is a lamp that does not light */
 }
 
 void ect_gpio_seen(int line)

@@ -2,7 +2,7 @@
 /**
  * @file
  * One line of a GPIO chip on Linux, through the kernel's character device (`/dev/gpiochipN`, Linux 5.10 or later).
- * `gpioinfo` of the package gpiod lists the lines there are.
+ * `gpioinfo` of the package gpiod lists the lines.
  */
 #ifndef ECT_PORTS_LINUX_GPIO_H
 #define ECT_PORTS_LINUX_GPIO_H
@@ -17,15 +17,15 @@ enum { ECT_LINUX_MESSAGE = 256 };
 
 /** Use of a line: one of the first two, with any of the others. */
 enum {
-    ECT_GPIO_INPUT = 1,  /**< becomes readable (poll) when it gets active */
-    ECT_GPIO_OUTPUT = 2, /**< inactive at first */
+    ECT_GPIO_INPUT = 1,  /**< the descriptor becomes readable (poll) when the line becomes active */
+    ECT_GPIO_OUTPUT = 2, /**< initially inactive */
     ECT_GPIO_LOW = 4,    /**< active is low */
     ECT_GPIO_PULL_UP = 8,
     ECT_GPIO_PULL_DOWN = 16,
 };
 
 /**
- * Takes a line for this process alone.
+ * Takes a line exclusively for this process.
  * @param name          "CHIP:LINE", e.g. "gpiochip0:25"
  * @param use           ECT_GPIO_...
  * @param[out] message  on failure one line for the user; ECT_LINUX_MESSAGE bytes
@@ -33,7 +33,7 @@ enum {
  */
 int ect_gpio_open(const char *name, unsigned int use, char *message);
 
-/** Whether the line is active now. A line that cannot be read counts as active, so that the ESC is read. */
+/** @return whether the line is active. A line that cannot be read counts as active, so that the ESC is read. */
 bool ect_gpio_get(int line);
 
 void ect_gpio_set(int line, bool active);

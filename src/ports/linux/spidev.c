@@ -47,7 +47,7 @@ bool ect_spidev_open(ect_spidev_t *bus, const char *path, uint32_t speed_hz, cha
         ioctl(bus->fd, SPI_IOC_WR_MAX_SPEED_HZ, &bus->speed_hz) >= 0)
         return true;
     const char *hint = errno == ENOENT   ? "; on a Raspberry Pi: dtparam=spi=on in config.txt"
-                       : errno == EACCES ? "; the group that may is spi on a Raspberry Pi"
+                       : errno == EACCES ? "; on a Raspberry Pi the group spi has access"
                        : errno == ENOTTY ? "; it is no SPI device"
                                          : "";
     snprintf(message, ECT_LINUX_MESSAGE, "cannot use '%.80s': %s%s", path, strerror(errno), hint);

@@ -4,7 +4,7 @@
  * SPI on Linux, through spidev (`/dev/spidevB.C`), with GPIO lines for reset and interrupt: the four functions of
  * seams/spi.h.
  *
- * A transfer is one system call, some 10 to 50 us of the kernel beside the bytes themselves.
+ * A transfer is one system call, with 10 to 50 us in the kernel in addition to the time of the bytes.
  */
 #ifndef ECT_PORTS_LINUX_SPIDEV_H
 #define ECT_PORTS_LINUX_SPIDEV_H
@@ -26,16 +26,16 @@ typedef struct ect_spidev {
 } ect_spidev_t;
 
 /**
- * Opens the bus, in mode 0 with 8 bits; the GPIO lines are the caller's to set.
+ * Opens the bus, in mode 0 with 8 bits. The caller sets the GPIO lines.
  * @param[out] message  on failure one line for the user; ECT_LINUX_MESSAGE bytes
- * @return whether it is open; ::ect_spidev_close closes it and its lines
+ * @return whether the bus is open; ::ect_spidev_close closes the bus and its lines
  */
 bool ect_spidev_open(ect_spidev_t *bus, const char *path, uint32_t speed_hz, char *message);
 
 /** Closes the open descriptors; a second call has no effect. */
 void ect_spidev_close(ect_spidev_t *bus);
 
-/** The four functions; `bus` must outlive their use, and have its lines already. */
+/** @return the four functions; `bus` must outlive their use, and its lines must be set before. */
 ect_spi_t ect_spidev_spi(ect_spidev_t *bus);
 
 ECT_C_END

@@ -7,7 +7,7 @@
 #include "wire/bytes.h"
 #include "wire/registers.h"
 
-/* A wide access leaves the bytes in memory in the order of the ESC, whatever order the processor has for numbers. */
+/* A wide access stores the bytes in the order of the ESC, regardless of the processor's byte order. */
 static void load_direct(const ect_mmio_t *esc, uint16_t address, uint8_t *to, unsigned int bytes)
 {
     const volatile uint8_t *at = (const volatile uint8_t *)esc->base + address;

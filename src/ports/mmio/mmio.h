@@ -1,18 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * An ESC that is mapped into memory: an ET1100 or LAN9253 on a parallel bus, an IP core on an FPGA's bus, the
- * XMC4800's.
+ * A memory-mapped ESC: an ET1100 or LAN9253 on a parallel bus, an IP core on an FPGA's bus, the ESC of an XMC4800.
  *
- * Address n of the ESC is at `base` + n. An access of the stack is cut into the widest ones that the bus can do,
- * aligned, in ascending order, and never wider than requested. A processor that splits a wide access by itself
- * (32 bits on a bus of 16) is fine, as long as the lower address comes first.
+ * Address n of the ESC is at `base` + n. The port splits an access of the stack into the widest aligned bus accesses,
+ * in ascending order, never wider than requested. A processor may split a wide access (32 bits on a bus of 16) if the
+ * lower address comes first.
  *
- * The chip holds the bus until it is ready, so an access takes what the bus takes, and cannot fail. **Bound**: accesses
- * times bus time; an ET1100 on 16 bits takes some 300 ns for each, a process image of 64 bytes 10 us. Let the
- * controller of the bus end an access that never ends, or let the board's watchdog do it.
+ * The chip holds the bus until it is ready, so an access takes the time of the bus, and cannot fail. **Bound**:
+ * accesses times bus time; an ET1100 on 16 bits takes about 300 ns for each, a process image of 64 bytes 10 us. The bus
+ * controller or the board's watchdog must end an access that hangs.
  *
- * The processor must see the ESC as device memory: not cached, not reordered, not merged.
+ * The processor must access the ESC as device memory: not cached, not reordered, not merged.
  *
  * **Context**: as in seams/pdi.h.
  */
@@ -33,26 +32,26 @@ typedef struct ect_mmio {
     uint8_t width;       /**< of the bus, in bytes: 1, 2, 4; 0: 4 */
 
     /**
-     * In place of the processor's own access to `base`, for a bus that needs more than that: shifted addresses, swapped
-     * lanes, a barrier, a bus that may fail. `bytes` is 1, 2, 4 up to the width, `address` a multiple of it; `*value`
-     * holds the byte of the lowest address in its lowest eight bits. @return 0, or negative: it did not happen
+     * Replace the processor's own access to `base`, for a bus with shifted addresses, swapped lanes, barriers or
+     * failing accesses. `bytes` is 1, 2 or 4 up to the width, `address` a multiple of `bytes`; the lowest eight bits of
+     * `*value` are the byte of the lowest address. @return 0, or negative: the access has failed
      */
     int (*load)(void *ctx, uint16_t address, unsigned int bytes, uint32_t *value);
-    int (*store)(void *ctx, uint16_t address, unsigned int bytes, uint32_t value); /**< both or none of the two */
+    int (*store)(void *ctx, uint16_t address, unsigned int bytes, uint32_t value); /**< set both functions or none */
 
-    /** Whether the ESC's interrupt pin is at its active level now: the level, not an edge. NULL: it is not wired. */
+    /** Returns whether the ESC's interrupt pin is at its active level: the level, not an edge. NULL: not wired. */
     bool (*line)(void *ctx);
     void *ctx; /**< of these functions */
 } ect_mmio_t;
 
 /**
- * Whether the ESC has loaded its EEPROM and lets its PDI work (0x0110 bit 0), and is there at all: an empty bus
- * reads as all ones or zeros. Repeat it until it returns true, then call ::ect_slave_init. Context: mainline. Cost:
+ * Checks whether the ESC is present (an empty bus reads as all ones or zeros), has loaded its EEPROM, and has enabled
+ * its PDI (0x0110 bit 0). Repeat the call until it returns true, then call ::ect_slave_init. Context: mainline. Cost:
  * two accesses.
  */
 bool ect_mmio_ready(const ect_mmio_t *esc);
 
-/** The PDI of the ESC. @param esc  must outlive its use */
+/** @return the PDI of the ESC. @param esc  must outlive its use */
 ect_pdi_t ect_mmio_pdi(const ect_mmio_t *esc);
 
 ECT_C_END

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A hardware file of SOES, compiled with the application by the headers of its stack, ours or SOES's own. */
+/* A hardware file of SOES, compiled with the application and the headers of its stack, ectwin's or SOES's own. */
 #include <ecat_slv.h>
 #include <esc.h>
 
@@ -31,8 +31,8 @@ void ESC_reset(void)
 }
 
 /*
- * SOES's esc_eep.c calls these, and an application that lists SOES's sources links it whether it emulates an EEPROM or
- * not. The software ESC has an EEPROM of its own; a hardware file of the application takes precedence.
+ * Called by SOES's esc_eep.c, which an application that lists SOES's sources links with or without an emulated EEPROM.
+ * The software ESC has an EEPROM of its own; a hardware file of the application takes precedence.
  */
 void EEP_init(void);
 int8_t EEP_read(uint32_t addr, uint8_t *data, uint16_t size);
@@ -42,7 +42,7 @@ __attribute__((weak)) void EEP_init(void)
 {
 }
 
-/* The parameters are SOES's. */
+/* The parameters are those of SOES. */
 /* NOLINTBEGIN(readability-non-const-parameter) */
 __attribute__((weak)) int8_t EEP_read(uint32_t addr, uint8_t *data, uint16_t size)
 {

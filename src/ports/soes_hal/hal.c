@@ -27,7 +27,7 @@ static struct {
     ect_packet_t port;
     ect_esc_config_t config;
     ect_esc_t esc;
-    uint32_t seen; /* AL events that the application knows of */
+    uint32_t seen; /* AL events reported to the application */
 } hal;
 static volatile sig_atomic_t ended;
 
@@ -44,7 +44,8 @@ __attribute__((format(printf, 2, 3), noreturn)) static void give_up(int status, 
 
 /* --- options ------------------------------------------------------------------------------------------------------ */
 
-/* The value of an option at argv[*n]: behind it, or in it; NULL: it is another one. "" : its value is missing. */
+/* @return the value of an option at argv[*n], in the same or the next argument; NULL: another option; "": the value is
+ * missing */
 static char *value_of(const char *name, int argc, char **argv, int *n)
 {
     size_t length = strlen(name);
@@ -76,7 +77,8 @@ bool ect_soes_hal_arguments(int argc, char **argv)
     return true;
 }
 
-/* Its main has not shown us any: those of the process; what is not ours is for itself. */
+/* Reads the options from the command line of the process, because main may not pass them. Other arguments belong to the
+ * application. */
 static void read_command_line(void)
 {
     enum { ROOM = 4096, ARGUMENTS = 64 };
@@ -105,14 +107,14 @@ static uint8_t *load_sii(uint32_t *size)
     fclose(file);
     if (length < ECT_SII_CATEGORIES || length % 2 != 0 || image[14] != ect_sii_checksum(image))
         give_up(EXIT_OPEN,
-                "'%s' is not the content of an EEPROM: its first 16 bytes do not have the check value that SOES's "
-                "controller asks for, and the firmware would wait for ever",
+                "'%s' is not the content of an EEPROM: its first 16 bytes have no valid check value, and the firmware "
+                "would wait endlessly",
                 hal.sii_file);
     *size = (uint32_t)length;
     return image;
 }
 
-/* A firmware compares the SyncManagers with its ecat_options.h, and refuses what a master takes from elsewhere. */
+/* Warns of a difference, because the firmware compares the SyncManagers with its ecat_options.h and refuses others. */
 static void compare(const ect_device_t *device, const uint8_t *image, size_t size)
 {
     size_t length = 0;
@@ -121,7 +123,7 @@ static void compare(const ect_device_t *device, const uint8_t *image, size_t siz
         if (ect_load_le16(sm) != device->sm[n].start || sm[4] != device->sm[n].control)
             fprintf(stderr,
                     "%s: '%s' has SyncManager %u at 0x%04X with control 0x%02X, ecat_options.h at 0x%04X with 0x%02X: "
-                    "the firmware will refuse what the master makes of it\n",
+                    "the firmware will refuse the master's settings\n",
                     program_invocation_short_name, hal.sii_file, n, ect_load_le16(sm), sm[4], device->sm[n].start,
                     device->sm[n].control);
     }
@@ -152,7 +154,7 @@ static void end(int signal_number)
     ended = 1;
 }
 
-/* Whoever started us may wait for it at a descriptor of its own; else everybody reads it. */
+/* Writes the ready line to the descriptor of a parent that waits for it, else to standard output. */
 static void report_ready(void)
 {
     const char *waiting = getenv("ECTWIN_READY_FD");
@@ -174,7 +176,7 @@ static void open_interface(void)
     hal.iface = hal.iface ? hal.iface : getenv("ECTWIN_SOES_IFACE");
     hal.sii_file = hal.sii_file ? hal.sii_file : getenv("ECTWIN_SOES_SII");
     if (!hal.iface)
-        give_up(EXIT_USAGE, "name the interface to answer on: -i IFACE, or $ECTWIN_SOES_IFACE");
+        give_up(EXIT_USAGE, "the interface is missing: -i IFACE, or $ECTWIN_SOES_IFACE");
     if (ect_packet_open(&hal.port, hal.iface, message) < 0)
         give_up(EXIT_OPEN, "%s", message);
     (void)sigaction(SIGINT, &action, NULL);
@@ -216,13 +218,13 @@ static void close_all(void)
     exit(EXIT_SUCCESS);
 }
 
-/* Something that the application does not know of yet. */
+/* @return whether an event has not yet been reported to the application */
 static bool has_new_events(void)
 {
     return (ect_esc_al_event(&hal.esc) & ~hal.seen) != 0;
 }
 
-/* For a frame, a signal, or until the chip does something by itself; not at all while there is news. */
+/* Waits for a frame, a signal, or the chip's next deadline; does not wait while an event is unreported. */
 static void wait_for_frame(void)
 {
     struct pollfd fds[] = {{.fd = hal.port.fd, .events = POLLIN}, {.fd = hal.port.tagged_fd, .events = POLLIN}};
@@ -249,7 +251,8 @@ static bool answer(void)
     return true;
 }
 
-/* The application handles a frame before the next one, as behind a chip with a fast processor. */
+/* Passes frames until an event occurs, so that the application handles the event before the next frame, like a fast
+ * processor. */
 static void serve(void)
 {
     unsigned int frames = 0;
@@ -262,7 +265,7 @@ static void serve(void)
     hal.seen = ect_esc_al_event(&hal.esc);
 }
 
-/* An event that the access has cleared is news when it returns. */
+/* @return the AL events. An event cleared by the access counts as unreported when it occurs again */
 static uint32_t event(void)
 {
     uint32_t now = ect_esc_al_event(&hal.esc);
@@ -270,7 +273,7 @@ static uint32_t event(void)
     return now;
 }
 
-/* SOES reads the length in a mail's header, even when it is 0. */
+/* Permits reads of 0 bytes: SOES reads as many bytes as the header of a mail states. */
 uint32_t ect_soes_hal_read(uint16_t address, void *buffer, uint16_t length)
 {
     if (address == ECT_REG_DC_SYSTEM_TIME || address == ECT_REG_DL_STATUS)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "ports/template/template.h"
 
-/* @return 0, or -1: not ready in time */
+/* @return 0; -1: not ready in time */
 static int wait(const ect_window_t *w)
 {
     for (unsigned int n = 0; n < w->patience; n++) {
@@ -22,7 +22,7 @@ static int read(void *ctx, uint16_t address, void *buffer, uint16_t length)
 {
     const ect_window_t *w = ctx;
     uint8_t *to = buffer;
-    if (wait(w) < 0) /* still with an access that was given up */
+    if (wait(w) < 0) /* an abandoned access may still be under way */
         return -1;
     for (uint32_t done = 0, bytes; done < length; done += bytes) {
         bytes = ect_pdi_part(address + done, length - done, 4);

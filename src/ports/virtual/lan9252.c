@@ -11,7 +11,7 @@ typedef ect_virtual_lan9252_t chip_t;
 enum { FIFO = ECT_VIRTUAL_LAN9252_FIFO, ADDRESS_MASK = 0x3FFF, UP = 0x4000, DOWN = 0x8000 };
 #define BUSY         0x80000000u
 #define ABORT        0x40000000u
-#define CSR_RESERVED 0x3FF80000u /* bits of the command that have no meaning: they read as anything, here as 1 */
+#define CSR_RESERVED 0x3FF80000u /* undefined bits of the command, which read as 1 in this model */
 #define IRQ_ENABLE   0x00000100u
 #define IRQ_HIGH     0x00000010u
 #define IRQ_DRIVEN   0x00000001u
@@ -24,7 +24,7 @@ static void mistake(chip_t *c, const char *what)
 
 /* --- reset -------------------------------------------------------------------------------------------------------- */
 
-/* The registers of the chip itself; faults and costs, which the user of the model has set, stay. */
+/* Resets the registers of the chip itself; faults and costs set by the user of the model are unchanged. */
 static void clear_registers(chip_t *c)
 {
     c->irq_cfg = c->int_en = c->csr_data = c->csr_command = 0;
@@ -38,7 +38,7 @@ static void clear_registers(chip_t *c)
 static void power_on(chip_t *c)
 {
     ect_esc_config_t config = c->esc->config;
-    (void)ect_esc_init(c->esc, &config, c->esc->now_ns); /* this configuration was valid before */
+    (void)ect_esc_init(c->esc, &config, c->esc->now_ns); /* the same configuration has been accepted before */
     clear_registers(c);
 }
 
@@ -69,14 +69,14 @@ static void begin_csr(chip_t *c, uint32_t command)
     if ((command & BUSY) == 0)
         return;
     if ((bytes != 1 && bytes != 2 && bytes != 4) || address % bytes != 0 || address >= ECT_RAM) {
-        mistake(c, "a register of the ESC at an address or in a size that there is not");
+        mistake(c, "a register of the ESC with an invalid address or size");
         return;
     }
     ect_store_le32(word, c->csr_data);
     if ((command & ABORT) == 0) { /* this bit is the direction here */
         (void)ect_esc_pdi_write(c->esc, address, word, (uint16_t)bytes);
     } else {
-        memset(word, 0xA5, sizeof word); /* what was not asked for is anything */
+        memset(word, 0xA5, sizeof word); /* bytes that were not requested are undefined */
         (void)ect_esc_pdi_read(c->esc, address, word, (uint16_t)bytes);
         c->csr_data = ect_load_le32(word);
     }
@@ -99,7 +99,7 @@ static uint32_t pull(ect_virtual_fifo_t *f)
     return word;
 }
 
-/* Bytes of the word that the ESC moves next. */
+/* @return the bytes of the next word that the ESC moves */
 static uint16_t next_bytes(const ect_virtual_fifo_t *f)
 {
     uint16_t bytes = (uint16_t)(4 - f->address % 4);
@@ -113,7 +113,7 @@ static void moved(ect_virtual_fifo_t *f, uint16_t bytes)
     f->busy = f->left > 0;
 }
 
-/* The ESC moves a word in a direction, if there is one to move. */
+/* Moves a word of the ESC in a direction. @return whether a word was moved */
 static bool move_word(chip_t *c)
 {
     uint8_t word[4];
@@ -157,7 +157,7 @@ static void command_ram(chip_t *c, ect_virtual_fifo_t *f, uint32_t command)
     if (f->busy || f->count > 0)
         mistake(c, "process RAM: a command before the last one is done, or its data are read");
     else if (f->left == 0 || f->address < ECT_RAM)
-        mistake(c, "process RAM: nothing of it");
+        mistake(c, "process RAM: an invalid address or length");
     else
         f->busy = true;
 }
@@ -211,7 +211,7 @@ static bool interrupts(const chip_t *c)
 static uint32_t load(chip_t *c, uint16_t address)
 {
     if (!is_ready(c))
-        return address == 0x064 && !c->held ? 0x87654321u : 0; /* nothing else may be read before */
+        return address == 0x064 && !c->held ? 0x87654321u : 0; /* no other register may be read before */
     switch (address) {
     case 0x050:
         return 0x92520001u;
@@ -269,7 +269,7 @@ static void store(chip_t *c, uint16_t address, uint32_t value)
         c->int_en = value;
         break;
     case 0x1F8:
-        if ((value & 0x41) != 0) /* all of it, or the ESC: the model makes no difference */
+        if ((value & 0x41) != 0) /* the chip, or the ESC: not distinguished by the model */
             power_on(c);
         break;
     case 0x300:
@@ -303,7 +303,7 @@ static uint8_t over_the_wire(chip_t *c, uint8_t byte)
     return byte;
 }
 
-/* A byte's time passes. */
+/* Advances the time by a byte. */
 static void pass_time(chip_t *c)
 {
     c->starting -= c->starting > 0 ? 1u : 0;
@@ -327,7 +327,7 @@ static void next_address(spi_t *t)
     t->address = (uint16_t)((t->address & ~ADDRESS_MASK) | ((t->address + step) & ADDRESS_MASK));
 }
 
-/* A byte of data, number n of them, there and back. */
+/* Transfers data byte number n in both directions. */
 static uint8_t data(chip_t *c, spi_t *t, unsigned int n, uint8_t in)
 {
     bool reads = t->instruction != 0x02;
@@ -353,15 +353,15 @@ static void head(chip_t *c, spi_t *t, unsigned int n, uint8_t in)
         t->instruction = in;
         t->head = in == 0x0B ? 4 : 3;
         if (in != 0x02 && in != 0x03 && in != 0x0B)
-            mistake(c, "an instruction that there is not");
+            mistake(c, "an unknown instruction");
     } else if (n < 3) {
         t->address = (uint16_t)(t->address << 8 | in);
     }
 }
 
 /*
- * EQIO and RSTQIO, instructions without an address. In SQI mode the chip takes two bits of a single data line for two
- * nibbles whose other lines are pulled up: of all that a host on SPI sends it understands RSTQIO alone.
+ * Executes EQIO and RSTQIO, instructions without an address. In SQI mode the chip interprets two bits of a single data
+ * line as two nibbles whose other lines are pulled up, so RSTQIO is the only instruction that a host on SPI can send.
  */
 static int in_one_byte(chip_t *c, uint8_t *bytes, uint16_t length)
 {
@@ -372,7 +372,7 @@ static int in_one_byte(chip_t *c, uint8_t *bytes, uint16_t length)
     else if (instruction == 0x38 && length == 1)
         c->sqi = true;
     else if (length == 1)
-        mistake(c, "an instruction of one byte that there is not");
+        mistake(c, "an unknown instruction of one byte");
     return 0;
 }
 
@@ -414,7 +414,7 @@ void ect_virtual_lan9252_pause(void *chip, uint32_t us)
         pass_time(chip);
 }
 
-/* Polarity counts with a driven pin only. An open drain is low or released; the board pulls a released pin to its
+/* Polarity applies to a driven pin only. An open drain is low or released; the board pulls a released pin to its
  * inactive level. */
 bool ect_virtual_lan9252_line(void *chip)
 {

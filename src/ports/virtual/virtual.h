@@ -12,10 +12,13 @@
 
 ECT_C_BEGIN
 
-/** The PDI of `esc`, which must outlive its use. Reading the event word is free of charge. */
+/** @return the PDI of `esc`, which must outlive its use. Reading the event word is not an access. */
 ect_pdi_t ect_virtual_pdi(ect_esc_t *esc);
 
-/** The same with the interrupt line of a board: while it is down there is no event, else the register is read. */
+/**
+ * @return the PDI of `esc` with the interrupt line of a board: without an event if the line is inactive, else by
+ * reading the register.
+ */
 ect_pdi_t ect_virtual_line_pdi(ect_esc_t *esc);
 
 ECT_C_END

@@ -394,23 +394,23 @@ static void mistakes(void **state)
         const char *mistake;
     } rows[] = {
         {busy_register, "a command to a register of the ESC while the last one is busy"},
-        {three_bytes, "a register of the ESC at an address or in a size that there is not"},
-        {no_bytes, "a register of the ESC at an address or in a size that there is not"},
-        {odd_register, "a register of the ESC at an address or in a size that there is not"},
-        {register_in_ram, "a register of the ESC at an address or in a size that there is not"},
+        {three_bytes, "a register of the ESC with an invalid address or size"},
+        {no_bytes, "a register of the ESC with an invalid address or size"},
+        {odd_register, "a register of the ESC with an invalid address or size"},
+        {register_in_ram, "a register of the ESC with an invalid address or size"},
         {ram_while_busy, "address and length of process RAM while it is busy"},
         {ram_twice, "process RAM: a command before the last one is done, or its data are read"},
         {ram_unread, "process RAM: a command before the last one is done, or its data are read"},
-        {ram_of_no_length, "process RAM: nothing of it"},
-        {ram_in_registers, "process RAM: nothing of it"},
+        {ram_of_no_length, "process RAM: an invalid address or length"},
+        {ram_in_registers, "process RAM: an invalid address or length"},
         {empty_fifo, "a word from an empty FIFO"},
         {full_fifo, "a word into a full FIFO"},
         {nowhere, "a word to an address where nothing can be written"},
         {into_the_read_fifo, "a word to an address where nothing can be written"},
-        {instruction, "an instruction that there is not"},
+        {instruction, "an unknown instruction"},
         {half_a_word, "a transfer that is not of whole words"},
         {no_word, "a transfer that is not of whole words"},
-        {one_byte, "an instruction of one byte that there is not"},
+        {one_byte, "an unknown instruction of one byte"},
     };
     for (size_t n = 0; n < COUNT(rows); n++) {
         assert_int_equal(setup(state), 0);
