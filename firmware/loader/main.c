@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The first thing that runs on a board with two slots: an image that came over FoE and is whole goes to where it runs
- * from, unless it is there already; then the firmware begins.
+ * from, unless it exists already; then the firmware begins.
  */
 #include <string.h>
 

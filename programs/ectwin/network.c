@@ -30,7 +30,8 @@ static void print_slave(const ect_eni_slave_t *slave, size_t i, const char *name
     if (slave->group)
         fprintf(stderr, "; hot-connect group%s%s, plugged in", *slave->group != '\0' ? " " : "", slave->group);
     if (slave->place.given && (uint16_t)slave->place.value != (uint16_t)(0 - i))
-        fprintf(stderr, "; its AutoIncAddr is %" PRId64 ", its place in the file %zu", slave->place.value, i + 1);
+        fprintf(stderr, "; its AutoIncAddr is %" PRId64 "; its place in the file requires %zu", slave->place.value,
+                i + 1);
     if (slave->mailbox.others > 0)
         fprintf(stderr, "; its %zu start-up commands of FoE, or without a mail, have no effect on the twin",
                 slave->mailbox.others);

@@ -123,8 +123,8 @@ static bool protocols_good(const report_t *r)
     return eoe_good(r) && aoe_good(r) && check_soe(r) && coe_good(r);
 }
 
-/* --- 1018h, 1C00h: as the description, however they are made
- * ---------------------------------------------------------- */
+/* --- 1018h, 1C00h: consistent with the description ------------------------------------------------------------------
+ */
 
 static bool constant_good(const report_t *r, uint16_t index, uint8_t subindex, uint32_t want)
 {

@@ -158,7 +158,7 @@ static void take_parts(const keys_t *k)
         ect_draft_end(d);
 }
 
-/* A document that is no device file of this version. @param version  its version; NULL: it has none */
+/* Reports a document that is no device file of this version. @param version  its version; NULL: none */
 static void refuse_other(ect_draft_t *d, const yaml_node_t *root, const yaml_node_t *version)
 {
     const bool is_bus = version == NULL && root != NULL && root->type == YAML_MAPPING_NODE &&

@@ -19,8 +19,8 @@
  *
  * Projects of the public EEPROM generator for SOES, `esi.json`, can be read too.
  *
- * An invalid file is refused with one line `FILE:LINE: ERROR`, which includes the cure. All content is checked: an
- * accepted file gives a twin without notes, except on unsupported protocols.
+ * An invalid file is refused with one line `FILE:LINE: ERROR`, which includes the cure. All content is checked: the
+ * twin of an accepted file has no notes, except on unsupported protocols.
  *
  * Host only. Context: mainline. Cost: linear in the bytes of the file, except for `array`, and quadratic in the entries
  * of an object. Clauses: ETG.1000.6 (objects), ETG.1004 (units), ETG.1020 (types).

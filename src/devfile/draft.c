@@ -54,7 +54,7 @@ ect_draft_object_t *ect_draft_add(ect_draft_t *d, ect_word_t word, uint8_t code,
         ect_mistake(&d->mistake, word.line, "object %04X is left out here: %s", (unsigned int)index,
                     ect_draft_reserved(index));
     if (first != NULL)
-        ect_mistake(&d->mistake, word.line, "object %04X is there twice, first in line %zu: give one another index",
+        ect_mistake(&d->mistake, word.line, "object %04X occurs twice, first in line %zu: give one another index",
                     (unsigned int)index, first->line);
     if (d->mistake.failed)
         return NULL;
@@ -108,7 +108,7 @@ ect_esi_pdo_t *ect_draft_add_pdo(ect_draft_t *d, uint16_t index, bool tx, size_t
 {
     for (size_t i = 0; i < d->device->pdo_count; i++) {
         if (d->device->pdos[i].index == index) {
-            ect_mistake(&d->mistake, line, "PDO %04X is there twice: give one another 'pdo'", (unsigned int)index);
+            ect_mistake(&d->mistake, line, "PDO %04X occurs twice: give one another 'pdo'", (unsigned int)index);
             return NULL;
         }
     }
@@ -127,7 +127,7 @@ static ect_esi_entry_t *add_mapped(ect_draft_t *d, ect_esi_pdo_t *pdo, size_t li
 {
     ect_esi_entry_t *entries = (ect_esi_entry_t *)(uintptr_t)pdo->entries; /* not constant yet */
     if (pdo->entry_count == ECT_DEVFILE_PDO_ENTRIES) {
-        ect_mistake(&d->mistake, line, "PDO %04X has more than %d entries: divide it into several PDOs",
+        ect_mistake(&d->mistake, line, "PDO %04X has more than %d entries: split it into several PDOs",
                     (unsigned int)pdo->index, (int)ECT_DEVFILE_PDO_ENTRIES);
         return NULL;
     }
@@ -142,7 +142,7 @@ static void map_entry(ect_draft_t *d, ect_esi_pdo_t *pdo, const ect_draft_object
 {
     char type[40];
     if (from->bits > GAP_MOST) {
-        ect_mistake(&d->mistake, line, "%04X:%u has %u bits; a PDO maps at most %d of an entry: leave it to SDO",
+        ect_mistake(&d->mistake, line, "%04X:%u has %u bits; a PDO maps at most %d of an entry: access it by SDO",
                     (unsigned int)object->index, (unsigned int)from->subindex, (unsigned int)from->bits, (int)GAP_MOST);
         return;
     }

@@ -15,7 +15,7 @@ struct list {
     void (*take)(list_t *list, const char *key, ect_word_t name);
     const ect_draft_entry_t *entry;
     uint16_t index;
-    uint64_t taken; /* bits that have a name */
+    uint64_t taken; /* bits with a name */
     ect_value_name_t *values;
     size_t count;
 };
@@ -40,7 +40,7 @@ static ect_field_t *add_field(const list_t *list)
     return field;
 }
 
-/* "3" or "4-7". @return false: another text, or a bit that the entry has not */
+/* Reads "3" or "4-7". @return false: another text, or a bit beyond the entry */
 static bool bits_of(const char *key, unsigned int bits, unsigned int *first, unsigned int *last)
 {
     char text[8];
@@ -87,19 +87,20 @@ static void take_value(list_t *list, const char *key, ect_word_t name)
     const char *text = name_of(d, key, name);
     int64_t number = ect_draft_number(d, "values", word, INT64_MIN, INT64_MAX);
     if (list->count > 0 && number <= list->values[list->count - 1].value)
-        ect_mistake(&d->mistake, name.line, "'values' ascend, each is there once: move %.60s", key);
+        ect_mistake(&d->mistake, name.line, "'values' must ascend, without duplicates: move %.60s", key);
     list->values = ect_arena_grow(d->arena, list->values, list->count, sizeof *list->values);
     list->values[list->count++] = (ect_value_name_t){.value = number, .name = text};
 }
 
-/* If all values have names, the lowest and the highest limit the entry. */
+/* Sets the lowest and the highest value as limits of the entry if all values have names. */
 static void limit(const list_t *list, size_t line, ect_draft_entry_t *entry)
 {
     const int64_t lowest = list->values[0].value, highest = list->values[list->count - 1].value;
     int64_t least, most;
     ect_draft_range(entry, &least, &most);
     if (lowest < least || highest > most)
-        ect_mistake(&list->d->mistake, line, "'values' has one that the entry has no room for: choose another 'type'");
+        ect_mistake(&list->d->mistake, line,
+                    "'values' has a value beyond the range of the entry: choose another 'type'");
     if (!entry->limited) {
         entry->minimum = lowest;
         entry->maximum = highest;
@@ -168,8 +169,7 @@ static void take_cell(list_t *list, const char *key, ect_word_t cell)
         char *equals = strchr(one, '=');
         one += strspn(one, " ");
         if (equals == NULL) {
-            ect_mistake(&d->mistake, cell.line, "'%s' takes NUMBER=NAME, more of them behind ';', not '%.60s'", key,
-                        one);
+            ect_mistake(&d->mistake, cell.line, "'%s' takes NUMBER=NAME, separated by ';', not '%.60s'", key, one);
             return;
         }
         *equals = '\0';

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Projects of the public "EEPROM generator" for SOES, `esi.json`: a form with texts, objects in three sections, clock
  * modes. Each object of the sections txpdo and rxpdo is a PDO of its own. Keys without a meaning for a device (names of
- * variables in C) are ignored, and so are objects whose key is no index; the generator ignores both. */
+ * variables in C), and objects whose key is no index, are ignored, as by the generator. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -25,7 +25,7 @@ typedef struct section {
 
 /* --- texts of a mapping ------------------------------------------------------------------------------------------- */
 
-/* The text of a key; NULL: absent, null, or empty. */
+/* @return the text of a key; NULL: absent, null, or empty */
 static ect_word_t word_of(ect_draft_t *d, const yaml_node_t *map, const char *key)
 {
     const yaml_node_t *node = map->type == YAML_MAPPING_NODE ? ect_yaml_find(&d->yaml, map, key) : NULL;
@@ -180,7 +180,7 @@ static void add_entry(ect_draft_t *d, const yaml_node_t *node, ect_word_t dtype,
         (void)ect_draft_entry(d, subindex, &entry);
 }
 
-/* Item 0 holds the number of the others. */
+/* Reads the items; item 0 has the number of the others. */
 static void add_items(ect_draft_t *d, const yaml_node_t *node, bool array)
 {
     const yaml_node_t *items = ect_yaml_find(&d->yaml, node, "items");

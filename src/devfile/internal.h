@@ -94,7 +94,7 @@ void ect_draft_default(ect_draft_t *d, ect_draft_entry_t *entry, ect_word_t word
 /** @return true: an integer, a bit or bits */
 bool ect_draft_is_integer(const ect_draft_entry_t *entry);
 
-/** The range of an integer; of one with 64 bits and no sign the lower half. */
+/** Computes the range of an integer; of an unsigned integer of 64 bits only the lower half. */
 void ect_draft_range(const ect_draft_entry_t *entry, int64_t *minimum, int64_t *maximum);
 
 /** @return the default of an integer */

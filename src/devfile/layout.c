@@ -12,7 +12,7 @@ enum {
     MAILBOX_MOST = 1486,
     RAM = 0x1000,
     RAM_END = 0x10000,
-    GRID = 0x80, /* default areas start at multiples of it */
+    GRID = 0x80, /* default areas start at multiples of this */
     SMS = 16,
     MODES = 16,
     CONFIG = 14, /* bytes */

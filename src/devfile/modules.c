@@ -141,7 +141,7 @@ static void take_module(void *ctx, const char *key, const yaml_node_t *name, con
     const ect_word_t word = {.text = key, .line = ect_yaml_line(name)};
     const uint32_t ident = (uint32_t)ect_draft_number(d, "modules", word, 1, UINT32_MAX);
     if (!d->mistake.failed && find(d, ident) != NULL)
-        ect_yaml_fail(&d->yaml, name, "module 0x%08" PRIX32 " is there twice, first in line %d: give one another ident",
+        ect_yaml_fail(&d->yaml, name, "module 0x%08" PRIX32 " occurs twice, first in line %d: give one another ident",
                       ident, find(d, ident)->line);
     if (d->device->module_count == MODULES)
         ect_yaml_fail(&d->yaml, name, "more than %d modules", (int)MODULES);
@@ -286,7 +286,7 @@ typedef struct plan {
     uint16_t *owners; /* by index: number of the place that has it, from 1; 0: none */
 } plan_t;
 
-/* @return whether it is the index of a list that follows from the slots */
+/* @return whether an index is that of a list that follows from the slots */
 static bool is_list(uint16_t index)
 {
     return index == 0xF000 || (index >= 0xF010 && index <= 0xF050 && index % 0x10 == 0);
@@ -297,7 +297,7 @@ static bool is_pdo(uint16_t index)
     return ect_od_is_rxpdo(index) || ect_od_is_txpdo(index);
 }
 
-/* @return whether an object or PDO with one index in the first place may have another in its own */
+/* @return whether the index of an object or PDO may differ between the first place and another one */
 static bool may_have(uint16_t first, uint32_t index)
 {
     if (index >= INDICES)
@@ -341,7 +341,7 @@ static void reserve_module(const plan_t *plan, unsigned int place, const ect_esi
         reserve(plan, place, module->pdos[i].index, slot->pdo_increment, module->pdos[i].line);
 }
 
-/* Expects an index of its own for each object and PDO of each module in each place that accepts it. */
+/* Checks that each object and PDO of each module has a unique index in each place that accepts the module. */
 static void check_indices(ect_draft_t *d)
 {
     const plan_t plan = {.d = d, .owners = ect_arena_alloc(d->arena, INDICES * sizeof *plan.owners)};
@@ -355,7 +355,7 @@ static void check_indices(ect_draft_t *d)
     }
 }
 
-/* Expects a slot for each module. */
+/* Checks that each module has a slot. */
 static void check_homes(ect_draft_t *d)
 {
     for (size_t m = 0; m < d->device->module_count; m++) {
@@ -369,7 +369,7 @@ static void check_homes(ect_draft_t *d)
     }
 }
 
-/* Expects no list of modules among the objects of the device: they follow from the slots. */
+/* Checks that the objects of the device contain no list of modules, because these follow from the slots. */
 static void check_lists(ect_draft_t *d)
 {
     for (size_t i = 0; i < d->object_count; i++) {

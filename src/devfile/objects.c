@@ -60,7 +60,7 @@ static void read_keys(keys_t *k, const yaml_node_t *node)
     ect_yaml_each(&k->d->yaml, node, k->inner ? "an entry" : "an object", true, take_key, k);
 }
 
-/* --- what an object is -------------------------------------------------------------------------------------------- */
+/* --- kinds of objects --------------------------------------------------------------------------------------------- */
 
 static void add_value(keys_t *k, size_t line)
 {
@@ -122,7 +122,7 @@ static void add_entry(ect_draft_t *d, const yaml_node_t *node, unsigned int next
         *subindex =
             (unsigned int)ect_draft_number(d, "subindex", ect_draft_word(d, k.subindex, "subindex"), 1, ELEMENTS_MOST);
     if (*subindex > ELEMENTS_MOST)
-        ect_yaml_fail(&d->yaml, node, "more than %d entries: divide the object", (int)ELEMENTS_MOST);
+        ect_yaml_fail(&d->yaml, node, "more than %d entries: split the object", (int)ELEMENTS_MOST);
     if (d->mistake.failed)
         return;
     ect_draft_words(d, &entry, k.words, ect_yaml_line(node));

@@ -50,11 +50,10 @@ static void check_header(table_t *t)
     static const char *const needed[] = {"index", "name", "type"};
     for (size_t i = 0; i < t->csv.columns; i++) {
         if (!is_column(t->csv.names[i]) || ect_csv_column(&t->csv, t->csv.names[i]) != i)
-            ect_mistake(
-                &t->d->mistake, 1,
-                "'%.60s' is no column, or is there twice: index, subindex, object, name, type, access, default, "
-                "min, max, unit, write-in, backup, setting, pdo, bits, values",
-                t->csv.names[i]);
+            ect_mistake(&t->d->mistake, 1,
+                        "'%.60s' is no column, or occurs twice: index, subindex, object, name, type, access, default, "
+                        "min, max, unit, write-in, backup, setting, pdo, bits, values",
+                        t->csv.names[i]);
     }
     for (size_t i = 0; i < sizeof needed / sizeof needed[0]; i++) {
         if (ect_csv_column(&t->csv, needed[i]) == t->csv.columns)
@@ -153,7 +152,7 @@ static void check_text(table_t *t)
     for (size_t i = 0; i < t->csv.count; i++) {
         for (const char *letter = t->csv.cells[i]; *letter != '\0'; letter++) {
             if (*letter < ' ' || *letter > '~')
-                ect_mistake(&t->d->mistake, t->csv.line, "a character that is none of ISO 646 (ASCII) in '%s'",
+                ect_mistake(&t->d->mistake, t->csv.line, "a character outside ISO 646 (ASCII) in '%s'",
                             t->csv.names[i]);
         }
     }

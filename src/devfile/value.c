@@ -196,7 +196,7 @@ void ect_draft_default(ect_draft_t *d, ect_draft_entry_t *entry, ect_word_t word
         size_t characters = strlen(word.text);
         for (const char *letter = word.text; *letter != '\0'; letter++) {
             if (*letter < ' ' || *letter > '~')
-                ect_mistake(&d->mistake, word.line, "'default' has a character that is none of ISO 646 (ASCII)");
+                ect_mistake(&d->mistake, word.line, "'default' has a character outside ISO 646 (ASCII)");
         }
         if (characters > length)
             ect_mistake(&d->mistake, word.line, "'default' has %zu characters: write STRING(%zu)", characters,

@@ -5,7 +5,7 @@
 
 #include "eni/internal.h"
 
-/* @return the slave before `i` with a station address; `i`: there is none */
+/* @return the slave before `i` with a station address; `i`: none */
 static size_t slave_at(const ect_eni_network_t *network, size_t i, uint16_t address)
 {
     for (size_t k = i; k-- > 0;) {
@@ -26,7 +26,7 @@ bool ect_eni_place(const ect_eni_t *eni, size_t i, ect_eni_place_t *place, char 
     place->up = previous->address != 0 ? slave_at(network, i, previous->address) : i - 1;
     place->port = previous->port;
     if (place->up == i)
-        (void)snprintf(text, room, "%s:%d: PreviousPort has the PhysAddr %u, which no slave before has",
+        (void)snprintf(text, room, "%s:%d: PreviousPort has the PhysAddr %u, which no previous slave has",
                        ect_eni_file(eni), previous->line, previous->address);
     else if (place->port == 0)
         (void)snprintf(text, room, "%s:%d: PreviousPort has Port A, which leads to the master", ect_eni_file(eni),

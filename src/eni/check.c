@@ -39,7 +39,8 @@ __attribute__((format(printf, 3, 4))) static void say(checker_t *c, int line, co
 
 /* --- a slave ------------------------------------------------------------------------------------------------------ */
 
-/* The `length` bytes that the last InitCmd writes to the registers at `at`; NULL: none does. @param[out] line  of it */
+/* @return the `length` bytes that the last InitCmd writes to the registers at `at`; NULL: none. @param[out] line of the
+ * InitCmd */
 static const uint8_t *written(const ect_eni_slave_t *slave, unsigned int at, size_t length, int *line)
 {
     const uint8_t *bytes = NULL;
@@ -61,7 +62,7 @@ static void check_place(checker_t *c)
     ect_eni_place_t place;
     const uint16_t expected = (uint16_t)(0 - (c->number - 1));
     if (c->slave->place.given && (uint16_t)c->slave->place.value != expected)
-        say(c, c->slave->line, "AutoIncAddr is %" PRId64 ", by its place in the file %u", c->slave->place.value,
+        say(c, c->slave->line, "AutoIncAddr is %" PRId64 "; its place in the file requires %u", c->slave->place.value,
             expected);
     if (ect_eni_place(c->eni, c->number - 1, &place, why, sizeof why))
         return;
@@ -199,7 +200,7 @@ static void check_slave(checker_t *c)
     check_bits(c, true);
 }
 
-/* A request of FoE, with the name of its file, is one mail. */
+/* Checks that a request of FoE, with the name of its file, fits one mail. */
 static void check_files(checker_t *c)
 {
     enum { MAIL_HEADER = 6 };

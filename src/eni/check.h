@@ -20,7 +20,7 @@ ECT_C_BEGIN
  * Checks a file: `AutoIncAddr` against the position of each slave; the elements of mailboxes, SyncManagers and FMMUs
  * against the registers; the bits of `Send` and `Recv` against PDOs and FMMUs; the limits of the process image for
  * commands and variables.
- * @param report  called for each contradiction with one line `FILE:LINE: ...`, without line end
+ * @param report  called for each contradiction, with one line `FILE:LINE: ...` without a line end
  * @return the number of contradictions
  */
 size_t ect_eni_check(const ect_eni_t *eni, void (*report)(void *ctx, const char *line), void *ctx);

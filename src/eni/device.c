@@ -36,7 +36,7 @@ typedef struct maker {
 
 /* --- SyncManagers ------------------------------------------------------------------------------------------------- */
 
-/* The bytes that an InitCmd writes to the registers from `at` on, at least `length` of them. */
+/* @return the bytes that an InitCmd writes to the registers from `at` on, at least `length` bytes */
 static const ect_eni_command_t *write_to(const ect_eni_slave_t *slave, unsigned int at, size_t length)
 {
     for (size_t i = 0; i < slave->command_count; i++) {
@@ -116,7 +116,7 @@ static bool is_output(uint16_t pdo)
     return pdo < TXPDO;
 }
 
-/* Places a SyncManager for which the file has only assigned PDOs behind the mailboxes. @return false: none */
+/* Places a SyncManager for which the file has only assigned PDOs after the mailboxes. @return false: none */
 static bool sm_of_assignment(const maker_t *m, unsigned int n, ect_esi_sm_t *sm)
 {
     enum { ALIGNMENT = 0x100, ROOM = 0x400, OUTPUTS = 0x64, INPUTS = 0x20 };
@@ -156,7 +156,7 @@ static void make_sms(const maker_t *m)
 
 /* --- process data ------------------------------------------------------------------------------------------------- */
 
-/* The SyncManager that lists a PDO, -1: none. */
+/* @return the SyncManager that lists a PDO; -1: none */
 static int lister_of(const ect_eni_slave_t *slave, uint16_t index)
 {
     for (int n = 0; n < SMS; n++) {
@@ -173,7 +173,7 @@ static void copy_text(const maker_t *m, const char **text)
     *text = ect_arena_copy(m->arena, *text, strlen(*text));
 }
 
-/* The model outlives the file. */
+/* Copies a text, because the model outlives the file. */
 static void copy_pdo(const maker_t *m, const ect_esi_pdo_t *from)
 {
     ect_esi_pdo_t *pdo = ect_esi_append_pdo(m->arena, m->device);
@@ -286,8 +286,7 @@ static void copy_inits(const maker_t *m)
     mailbox->inits = inits;
 }
 
-/* A drive of a command exists. */
-/* A request of FoE as the bytes of a mail, behind its header; the name ends with a zero, the file follows. */
+/* Makes the bytes of a mail after its header from a request of FoE: the name ends with a zero, the file follows. */
 static ect_esi_bytes_t foe_request(const maker_t *m, const ect_eni_mail_t *mail)
 {
     const size_t name = strlen(mail->file) + 1, length = ECT_ENI_FOE_HEADER + name + mail->data.length;
@@ -300,6 +299,7 @@ static ect_esi_bytes_t foe_request(const maker_t *m, const ect_eni_mail_t *mail)
     return (ect_esi_bytes_t){.bytes = bytes, .length = length};
 }
 
+/* Copies the mails. A device has at least the drives of its SoE commands. */
 static void copy_mails(const maker_t *m)
 {
     const ect_eni_mailbox_t *from = &m->slave->mailbox;

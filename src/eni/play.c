@@ -28,7 +28,7 @@ static bool equal(const uint8_t *reply, const ect_eni_validate_t *v)
     return true;
 }
 
-/* Compares with a sign, that of the last byte, if the file asks for it. */
+/* Compares, as the file requires, with or without a sign, which is the highest bit of the last byte. */
 static bool greater(const uint8_t *reply, const ect_eni_validate_t *v)
 {
     const size_t length = v->data.length < NUMBER_BYTES ? v->data.length : NUMBER_BYTES;
@@ -99,7 +99,7 @@ static void play_command(ect_eni_player_t *p, const ect_eni_command_t *command)
             return;
     }
     if (counter < 0)
-        eni_report(p, command->line, "%s: no frame comes back", command->comment);
+        eni_report(p, command->line, "%s: no frame returns", command->comment);
     else if (command->counter >= 0 && counter != command->counter)
         eni_report(p, command->line, "%s: the working counter is %d, not %d", command->comment, counter,
                    command->counter);

@@ -32,7 +32,7 @@ enum {
     ECT_ENI_MAX_TIMEOUT = 60000, /**< milliseconds for which a command is repeated; a longer `Timeout` counts as this */
 };
 
-/** The way to the bus; the caller's. */
+/** The connection to the bus, provided by the caller. */
 typedef struct ect_eni_wire {
     void *ctx;
     /** Sends a frame and overwrites it with the reply. @return false: no reply */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Start-up commands of CoE: an SDO transfer through the mailbox that the file names. */
+/* Start-up commands of CoE: an SDO transfer through the mailbox of the file. */
 #include <stdio.h>
 #include <string.h>
 

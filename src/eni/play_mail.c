@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Mails through the mailbox that the file names: start-up commands of AoE and EoE, and the way of all others. */
+/* Mails through the mailbox of the file: start-up commands of AoE and EoE, and functions for those of other protocols.
+ */
 #include <stdio.h>
 #include <string.h>
 
@@ -8,7 +9,7 @@
 #include "wire/bytes.h"
 
 enum { TYPE_ERROR = 0, COUNTERS = 7, TIMEOUT_MS = 1000, SKIPS = 64 };
-/* The AMS header; EoE: its header, and the word with the result of a reply. */
+/* Sizes of the AMS header, of the header of EoE, and of the result in a reply of EoE. */
 enum { AMS_COMMAND = 16, AMS_FLAGS = 18, AMS_LENGTH = 20, AMS_ERROR = 24, AMS_INVOKE = 28, AMS_HEADER = 32 };
 enum { IS_RESPONSE = 1, EOE_HEADER = 4, EOE_LAST = 1, EOE_RESULT = 2, EOE_TYPE = 0x0F, EOE_FRAGMENT = 0 };
 
@@ -58,10 +59,10 @@ void eni_talk_send(eni_talk_t *t, size_t length)
             return;
         eni_wait(p);
     }
-    eni_talk_fail(t, "its mailbox takes no mail");
+    eni_talk_fail(t, "its mailbox accepts no mail");
 }
 
-/* @return the next mail; NULL: none came */
+/* @return the next mail; NULL: none */
 static const uint8_t *receive_mail(const eni_talk_t *t)
 {
     static const uint8_t zeros[ECT_ENI_DATA];
@@ -88,15 +89,15 @@ const uint8_t *eni_talk_receive(eni_talk_t *t, bool (*is_reply)(const eni_talk_t
         if (mail != NULL && type == t->protocol && is_reply(t, mail))
             return mail;
         if (type == TYPE_ERROR)
-            eni_talk_fail(t, mail == NULL ? "no reply comes" : "a mailbox error comes");
+            eni_talk_fail(t, mail == NULL ? "no reply" : "mailbox error");
     }
-    eni_talk_fail(t, "no reply comes");
+    eni_talk_fail(t, "no reply");
     return NULL;
 }
 
 /* --- AoE and EoE -------------------------------------------------------------------------------------------------- */
 
-/* The reply has the command and the number of the request. */
+/* @return whether a mail has the command and the number of the request */
 static bool is_ads_reply(const eni_talk_t *t, const uint8_t *mail)
 {
     const uint8_t *ams = mail + ENI_MAIL_HEADER, *sent = t->p->mail + ENI_MAIL_HEADER;

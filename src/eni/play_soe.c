@@ -18,7 +18,7 @@ static bool is_reply(const eni_talk_t *t, const uint8_t *mail)
            (received & OPERATION) == (sent & OPERATION) + 1 && received >> DRIVE == sent >> DRIVE;
 }
 
-/* Sends the request. All mails but the last have the number of those that follow in place of the IDN. */
+/* Sends the request. Each mail except the last has the number of further mails in place of the IDN. */
 static void request(eni_talk_t *t, const ect_eni_mail_t *mail)
 {
     uint8_t *soe = t->p->mail + ENI_MAIL_HEADER;
@@ -38,7 +38,7 @@ static void request(eni_talk_t *t, const ect_eni_mail_t *mail)
     }
 }
 
-/* Receives all mails of the reply. An error code is the end of its mail. */
+/* Receives all mails of the reply. An error code is at the end of its mail. */
 static void receive(eni_talk_t *t)
 {
     char why[40];

@@ -35,7 +35,7 @@ static inline eni_datagram_t eni_datagram_of(const ect_eni_command_t *command)
                             .data = command->data.bytes};
 }
 
-/** Station address of slave `i`, from 0: that of the file, else one by its position. */
+/** @return the station address of slave `i`, from 0: that of the file, else one by its position. */
 static inline uint16_t eni_station(const ect_eni_slave_t *slave, size_t i)
 {
     enum { FIRST = 0x1001 };
@@ -61,7 +61,7 @@ int eni_exchange(ect_eni_player_t *p, const eni_datagram_t *datagram, const uint
 /** Waits a millisecond and sends the cyclic frames of the present state that are due. */
 void eni_wait(ect_eni_player_t *p);
 
-/** A start-up command of a mailbox that is under way. */
+/** A start-up command of a mailbox under way. */
 typedef struct eni_talk {
     ect_eni_player_t *p;
     const ect_eni_slave_t *slave;
@@ -75,13 +75,16 @@ typedef struct eni_talk {
 
 enum { ENI_MAIL_HEADER = 6 };
 
-/** Begins a command with mails of up to `bytes` bytes behind the header. @return false: no mailbox for it, reported */
+/**
+ * Begins a command with mails of up to `bytes` bytes after the header. @return false: no suitable mailbox, which is
+ * reported
+ */
 bool eni_talk_begin(eni_talk_t *t, ect_eni_player_t *p, size_t slave, size_t bytes);
 
 /** Reports the failure of the command, once. */
 void eni_talk_fail(eni_talk_t *t, const char *why);
 
-/** Sends the mail in ect_eni_player_t::mail. @param length  behind the header, which this function writes */
+/** Sends the mail in ect_eni_player_t::mail. @param length  after the header, which this function writes */
 void eni_talk_send(eni_talk_t *t, size_t length);
 
 /**

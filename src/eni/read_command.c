@@ -6,7 +6,7 @@
 
 #include "esc/route.h"
 
-/* The bits of the words below all children of a name. */
+/* Reads the bits of the words in all children with a name. */
 static unsigned int bits_of(ect_esi_xml_t *xml, const xmlNode *parent, const char *name, const char *const *words,
                             size_t count)
 {
@@ -18,7 +18,7 @@ static unsigned int bits_of(ect_esi_xml_t *xml, const xmlNode *parent, const cha
         while (i < count && strcmp(text, words[i]) != 0)
             i++;
         if (i == count)
-            ect_esi_fail(xml, node, "%s is \"%.20s\", which is none", name, text);
+            ect_esi_fail(xml, node, "%s has the invalid value \"%.20s\"", name, text);
         else
             bits |= 1u << i;
     }
@@ -38,7 +38,7 @@ static unsigned int states_of(ect_esi_xml_t *xml, const xmlNode *node)
     return bits_of(xml, node, "State", words, sizeof words / sizeof words[0]);
 }
 
-/* A flag that is an element. */
+/* Reads a flag given as an element. */
 static bool says_true(ect_esi_xml_t *xml, const xmlNode *parent, const char *name)
 {
     const char *text = ect_esi_text(xml, ect_esi_child(parent, name));
@@ -54,7 +54,7 @@ static ect_eni_compare_t compare_of(ect_esi_xml_t *xml, const xmlNode *node)
             return (ect_eni_compare_t)i;
     }
     if (*text != '\0')
-        ect_esi_fail(xml, node, "Validate has the Type \"%.20s\", which is none", text);
+        ect_esi_fail(xml, node, "Validate has the invalid Type \"%.20s\"", text);
     return ECT_ENI_EQ;
 }
 
@@ -90,7 +90,7 @@ static void read_address(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_comman
 
 static void read_data(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_bytes_t *data)
 {
-    static const uint8_t zeros[ECT_ENI_DATA]; /* one copy: a small file may have a million of these commands */
+    static const uint8_t zeros[ECT_ENI_DATA]; /* shared: a small file may have a million of these commands */
     *data = ect_esi_hex(xml, node, "Data");
     const xmlNode *length = ect_esi_child(node, "DataLength");
     if (length == NULL) {

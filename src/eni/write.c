@@ -65,7 +65,7 @@ static void plan(ect_arena_t *arena, network_t *n, bool inputs)
         add_chunk(arena, n, &chunk);
 }
 
-/* Each mailbox with a free FMMU gets a bit, if one datagram holds all of them. */
+/* Gives each mailbox with a free FMMU a bit, if one datagram can contain all bits. */
 static void plan_states(network_t *n)
 {
     for (size_t i = 0; i < n->count; i++)
@@ -131,7 +131,7 @@ static void write_master(ect_xml_writer_t *xml, const network_t *n)
     static const uint8_t broadcast[] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF}, own[] = {0x02, 0, 0, 0, 0, 0x01},
                          type[] = {0xA4, 0x88}, init_state[] = {1, 0}, mask[] = {0x0F, 0};
     const eni_init_t count = {.transition = "IP",
-                              .comment = "all slaves are there, in INIT",
+                              .comment = "all slaves are present, in INIT",
                               .command = ECT_BRD,
                               .ado = ECT_REG_AL_STATUS,
                               .length = STATE_BYTES,
@@ -261,7 +261,7 @@ static void write_cyclic(ect_xml_writer_t *xml, const network_t *n)
     ect_xml_close(xml);
 }
 
-/* Behind the inputs of the slaves: states, mailbox states, system time. */
+/* Places states, mailbox states and system time after the inputs of the slaves. */
 static size_t own_bytes(const network_t *n)
 {
     return STATE_BYTES + state_bytes(n) + (n->reference < n->count ? SYSTEM_TIME_BYTES : 0);

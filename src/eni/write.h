@@ -5,9 +5,9 @@
  *
  * The slaves have the station addresses 1001, 1002 …, their default PDOs, the start-up commands of their descriptions,
  * and the clocks and hot-connect groups of their parts. Each mailbox with a free FMMU has a bit in the logical memory
- * from 9000000h on. Outputs lie in the logical memory from 10000h on, inputs from 1000000h on; the data
- * of each slave begin at a byte. One LWR and one LRD exchange the data, or several if they exceed a datagram. The same
- * devices in the same order give the same bytes.
+ * from 9000000h on. Outputs lie in the logical memory from 10000h on, inputs from 1000000h on; the data of each slave
+ * begin at a byte. One LWR and one LRD exchange the data, or several if they exceed a datagram. The same devices in the
+ * same order result in the same bytes.
  *
  * Host only. Context: mainline.
  */

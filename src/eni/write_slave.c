@@ -234,7 +234,8 @@ static uint32_t sync0_ns(const slave_t *s)
     return factor > 0 ? cycle_ns * (uint32_t)factor : cycle_ns;
 }
 
-/* SYNC1 follows every nth SYNC0 after its shift. The register has the time between the two, less one SYNC0 cycle. */
+/* SYNC1 follows every nth SYNC0 after its shift. The register has the time between both signals, minus one SYNC0 cycle.
+ */
 static uint32_t sync1_ns(const slave_t *s)
 {
     const ect_dc_mode_t *mode = s->part->clock;
@@ -361,8 +362,8 @@ static bool split_cycle(uint32_t ns, uint8_t *mantissa, uint8_t *power)
     return ns > 0 && ns <= UINT8_MAX;
 }
 
-/* Data of a command with `adapts`, which follow from the configured cycle: the interpolation time of each axis (60C2h
- * and 800h behind it), the cycle times 1C32h:2 and 1C33h:2. */
+/* Computes the data of a command with `adapts` from the configured cycle: the interpolation time of each axis (60C2h,
+ * in steps of 800h), the cycle times 1C32h:2 and 1C33h:2. */
 static const uint8_t *adapted(const slave_t *s, const ect_init_command_t *command, uint8_t room[4])
 {
     enum { INTERPOLATION = 0x60C2, AXES_END = 0xA000, AXIS = 0x800 };
@@ -428,7 +429,7 @@ static void write_foe(ect_xml_writer_t *xml, const ect_init_mail_t *mail)
         ect_xml_bytes(xml, "Data", (const uint8_t *)end + 1, left);
 }
 
-/* Writes what precedes the data of a mail: its type, or the elements of an IDN. */
+/* Writes the parts before the data of a mail: its type, or the elements of an IDN. */
 static void write_mail_head(ect_xml_writer_t *xml, const ect_init_mail_t *mail)
 {
     if (mail->protocol == ECT_MAILBOX_TYPE_EOE)
@@ -582,7 +583,7 @@ static void write_sm(ect_xml_writer_t *xml, const ect_device_t *device, unsigned
     ect_xml_close(xml);
 }
 
-/* The neighbour towards the master; the first slave has none. */
+/* Writes the neighbour towards the master, which the first slave does not have. */
 static void write_previous(const slave_t *s)
 {
     const char port[] = {(char)('A' + (s->part->up_port != 0 ? s->part->up_port : 1)), '\0'};
@@ -619,7 +620,7 @@ void eni_write_slave(ect_xml_writer_t *xml, const ect_eni_part_t *parts, size_t 
 
 /* --- variables ---------------------------------------------------------------------------------------------------- */
 
-/* @return the first bit behind the PDO */
+/* @return the first bit after the PDO */
 static uint32_t write_pdo_variables(ect_xml_writer_t *xml, const ect_device_t *device, size_t i, uint16_t index,
                                     uint32_t bit)
 {

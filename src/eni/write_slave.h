@@ -18,12 +18,12 @@ enum {
     ENI_FIRST_STATION = 1001,
 };
 
-/** The part of the process image and of the network that a slave has. */
+/** The part of a slave in the process image and in the network. */
 typedef struct eni_share {
     uint32_t offsets[2]; /**< bytes of the outputs and the inputs of the slaves before */
     int state_bit;       /**< of its mailbox in the logical memory, -1: none */
     uint32_t cycle_us;
-    bool reference; /**< its clock is that of the bus */
+    bool reference; /**< its clock is the reference clock */
 } eni_share_t;
 
 /** An InitCmd with a physical address. */

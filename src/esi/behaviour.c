@@ -85,14 +85,14 @@ static void publish(void *instance, ect_402_drive_t *d)
     words_out(instance, axis, d);
 }
 
-/* S-0-0099 ends when a control word has carried it. */
+/* Ends S-0-0099 after a control word has transferred the reset. */
 static void end_reset(void *instance, const axis_t *axis, const ect_402_drive_t *d)
 {
     if (ect_esi_dialect_ends(&axis->dialect, instance))
         ect_soe_finish(servo_of(instance), instance, axis->dialect.drive, RESET, d->error_code == 0);
 }
 
-/* Two control words, without and with the reset, which needs an edge. */
+/* Applies two control words, without and with the reset, because the reset needs an edge. */
 static void reset_below_op(void *instance, const axis_t *axis, ect_402_drive_t *d, uint64_t now_ns)
 {
     for (unsigned int edge = 0; edge < 2; edge++) {
@@ -172,7 +172,7 @@ static void guess_resolution(const ect_402_link_t *links, const void *instance, 
 
 enum { METHODS = 0x60E3 };
 
-/* The methods of 60E3h. */
+/* Adds the methods of 60E3h. */
 static uint64_t methods_of(void *instance, const axis_t *axis)
 {
     enum { MOST = 64 };
@@ -511,7 +511,7 @@ static bool is_simulated(uint16_t index)
     return index == METHODS;
 }
 
-/* The objects of the profile's range without a behaviour. */
+/* Lists the objects in the profile's range without a behaviour. */
 static const char *rest_of(ect_esi_twin_t *twin, const axis_t *axis)
 {
     return axis->is_soe ? ""

@@ -257,7 +257,8 @@ static int compare_entries(const void *a, const void *b)
     return (int)((const ect_build_entry_t *)a)->subindex - (int)((const ect_build_entry_t *)b)->subindex;
 }
 
-/* Adds sub-index 0 to a record that is incomplete in the dictionary; a PDO or a start-up command may already have. */
+/* Adds sub-index 0 to a record that is incomplete in the dictionary, unless a PDO or a start-up command has added it.
+ */
 static void count_entries(ect_build_t *build, ect_build_object_t *object)
 {
     ect_build_entry_t *zero = ect_build_entry(object, 0);

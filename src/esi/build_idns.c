@@ -82,7 +82,7 @@ static uint32_t width_of(uint32_t bits)
 
 /* --- the dictionary of the file ----------------------------------------------------------------------------------- */
 
-/* A value of the dictionary by its type. */
+/* A value of the dictionary, determined by its type. */
 typedef struct shape {
     bool list, head; /* a list; with its two length words in the type */
     uint32_t kind;   /* ECT_SOE_BINARY … */
@@ -197,7 +197,7 @@ static uint64_t mask_of(uint32_t bytes)
     return bytes >= 8 ? UINT64_MAX : (UINT64_C(1) << 8 * bytes) - 1;
 }
 
-/* The number of an initial value, with its sign. */
+/* @return an initial value as a number with its sign */
 static int64_t initial_of(const ect_build_idn_t *idn)
 {
     const ect_esi_number_t number = {.bytes = (uint8_t)ect_soe_width(idn->row.attribute),
@@ -242,7 +242,7 @@ static void add_object(ect_build_t *build, uint8_t drive, const ect_esi_object_t
     const bool twice = ect_build_idn(build, drive, object->index) != NULL;
     if (twice || !shape_of(&build->model->idns, object, &shape)) {
         ect_build_note(build, "line %d: %s is left out: %s", object->line, ect_build_idn_text(build, object->index),
-                       twice ? "it is there already" : "the length of its type is not known");
+                       twice ? "it exists already" : "the length of its type is not known");
         return;
     }
     ect_build_idn_t *idn = add(build, drive, object->index, attribute_of(object, &shape), object->name);
@@ -349,7 +349,7 @@ static void force(ect_build_idn_t *idn, uint32_t shape)
     idn->row.flags = 0;
 }
 
-/* S-0-0016, S-0-0024: the IDNs behind the first one, in the order of the PDO. */
+/* Sets S-0-0016 and S-0-0024: the IDNs after the first one, in the order of the PDO. */
 static void set_list(ect_build_t *build, uint8_t drive, bool tx, ect_build_idn_t *list)
 {
     uint16_t count = 0;
@@ -472,7 +472,7 @@ static void drop_limits(ect_build_idn_t *idn, const ect_esi_mail_t *init)
         idn->row.flags &= (uint8_t)~(unsigned int)(ECT_SOE_MINIMUM | ECT_SOE_MAXIMUM);
 }
 
-/* SOE-046: each IDN of a command exists and accepts its data. */
+/* Makes each IDN of a command exist and accept the data (SOE-046). */
 static void take_init(ect_build_t *build, const ect_esi_mail_t *init)
 {
     if (init->drive >= build->soe->drives) {
@@ -545,7 +545,7 @@ uint16_t ect_build_mapped(const ect_build_t *build, const ect_build_pdo_t *pdo, 
 
 /* --- all of it ---------------------------------------------------------------------------------------------------- */
 
-/* Whether a list of IDNs can describe a telegram: it begins with the word, and all behind it are values. */
+/* @return whether a list of IDNs can describe a telegram: it begins with the word, and the others are values */
 static bool is_listed(const ect_esi_pdo_t *pdo)
 {
     const uint16_t word = pdo->tx ? STATUS_WORD : CONTROL_WORD;

@@ -16,8 +16,8 @@ static bool is_taken(const ect_build_t *build, uint16_t index)
     return false;
 }
 
-/* Without CoE the index of a PDO has no meaning for a master, and may be another number; that of a SoE drive is an IDN.
- * The PDO gets an index that a mapping object may have. */
+/* Gives a PDO an index that a mapping object may have. Without CoE the index in the file has no meaning for a master,
+ * and may be any number; for a SoE drive it is an IDN. */
 static uint16_t index_of(ect_build_t *build, const ect_esi_pdo_t *model, const ect_build_steps_t *steps)
 {
     uint16_t index = ect_build_pdo_index(model->index, model->moves, steps);
@@ -92,7 +92,7 @@ static void insert(ect_build_t *build, const place_t *place, uint32_t ident)
     ect_build_module(build, module, steps);
 }
 
-/* The module of a place: the choice of the user, else the preset of the file, in as many places as need a module. */
+/* Selects the module of a place: the user's choice, else the preset of the file, in as many places as need a module. */
 static uint32_t ident_in(const ect_build_t *build, const place_t *place, const ect_module_choice_t *choices,
                          size_t count)
 {

@@ -118,7 +118,7 @@ static void add_entry(maker_t *m, unsigned int subindex, const ect_esi_item_t *i
         ect_build_note(m->build, "line %d: object %04X: sub-index %u of type %s is left out: %s", item->line,
                        (unsigned int)m->object->index, subindex, type_name,
                        subindex > UINT8_MAX                                    ? "255 is the highest"
-                       : ect_build_entry(m->object, (uint8_t)subindex) != NULL ? "it is there already"
+                       : ect_build_entry(m->object, (uint8_t)subindex) != NULL ? "it exists already"
                                                                                : "its length is not known");
         return;
     }

@@ -97,7 +97,7 @@ static void show(void *instance)
     }
 }
 
-/* The modules that the dictionary is to have. @return whether it has others now */
+/* Determines the modules that the dictionary must have. @return whether the present ones differ */
 static bool wanted(void *instance, uint32_t *idents)
 {
     const ect_build_t *build = &twin_of(instance)->build;
@@ -119,7 +119,7 @@ static bool is_of_pdos(uint16_t index)
            ect_od_is_txpdo(index);
 }
 
-/* Whether an entry keeps its value: a user or a master can change it, and it was there before. */
+/* @return whether an entry keeps its value: a user or a master can change it, and the previous set had it */
 static bool stays(const ect_build_t *old, uint16_t index, const ect_build_entry_t *entry)
 {
     const ect_build_object_t *object = ect_build_find(old, index);
@@ -142,7 +142,7 @@ static void set_default(const ect_od_t *od, const ect_build_entry_t *entry, cons
     }
 }
 
-/* Assignments and mappings of another set of modules are replaced by its defaults. */
+/* Replaces assignments and mappings by the defaults of the new set of modules. */
 static void set_defaults(const ect_build_t *old, const ect_esi_twin_t *twin, void *instance)
 {
     const ect_build_t *build = &twin->build;
@@ -156,7 +156,7 @@ static void set_defaults(const ect_build_t *old, const ect_esi_twin_t *twin, voi
     }
 }
 
-/* Brings the dictionary up to date, where the AL state allows it. */
+/* Updates the dictionary, if the AL state allows it. */
 static void settle(void *instance)
 {
     uint32_t idents[UINT8_MAX];

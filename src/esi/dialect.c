@@ -11,7 +11,7 @@
 enum {
     CONTROL_WORD = 134,
     STATUS_WORD = 135,
-    OPERATION_MODE = 32, /* the primary one; three more follow */
+    OPERATION_MODE = 32, /* of the primary mode; three more follow */
     CLASS_1 = 11,
     NO_IDN = 0,
 };
@@ -37,7 +37,7 @@ enum { MODE_TORQUE = 1, MODE_SPEED = 2, MODE_POSITION_1 = 3, MODE_POSITION_12 = 
 /* Phases of a reset by S-0-0099, ect_esi_words_t::reset. */
 enum { RESET_NONE, RESET_WANTED, RESET_SENT };
 
-/* Values of CiA 402 that are those of an IDN. */
+/* Values of CiA 402 that correspond to an IDN. */
 static const struct {
     uint8_t value;
     uint16_t idn;
@@ -124,8 +124,8 @@ static int8_t mode_of(const ect_esi_dialect_t *dialect, const void *instance, ui
     return kind == MODE_SPEED ? ECT_402_CSV : kind == MODE_TORQUE ? ECT_402_CST : ECT_402_NO_MODE;
 }
 
-/* Bit 14 takes the torque at once; bit 15 alone stops the drive on the quick stop's ramp; the way to enabled has a
- * command for each state. */
+/* Bit 14 clear removes the torque at once; only bit 15 clear stops the drive on the ramp of the quick stop; the
+ * transition to enabled has a command for each state. */
 static uint16_t command_of(ect_402_state_t state, uint16_t control)
 {
     const uint16_t shutdown = ECT_402_VOLTAGE | ECT_402_NO_QUICK;

@@ -8,7 +8,7 @@
 enum { PROFILE_406 = 406, FIRST_OBJECT = 0x6000, CONTROL_WORD = 0x6040 };
 
 typedef struct sensor {
-    unsigned int number; /* from 0, as ect_encoder_links_find has it */
+    unsigned int number; /* from 0, as in ect_encoder_links_find */
     ect_link_t links[ECT_ENCODER_VALUE_COUNT];
 } sensor_t;
 

@@ -58,7 +58,7 @@ bool ect_esi_homing_find(const ect_build_t *build, ect_esi_dialect_t *dialect)
     return true;
 }
 
-/* A start reads these values: no process data change them. */
+/* A start reads these values, which process data never change. */
 static ect_402_link_t setting(ect_402_link_t link)
 {
     link.output = false;
@@ -88,7 +88,7 @@ void ect_esi_homing_links(const ect_build_t *build, const ect_esi_dialect_t *dia
 static int8_t method_of(uint16_t parameter)
 {
     static const int8_t to_switch[] = {24, 28, 26, 30}; /* by NEGATIVE and FALLING_EDGE */
-    enum { WITH_MARKER = 16 /* from a method without a marker to that with one */ };
+    enum { WITH_MARKER = 16 /* from a method without a marker to the method with a marker */ };
     const bool marker = (parameter & WITHOUT_MARKER) == 0;
     if ((parameter & WITHOUT_SWITCH) == 0 && (parameter & SWITCH_AT_DRIVE) == 0)
         return NO_METHOD;

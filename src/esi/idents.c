@@ -91,7 +91,7 @@ uint32_t ect_esi_list_at(const ect_od_t *od, uint16_t index, uint8_t subindex)
     return ect_od_number(od, index, subindex, &value) == ECT_OK ? value : 0;
 }
 
-/* A list without any element but 0 asks for no check; another one has the element of each slot. */
+/* An empty list, or a list of zeros, requests no check; another list has an element for each slot. */
 static bool fits(const ect_od_t *od, uint16_t configured, uint16_t detected)
 {
     const uint32_t count = ect_esi_list_at(od, configured, 0);

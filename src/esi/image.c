@@ -118,7 +118,7 @@ static void read_sms(const image_t *image)
         ect_esi_sm_t *sm = &sms[i];
         sm->type = role_of(from[7]);
         sm->start = ect_load_le16(from);
-        sm->maximum = ect_load_le16(from + 2); /* first: GCC 12 at -O3 loses a size that is written before it is read */
+        sm->maximum = ect_load_le16(from + 2); /* first: GCC 12 at -O3 drops a size written before it is read */
         sm->size.given = true;
         sm->size.value = sm->maximum;
         sm->control = from[4];

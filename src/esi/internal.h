@@ -94,7 +94,7 @@ struct ect_esi {
     ect_esi_head_t *heads;
     const xmlNode **nodes; /**< of the heads */
     size_t count;
-    ect_esi_found_t *found;   /**< from ::ect_esi_found_object; NULL: no dictionary was read */
+    ect_esi_found_t *found;   /**< from ::ect_esi_found_object; NULL: no dictionary read */
     ect_esi_device_t *device; /**< of an EEPROM image; NULL: a document, read by each ::ect_esi_select */
 };
 
@@ -124,7 +124,7 @@ typedef struct ect_build_entry {
     uint16_t unit; /* as in ect_detail_t */
     uint8_t per;
     size_t offset; /**< in the instance, after lay_out() */
-    bool identity; /**< the data are a member of ect_standard_t at `offset`: 1018h, 1001h */
+    bool identity; /**< the data are a member of ect_standard_t, at `offset`: 1018h, 1001h */
     bool constant; /**< no data: an element of a mapping that never changes */
     ect_esi_number_t reported_access, reported_bits; /**< as in ect_esi_flags_t */
 } ect_build_entry_t;
@@ -173,7 +173,7 @@ typedef struct ect_build_idn {
     ect_soe_idn_t row; /**< its offset after ::ect_esi_servo_place */
 } ect_build_idn_t;
 
-/** Most values in a telegram behind control or status word. */
+/** Limit of values in a telegram after control or status word. */
 enum { ECT_ESI_VALUES = 64 };
 
 /** The SoE drives of a device. */
@@ -239,11 +239,13 @@ void ect_build_count_notes(ect_build_t *build);
 /** Room for a type's name, and for other texts, in a description. */
 enum { ECT_BUILD_NAME = 40, ECT_BUILD_TEXT = 255 };
 
-/** @return the text as a description has texts: visible characters of ISO 646, at most `longest`; umlauts are spelt out
+/**
+ * @return the text in the form of a description: visible characters of ISO 646, at most `longest`; umlauts are spelt
+ * out
  */
 const char *ect_build_text(ect_build_t *build, const char *text, size_t longest);
 
-/** @return a letter in lower case, or a digit, in any locale; 0: it is neither of ISO 646 */
+/** @return a letter in lower case, or a digit, in any locale; 0: another character than a letter or digit of ISO 646 */
 char ect_build_plain(char c);
 
 /** Sets the reason of failure, unless one is already set. */
@@ -341,7 +343,7 @@ void ect_esi_servo_init(void *instance, const ect_host_t *host, uint64_t now_ns)
 /** build_modules.c. Adds the PDOs of the device and of the modules in its slots, and the modules' objects. */
 void ect_build_modules(ect_build_t *build, const ect_module_choice_t *choices, size_t count);
 
-/** pdo_groups.c: puts the PDOs of each group behind one another, and a padding PDO behind them. After the last PDO. */
+/** pdo_groups.c: makes the PDOs of each group adjacent, followed by a padding PDO. Call it after the last PDO. */
 void ect_build_pdo_groups(ect_build_t *build);
 
 /** idents.c: adds F030h and F050h, after all other objects; F000h too if the file requires the download of idents. */
@@ -353,7 +355,7 @@ void ect_build_pdo_states(ect_build_t *build);
 /** pdo_states.c. @return the existing PDOs that a PDO excludes, ended by 0; NULL: none */
 const uint16_t *ect_build_excludes(const ect_build_t *build, const ect_build_pdo_t *pdo);
 
-/** pdo_states.c: lets the mapped TxPDO toggles 18xxh:09 change with the inputs. Offsets must be set. */
+/** pdo_states.c: makes the mapped TxPDO toggles 18xxh:09 change with the inputs. Offsets must be set. */
 void ect_build_toggles(ect_build_t *build, ect_device_t *device);
 
 /** pdo_states.c. @return whether an entry is a toggle, after ::ect_build_toggles */
@@ -374,13 +376,13 @@ void ect_build_module(ect_build_t *build, const ect_esi_module_t *module, const 
 /** inits.c: sets the start-up commands: SDOs of CoE, mails of AoE, EoE and SoE. A note for each unknown transition. */
 void ect_esi_inits_set(ect_build_t *build, ect_device_t *device);
 
-/** idents.c: makes a device with F030h check it. Before a behaviour that has functions of its own. */
+/** idents.c: makes a device with F030h check the list. Call it before a behaviour with its own functions. */
 void ect_esi_idents_set(const ect_build_t *build, ect_device_t *device);
 
-/** idents.c: whether the lists that a master configured are empty, or equal to those that the twin detects. */
+/** idents.c. @return whether the lists configured by a master are empty, or equal to the detected ones. */
 bool ect_esi_idents_fit(const ect_od_t *od);
 
-/** Lists of a modular device, an element a slot. */
+/** Lists of a modular device, one element for each slot. */
 enum {
     ECT_ESI_PROFILES = 0xF010,
     ECT_ESI_ADDRESSES = 0xF020,
@@ -389,7 +391,7 @@ enum {
     ECT_ESI_IDENTS_DETECTED = 0xF050
 };
 
-/** idents.c: element `subindex` of a list; 0: it has none. */
+/** idents.c. @return element `subindex` of a list; 0: none. */
 uint32_t ect_esi_list_at(const ect_od_t *od, uint16_t index, uint8_t subindex);
 
 /** idents.c: as ect_device_t::state_change. @return ECT_AL_MODULE_IDENTS: the idents of F030h are not those of F050h */
@@ -410,10 +412,10 @@ uint32_t ect_build_largest_bits(const ect_build_t *build, int sm);
 /** build_signals.c: sets the plant's signals. Entries must have their offsets. */
 void ect_build_signals(ect_build_t *build, ect_plant_t *plant);
 
-/** build_signals.c: the default of an entry; 0: the file has none, or no such entry. */
+/** build_signals.c. @return the default of an entry; 0: none, or no such entry. */
 uint32_t ect_build_default(const ect_build_t *build, uint16_t index, uint8_t subindex);
 
-/** build_signals.c: the name of a unit of ETG.1004; NULL: it has none. */
+/** build_signals.c. @return the name of a unit of ETG.1004; NULL: none. */
 const char *ect_build_unit_name(ect_build_t *build, uint32_t unit);
 
 /**
@@ -447,7 +449,7 @@ typedef struct ect_esi_place {
     size_t offset;
 } ect_esi_place_t;
 
-/** Most sets of modules that a device has while a program runs. */
+/** Limit of sets of modules of a device during a run of the program. */
 enum { ECT_ESI_SETS = 64 };
 
 /**
@@ -460,7 +462,7 @@ typedef struct ect_esi_rack {
     ect_arena_t *arena;
     ect_esi_place_t **places; /**< by index */
     size_t used;              /**< bytes of the instance */
-    size_t size;              /**< of the instance; 0: while the first set is built */
+    size_t size;              /**< of the instance; 0 while the first set is built */
     size_t room;              /**< for the entries of sets after the first */
     ect_growth_t growth;
     unsigned int slots;
@@ -543,8 +545,8 @@ void ect_esi_profile_note(struct ect_esi_twin *twin, const char *text, const cha
 void ect_esi_profile_place(struct ect_esi_twin *twin, size_t size, size_t outside_size, size_t *offset,
                            size_t *outside);
 /**
- * profile.c: puts the signals of a behaviour before those of the file, which may have the same name, and makes the
- * signals of entries that the behaviour writes read-only.
+ * profile.c: inserts the signals of a behaviour before those of the file, which may have the same name, and makes the
+ * signals of entries written by the behaviour read-only.
  * @param writes  @return whether the behaviour writes the value at an offset of the instance
  */
 void ect_esi_profile_signals(struct ect_esi_twin *twin, const ect_signal_group_t *groups, uint16_t count,
@@ -560,7 +562,7 @@ bool ect_esi_measuring_wanted(const struct ect_esi_twin *twin, ect_behaviour_t b
 /** measuring.c: as ::ect_esi_twin_behave. */
 bool ect_esi_measuring_set(struct ect_esi_twin *twin, ect_behaviour_t behaviour, char *text, size_t room);
 
-/** The words of a SoE drive, as an axis of CiA 402 has them; in the instance. */
+/** The words of a SoE drive in the form of an axis of CiA 402; in the instance. */
 typedef struct ect_esi_words {
     uint16_t control, status;
     int8_t mode, shown;
@@ -572,7 +574,7 @@ typedef struct ect_esi_words {
 
 enum { ECT_ESI_HOMING = 148 /**< S-0-0148 */ };
 
-/** How a SoE drive reaches its axis. */
+/** The connection of a SoE drive to its axis. */
 typedef struct ect_esi_dialect {
     uint8_t drive;
     bool follows;                                           /**< bit 3 of S-0-0135 */
@@ -580,50 +582,56 @@ typedef struct ect_esi_dialect {
     size_t words;                                           /**< of an ::ect_esi_words_t */
     ect_402_link_t modes[4];                                /**< S-0-0032 to S-0-0035 */
     ect_402_link_t class_1;                                 /**< S-0-0011 */
-    bool homes;                                             /**< has S-0-0148; then these: */
+    bool homes;                                             /**< has S-0-0148, and the following members: */
     size_t homing;                                          /**< of the command S-0-0148 */
     ect_402_link_t parameter, distance, home_switch, homed; /**< S-0-0147, S-0-0052, S-0-0400, S-0-0403 */
 } ect_esi_dialect_t;
 
 /** dialect.c. @return whether a drive has S-0-0134 and S-0-0135 */
 bool ect_esi_dialect_find(const ect_build_t *build, uint8_t drive, ect_esi_dialect_t *dialect);
-/** dialect.c: the link to a number of a drive; 0 bytes: it has none. */
+/** dialect.c. @return the link to a number of a drive; 0 bytes: none. */
 ect_402_link_t ect_esi_dialect_link(const ect_build_t *build, uint8_t drive, uint16_t idn);
-/** dialect.c: the links of the axis, ECT_402_VALUE_COUNT. @param words  offset of the words in the instance */
+/** dialect.c: sets the links of the axis, ECT_402_VALUE_COUNT. @param words  offset of the words in the instance */
 void ect_esi_dialect_links(const ect_build_t *build, ect_esi_dialect_t *dialect, size_t words, ect_402_link_t *links);
-/** dialect.c. @return whether the drive writes the value at an offset of the instance, besides those of the links */
+/**
+ * dialect.c. @return whether the drive writes the value at an offset of the instance, in addition to those of the links
+ */
 bool ect_esi_dialect_writes(const ect_esi_dialect_t *dialect, size_t offset);
-/** dialect.c: S-0-0134 as the control word of the axis, before ::ect_402_drive_outputs. */
+/** dialect.c: converts S-0-0134 to the control word of the axis; due before ::ect_402_drive_outputs. */
 void ect_esi_dialect_in(const ect_esi_dialect_t *dialect, void *instance, const ect_402_drive_t *d);
-/** dialect.c: the state of the axis as S-0-0135, after ::ect_402_drive_publish. */
+/** dialect.c: converts the state of the axis to S-0-0135; due after ::ect_402_drive_publish. */
 void ect_esi_dialect_out(const ect_esi_dialect_t *dialect, void *instance, const ect_402_drive_t *d);
-/** dialect.c: the next control word resets a fault. @param start  false: no longer */
+/** dialect.c: makes the next control word reset a fault. @param start  false: cancels the reset */
 void ect_esi_dialect_reset(const ect_esi_dialect_t *dialect, void *instance, bool start);
-/** dialect.c: after a control word. @return whether the reset is over */
+/** dialect.c: follows a reset; due after a control word. @return whether the reset has ended */
 bool ect_esi_dialect_ends(const ect_esi_dialect_t *dialect, void *instance);
 
-/** homing.c. @return whether a drive has S-0-0148; then the links of the dialect are set */
+/** homing.c. @return whether a drive has S-0-0148; on true the links of the dialect are set */
 bool ect_esi_homing_find(const ect_build_t *build, ect_esi_dialect_t *dialect);
-/** homing.c: the links of the axis to speed, acceleration, method and reference point. */
+/** homing.c: sets the links of the axis to speed, acceleration, method and reference point. */
 void ect_esi_homing_links(const ect_build_t *build, const ect_esi_dialect_t *dialect, ect_402_link_t *links);
-/** homing.c: S-0-0148 is started. @param[out] runs  false: the settings allow no run. @return ECT_SOE_OK, or the code
+/**
+ * homing.c: starts S-0-0148. @param[out] runs false: the settings permit no run. @return ECT_SOE_OK, or the error code
  */
 uint16_t ect_esi_homing_start(const ect_esi_dialect_t *dialect, void *instance, ect_402_drive_t *d, bool *runs);
-/** homing.c: S-0-0148 is cancelled while it runs. */
+/** homing.c: cancels a running S-0-0148. */
 void ect_esi_homing_cancel(const ect_esi_dialect_t *dialect, void *instance);
-/** homing.c: mode and control word of a run, after ::ect_esi_dialect_in. */
+/** homing.c: sets mode and control word of a run; due after ::ect_esi_dialect_in. */
 void ect_esi_homing_in(const ect_esi_dialect_t *dialect, void *instance);
-/** homing.c: time or outputs have changed the axis. @return whether a run has ended, and its success */
+/**
+ * homing.c: follows a run after a change of the axis by time or outputs. @return whether the run has ended, and its
+ * success
+ */
 bool ect_esi_homing_ends(const ect_esi_dialect_t *dialect, void *instance, const ect_402_drive_t *d, bool *success);
-/** homing.c: S-0-0400 and S-0-0403. */
+/** homing.c: sets S-0-0400 and S-0-0403. */
 void ect_esi_homing_out(const ect_esi_dialect_t *dialect, void *instance, const ect_402_drive_t *d);
 
-/** The mails that a SoE drive sends unasked, where a user wants them. In the surroundings of the twin. */
+/** The settings for unrequested mails of SoE drives, in the surroundings of the twin. */
 typedef struct ect_esi_reports {
     uint8_t on;
 } ect_esi_reports_t;
 
-/** The host of a SoE drive: its emergencies are those of SoE. In the instance. */
+/** The host of a SoE drive, whose emergencies are those of SoE; in the instance. */
 typedef struct ect_esi_reporter {
     ect_host_t host; /**< `emergency` alone */
     const ect_host_t *twin;
@@ -635,10 +643,10 @@ typedef struct ect_esi_reporter {
 /** reports.c: signals over ::ect_esi_reports_t. */
 extern const ect_signal_t ect_esi_report_signals[];
 extern const uint16_t ect_esi_report_signal_count;
-/** reports.c: power-on of a drive. `reporter`, all else as in its members, stays. @return the host of the drive */
+/** reports.c: power-on of a drive. `reporter` must stay valid. @return the host of the drive */
 const ect_host_t *ect_esi_reporter(ect_esi_reporter_t *reporter, const ect_soe_t *servo, void *instance, uint8_t drive,
                                    const ect_host_t *twin);
-/** reports.c: power-on, or a change by a user. */
+/** reports.c: applies the settings at power-on, or after a change by a user. */
 void ect_esi_report(const ect_soe_t *servo, void *instance, const ect_esi_reports_t *reports);
 
 /* --- writing ----------------------------------------------------------------------------------------------------- */

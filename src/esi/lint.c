@@ -110,7 +110,7 @@ static const struct obsolete {
 };
 static const char obsolete_elements[] = "Image16x14 StationAliasSupported";
 
-/* A remark: few masters enable a SyncManager in OP only. */
+/* Adds a remark, because few masters enable a SyncManager in OP only. */
 static const char op_only[] = "OpOnly";
 
 static void check_attribute(const lint_t *l, const xmlNode *node, const char *name)
@@ -331,7 +331,7 @@ ect_esi_schema_t *ect_esi_schema_open(const char *path, char *text, size_t room)
         schema->valid = schema->xml != NULL ? xmlSchemaNewValidCtxt(schema->xml) : NULL;
     }
     xmlSchemaFreeParserCtxt(parser);
-    xmlFreeDoc(document); /* the schema has a copy of what it needs */
+    xmlFreeDoc(document); /* the schema has copies of all necessary data */
     if (schema != NULL && schema->valid != NULL)
         return schema;
     (void)snprintf(text, room, "%s: the schema, or a file that it includes, cannot be read", path);

@@ -44,7 +44,7 @@ ect_esi_schema_t *ect_esi_schema_open(const char *path, char *text, size_t room)
 /** Validates the whole file; each mistake is reported as wrong. */
 void ect_esi_validate(const ect_esi_t *esi, ect_esi_schema_t *schema, ect_esi_report_t report, void *ctx);
 
-/** NULL is allowed. */
+/** Frees a schema. NULL: no effect */
 void ect_esi_schema_close(ect_esi_schema_t *schema);
 
 ECT_C_END

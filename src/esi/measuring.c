@@ -9,7 +9,7 @@
 enum { PROFILE_404 = 404, FIRST_OBJECT = 0x6000, OBJECTS = 0x4000, UNIT = 0x6131 };
 
 typedef struct input {
-    unsigned int number; /* from 0, as ect_measuring_links_find has it */
+    unsigned int number; /* from 0, as in ect_measuring_links_find */
     ect_measuring_links_t links;
 } input_t;
 
@@ -92,7 +92,8 @@ static void sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64
 
 /* --- signals ------------------------------------------------------------------------------------------------------ */
 
-/* No entry has an offset within a sensor, since entries follow the standard part of the instance. */
+/* Compares offsets only: no entry has an offset within a sensor, because entries follow the standard part of the
+ * instance. */
 static void signal_written(void *instance, const ect_signal_t *signal, uint16_t number, uint64_t now_ns)
 {
     (void)number;

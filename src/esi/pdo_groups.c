@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Groups of PDOs of a modular device (`ModulePdoGroup`): the PDOs of a group follow one another, and a PDO without data
- * behind them fills the bytes up to the alignment. */
+/* Groups of PDOs of a modular device (`ModulePdoGroup`): the PDOs of a group are adjacent, and a PDO without data fills
+ * the following bytes up to the alignment. */
 #include <string.h>
 
 #include "esi/internal.h"
@@ -66,7 +66,7 @@ static void insert(ect_build_t *build, size_t at, const ect_build_pdo_t *pdo)
     build->pdo_count++;
 }
 
-/* Adds the padding PDO behind the PDOs of a group, which ends with PDO `last`. */
+/* Adds the padding PDO after the PDOs of a group, which ends with PDO `last`. */
 static void add_padding(ect_build_t *build, size_t last, uint16_t index, bool tx, uint32_t bits)
 {
     ect_esi_entry_t *entry = ect_arena_alloc(build->arena, sizeof *entry);

@@ -45,7 +45,7 @@ static void append(const ect_build_t *build, const ect_build_pdo_t *pdo, uint16_
     *list = other;
 }
 
-/* The list of the dictionary, but for PDOs that the file assigns together. */
+/* Reads the list of the dictionary, without PDOs that the file assigns together. */
 static void append_listed(const ect_build_t *build, const ect_build_pdo_t *pdo, const ect_build_entry_t *listed,
                           uint16_t *list)
 {
@@ -99,7 +99,8 @@ static void inputs_read(void *instance, uint64_t now_ns)
     ((ect_esi_instance_t *)instance)->read = 1;
 }
 
-/* A second set of inputs before the master has read the first one changes no toggle, or the master would miss both. */
+/* Changes the toggles only if the master has read the previous set of inputs: two changes without a read would be
+ * invisible. */
 static void inputs(void *instance, uint64_t now_ns)
 {
     ect_esi_instance_t *own = instance;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Twins. One whose modules can change gets a description for each set of modules that its slots have had. */
+/* Twins. A twin whose modules can change gets a description for each set of modules that its slots have contained. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,10 +8,10 @@
 /* Longest process image; largest instance. A device that needs more keeps its modules. */
 enum { LONGEST_IMAGE = 1486, LARGEST = 8 << 20 };
 
-/* A word and a text's end beside each entry, for its alignment. */
+/* Room in addition to each entry: for its alignment, and for the end of a text. */
 enum { BESIDE = 9 };
 
-/* Control word of CiA 402, axis by axis: drives keep their modules. */
+/* @return whether an index is that of an axis's control word of CiA 402: drives keep their modules */
 static bool is_of_drive(uint16_t index)
 {
     return index >= 0x6000 && index < 0xA000 && index % 0x800 == 0x40;
@@ -52,7 +52,7 @@ static uint16_t larger(size_t a, size_t b)
     return (uint16_t)(most < UINT16_MAX ? most : UINT16_MAX);
 }
 
-/* Adds the memory that a module takes in one slot. */
+/* Adds the memory of a module in one slot. */
 static void measure(ect_esi_rack_t *rack, const ect_esi_module_t *module, size_t slots)
 {
     ect_arena_t arena = {0};

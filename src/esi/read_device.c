@@ -378,7 +378,7 @@ static void read_slot(ect_esi_xml_t *xml, const xmlNode *node, ect_esi_device_t 
 
 static void read_pdo_groups(ect_esi_xml_t *xml, const xmlNode *slots, ect_esi_device_t *device)
 {
-    enum { ALIGNMENT_MOST = 16 /* bytes; more is none that modules have */ };
+    enum { ALIGNMENT_MOST = 16 /* bytes; more than any alignment of modules */ };
     ect_esi_pdo_group_t *groups = NULL;
     ect_esi_pdo_group_t *group;
     ECT_ESI_EACH(node, slots, "ModulePdoGroup")
@@ -467,7 +467,7 @@ static const char *group_name(ect_esi_xml_t *xml, const xmlNode *descriptions, c
 static void read_identity(ect_esi_xml_t *xml, const xmlNode *root, const xmlNode *node, ect_esi_device_t *device)
 {
     const xmlNode *vendor = ect_esi_child(root, "Vendor");
-    const xmlNode *type = ect_esi_child(node, "Type"); // there is one: read_heads
+    const xmlNode *type = ect_esi_child(node, "Type"); // it exists: read_heads() checks this
     device->vendor_id = (uint32_t)ect_esi_number(xml, vendor, "Id", INT32_MIN, UINT32_MAX, 0);
     device->vendor_name = ect_esi_name(xml, vendor, "Name");
     device->type = ect_esi_text(xml, type);

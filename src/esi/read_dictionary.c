@@ -199,7 +199,7 @@ static const ect_esi_type_t *const *sorted(ect_esi_xml_t *xml, const ect_esi_typ
 void ect_esi_read_dictionary(ect_esi_xml_t *xml, const xmlNode *profile, ect_esi_dictionary_t *dictionary)
 {
     const xmlNode *node = ect_esi_child(profile, "Dictionary");
-    ect_esi_type_t *types = (ect_esi_type_t *)(uintptr_t)dictionary->types; // ours: made by the last call
+    ect_esi_type_t *types = (ect_esi_type_t *)(uintptr_t)dictionary->types; // made by the last call
     ect_esi_type_t *type;
     ect_esi_object_t *objects = (ect_esi_object_t *)(uintptr_t)dictionary->objects;
     ect_esi_object_t *object;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * SDO information of a clone, where the slave describes entries in another way than their use requires: a mapped entry
- * that it does not call mappable, a text without a length. The stack then describes a second table of objects.
+ * SDO information of a clone whose slave describes entries in another way than their use requires: a mapped entry not
+ * marked as mappable, a text without a length. The stack then describes a second table of objects.
  */
 #include <string.h>
 
@@ -11,10 +11,10 @@
 
 typedef struct reported {
     ect_protocol_t protocol;
-    const ect_object_t *objects; /* as they are described */
+    const ect_object_t *objects; /* as described */
 } reported_t;
 
-/* SDO information reads the dictionary only: it may stand in for the time of a call. */
+/* Replaces the dictionary during a call, because SDO information only reads it. */
 static uint16_t request(const ect_protocol_t *self, ect_slave_t *slave, const uint8_t *data, uint16_t length)
 {
     const ect_object_t *own = slave->od.objects;
@@ -91,7 +91,8 @@ static const ect_protocol_t **place_of(const ect_device_t *device)
     return p != NULL && *p != NULL ? p : NULL;
 }
 
-/* The first entry of a type gets the requests; the stack's own one stays, as a sign that there is SDO information. */
+/* Adds an entry before the stack's own: the first entry of a type gets the requests, and the stack's own indicates SDO
+ * information. */
 static void insert(const ect_protocol_t **place, const ect_protocol_t *protocol)
 {
     while (protocol != NULL) {

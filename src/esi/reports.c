@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Notifications and emergencies of SoE drives. Off at first: SOEM 1.4 takes either for a wrong reply. */
+/* Notifications and emergencies of SoE drives. Initially off, because SOEM 1.4 regards both as a wrong reply. */
 #include "esi/internal.h"
 
 const ect_signal_t ect_esi_report_signals[] = {

@@ -14,7 +14,7 @@ const ect_protocol_t *ect_esi_servo(ect_build_t *build, const ect_device_t *devi
     return &build->soe->servo.protocol;
 }
 
-/* @return bytes of a value's memory; 0: it has none of its own */
+/* @return bytes of a value's own memory; 0: none */
 static size_t memory_of(const ect_build_idn_t *idn)
 {
     if (idn->entry != 0 || ect_soe_is_made(&idn->row))

@@ -19,7 +19,7 @@ enum {
     LARGEST_EEPROM = 0xFF80
 };
 
-/* Most process data in one datagram of an Ethernet frame, bytes. */
+/* Limit of process data in one datagram of an Ethernet frame, bytes. */
 enum { LONGEST_IMAGE = 1486 };
 
 /* --- controller and layout --------------------------------------------------------------------------------------- */
@@ -64,7 +64,7 @@ static uint32_t smaller(uint32_t a, uint32_t b)
     return a < b ? a : b;
 }
 
-/* @return the bytes of all telegrams of a direction with each value that they may carry; 0: it has no drives */
+/* @return the bytes of all telegrams of a direction with all values that they may contain; 0: no drives */
 static uint32_t telegram_bytes(const ect_build_t *build, const ect_esi_sm_t *model)
 {
     const bool tx = role_of(model) == ECT_SM_INPUTS;
@@ -217,7 +217,7 @@ static const char *or_unnamed(const char *text)
 
 /* --- mailbox, clocks, EEPROM ------------------------------------------------------------------------------------- */
 
-/* Protocols of the file that the twin does not support: requests get the error "unsupported protocol". */
+/* Notes protocols of the file that the twin does not support: requests get the error "unsupported protocol". */
 #define UNSERVED(name) {.type = ECT_MAILBOX_TYPE_##name, .states = ECT_IN_PREOP_AND_ABOVE}
 static const ect_protocol_t aoe = UNSERVED(AOE), eoe = UNSERVED(EOE), foe = UNSERVED(FOE), soe = UNSERVED(SOE),
                             voe = UNSERVED(VOE);
@@ -234,7 +234,7 @@ static void add_protocol(ect_device_t *device, const ect_protocol_t **list, bool
 
 static void set_protocols(ect_build_t *build, ect_device_t *device)
 {
-    enum { MOST = 10 }; /* with one more by ect_esi_reported_set, and the end */
+    enum { MOST = 10 }; /* with room for one more by ect_esi_reported_set, and for the end */
     const ect_esi_mailbox_t *m = &build->model->mailbox;
     const ect_protocol_t **list = ect_arena_alloc(build->arena, MOST * sizeof *list);
     add_protocol(device, list, m->coe, &ect_protocol_emergency);
@@ -576,7 +576,7 @@ static size_t align_to(size_t at, size_t bytes)
     return (at + alignment - 1) / alignment * alignment;
 }
 
-/* The place of an entry: that of the same entry in another set of modules, else the next one. */
+/* @return the place of an entry: the same as in another set of modules, else the next one */
 static size_t place_of(ect_esi_rack_t *rack, const ect_build_object_t *object, const ect_build_entry_t *entry,
                        size_t room)
 {
@@ -598,7 +598,7 @@ static size_t place_of(ect_esi_rack_t *rack, const ect_build_object_t *object, c
     return place->offset;
 }
 
-/* Room in the instance for each entry, aligned to its size, and a terminator behind texts. */
+/* Allocates room in the instance for each entry, aligned to its size, with a terminator after texts. */
 static size_t lay_out(ect_build_t *build)
 {
     size_t at = build->start + ect_esi_ads_size(build->model);
@@ -699,7 +699,7 @@ static uint32_t short_default(ect_build_t *build, const ect_build_object_t *obje
     uint32_t value = entry->initial.length <= 4 ? (uint32_t)ect_build_number(entry) : 0;
     if (entry->bits == 0 || entry->bits >= 8 || value >> entry->bits == 0)
         return value;
-    ect_build_note(build, "object %04X:%u: of its default 0x%X only %u bits are there", (unsigned int)object->index,
+    ect_build_note(build, "object %04X:%u: its default 0x%X is truncated to %u bits", (unsigned int)object->index,
                    (unsigned int)entry->subindex, (unsigned int)value, (unsigned int)entry->bits);
     return value & ((1u << entry->bits) - 1);
 }

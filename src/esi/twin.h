@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Twin: a running device made from an ESI file. For stack, chain and commands there is no difference to a compiled
- * device.
+ * Twin: a running device made from an ESI file. Stack, chain and commands treat it like a compiled device.
  *
  * The twin has the identity, layout, PDOs, dictionary and clocks of the file, but no behaviour: inputs are set by
  * signals (or by SDO), outputs are readable as signals, and return to their defaults when the twin leaves OP.
@@ -103,8 +102,8 @@ ect_esi_twin_t *ect_esi_twin_without_modules(const ect_esi_twin_t *twin);
 void ect_esi_twin_free(ect_esi_twin_t *twin);
 
 /**
- * The objects of a description as SDO information describes them: those of a clone may lack rights and lengths that the
- * use of an entry requires.
+ * Returns the objects of a description as reported by SDO information: those of a clone may lack rights and lengths
+ * that the use of an entry requires.
  * @return `object_count` objects, in the order of the device's own; without a difference, or for a description that is
  * not of a twin: device->objects
  */

@@ -4,7 +4,7 @@
  * Writer of ESI files, made from device descriptions for import into engineering tools (ETG.2000, schema 1.14 and
  * later).
  *
- * The same descriptions in the same order give the same bytes. A file contains only elements that follow from the
+ * The same descriptions in the same order result in the same bytes. A file contains only elements that follow from the
  * description; docs/ESI.md has the table of elements, and the reason for the format of byte blocks. Attributes that are
  * obsolete or not recommended by the standard are not written.
  *

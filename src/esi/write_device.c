@@ -63,8 +63,8 @@ static void write_info(ect_xml_writer_t *xml, const ect_device_t *device, const 
     ect_xml_close(xml);
 }
 
-/* Omits a dictionary that no master can read: the PDOs contain its useful part. The IDNs of SoE are those of the file.
- */
+/* Omits a dictionary that no master can read, because the PDOs contain its useful part. The IDNs of SoE are those of
+ * the file. */
 static void write_profile(ect_xml_writer_t *xml, const ect_device_t *device, const ect_identity_t *identity,
                           const xmlNode *source)
 {

@@ -139,7 +139,7 @@ static void write_property(ect_xml_writer_t *xml, const char *name, uint32_t val
     ect_xml_close(xml);
 }
 
-/* Writes what SDO information describes in another way than the entry is. */
+/* Writes the properties that SDO information reports in a form different from the entry. */
 static void write_properties(list_t *list, const ect_object_t *object, const ect_entry_t *entry)
 {
     ect_xml_writer_t *xml = list->xml;

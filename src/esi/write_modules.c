@@ -41,7 +41,7 @@ static void write_profile(ect_xml_writer_t *xml, const ect_esi_module_t *module,
     ect_xml_close(xml);
 }
 
-/* The description is that of a device with the parts of the module and no others. */
+/* Makes the description of a device that has only the parts of the module. */
 static bool write_module(ect_xml_writer_t *xml, const ect_esi_device_t *model, const ect_esi_module_t *module)
 {
     char text[200];

@@ -44,7 +44,7 @@ const char *ect_xml_file(ect_arena_t *arena, void (*write)(ect_xml_writer_t *xml
 void ect_xml_open(ect_xml_writer_t *xml, const char *element);
 void ect_xml_close(ect_xml_writer_t *xml);
 
-/** Writes an attribute of the element that was opened last, before any content of the element. */
+/** Writes an attribute of the last opened element, before any content of the element. */
 __attribute__((format(printf, 3, 4))) void ect_xml_attribute(ect_xml_writer_t *xml, const char *name,
                                                              const char *format, ...);
 

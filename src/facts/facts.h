@@ -122,7 +122,7 @@ __attribute__((format(printf, 5, 6))) ect_fact_t *ect_facts_add(ect_facts_t *fac
 
 /**
  * Adds a text of `length` bytes, without trailing blanks and zeros. No fact is added for an empty text, a placeholder
- * ("SubIndex 001"), and a text with letters beyond ISO 646, whose encoding depends on the source.
+ * ("SubIndex 001"), or a text with letters beyond ISO 646, whose encoding depends on the source.
  */
 void ect_facts_add_text(ect_facts_t *facts, ect_fact_kind_t kind, unsigned int index, unsigned int element,
                         const char *text, size_t length);

@@ -64,7 +64,7 @@ static int64_t load_signed(const uint8_t *at, unsigned int bytes)
     }
 }
 
-/* Numbers of a master are of any size; sums of those that count stay within 64 bits. */
+/* Limits a number, because a master may write any value, so that sums stay within 64 bits. */
 #define MOST 9007199254740992 /* 2^53 */
 
 static int64_t bounded(int64_t x)
@@ -72,7 +72,7 @@ static int64_t bounded(int64_t x)
     return x > MOST ? MOST : x < -MOST ? -MOST : x;
 }
 
-/* No conversion of an infinity or a NaN: it is undefined. */
+/* Excludes infinities and NaN, whose conversion is undefined. */
 static int64_t whole(double x)
 {
     if (x >= (double)MOST)

@@ -115,7 +115,7 @@ typedef struct ect_object {
     uint16_t index;       /**< ascending in the list */
     uint16_t object_code; /**< ECT_OBJECT_... */
     uint8_t max_subindex; /**< sub-index of the last element of `entries`, or with `last` 0 its position; 0 for a VAR */
-    uint8_t last;         /**< position of the last element: the number of entries, less one; 0 in a list of SOES */
+    uint8_t last;         /**< position of the last element: the number of entries, minus one; 0 in a list of SOES */
     const char *name;     /**< zero-terminated, shared */
     const ect_entry_t *entries;
 } ect_object_t;
@@ -135,7 +135,7 @@ typedef struct ect_detail {
 
 /** An element of the second table: unit and limits of a number. */
 #define ECT_LIMITS(index, subindex, unit, minimum, maximum) ECT_LIMITS_PER(index, subindex, unit, 0, minimum, maximum)
-/** The same with a denominator of the unit. */
+/** An element of the second table with a denominator of the unit. */
 #define ECT_LIMITS_PER(index, subindex, unit, per, minimum, maximum)                                                   \
     {index, subindex, unit, per, minimum, maximum, NULL}
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* CoE requests, and which mail is the reply to one. */
+/* CoE requests, and the recognition of their replies. */
 #include <string.h>
 
 #include "reader/internal.h"
@@ -45,8 +45,7 @@ ect_reader_result_t reader_receive_coe(ect_reader_t *r, reader_match_t match, co
             return reader_good(r);
         r->skipped++;
     }
-    return reader_report(r, ECT_READER_WRONG, "mails came within %u ms, but none that replies to the request",
-                         r->config.reply_ms);
+    return reader_report(r, ECT_READER_WRONG, "no mail within %u ms is the reply to the request", r->config.reply_ms);
 }
 
 ect_reader_result_t reader_repeat(ect_reader_t *r, reader_request_t request, void *what)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* One datagram a frame: the reader is bounded by the slave, not by the wire. */
+/* One datagram for each frame: the slave limits the speed of the reader, not the wire. */
 #include <string.h>
 
 #include "reader/internal.h"
@@ -41,7 +41,7 @@ static size_t build(ect_reader_t *r, uint8_t command, uint16_t address, const ui
     return used < SHORTEST ? SHORTEST : used;
 }
 
-/* The slaves change the address, the data and the working counter, and nothing else. */
+/* @return whether a frame is the reply: slaves change only the address, the data and the working counter */
 static bool is_reply(const ect_reader_t *r, size_t length)
 {
     const uint8_t *sent = r->frame + AT_DATAGRAM, *d = r->reply + AT_DATAGRAM;
@@ -61,7 +61,7 @@ bool reader_try(ect_reader_t *r, uint8_t command, uint16_t address, uint8_t *dat
         if (got == 0)
             return false;
         if (!is_reply(r, got))
-            continue; /* a late one, or one of another master */
+            continue; /* a late frame, or a frame of another master */
         memcpy(data, r->reply + AT_DATA, length);
         *wkc = ect_load_le16(r->reply + AT_DATA + length);
         return true;
@@ -94,7 +94,7 @@ static ect_reader_result_t repeat(ect_reader_t *r, uint8_t command, uint16_t add
             return reader_good(r);
     }
     return reader_report(r, ECT_READER_LOST,
-                         came ? "the slave does not process frames any more (0x%04X)" : "no frame comes back (0x%04X)",
+                         came ? "the slave does not process frames any more (0x%04X)" : "no frame returns (0x%04X)",
                          address);
 }
 

@@ -22,7 +22,7 @@ typedef struct walk {
     ect_reader_result_t first; /* the first failure */
     uint32_t code;
     char text[ECT_READER_TEXT];
-    unsigned int unanswered; /* uploads in a row */
+    unsigned int unanswered; /* successive uploads */
     unsigned int done, all;
 } walk_t;
 
@@ -51,7 +51,7 @@ static void report_gap(const walk_t *w, ect_reader_gap_t gap)
         w->sink->gap(w->sink->ctx, &gap);
 }
 
-/* An upload without a reply costs seconds. After several in a row the walk continues without values. */
+/* Continues without values after several successive uploads without a reply, because each costs seconds. */
 static bool upload(walk_t *w, unsigned int index, unsigned int subindex, ect_reader_bytes_t *value)
 {
     ect_reader_t *r = w->r;

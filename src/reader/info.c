@@ -17,7 +17,7 @@ typedef struct question {
     uint8_t echo;
     bool first;
     size_t bytes; /* of the reply, in r->data as far as they fit */
-    bool cut;     /* the reply ends where the mailbox ends: a name may be cut off */
+    bool cut;     /* the reply fills the mailbox: its name may be truncated */
 } question_t;
 
 static bool is_reply(uint8_t service, const uint8_t *data, size_t length, const void *wanted)
@@ -56,7 +56,7 @@ static ect_reader_result_t receive(ect_reader_t *r, question_t *q, const uint8_t
                              (unsigned int)r->code);
     }
     if (*more && *length == 0)
-        return reader_report(r, ECT_READER_WRONG, "SDO information in fragments without an end");
+        return reader_report(r, ECT_READER_WRONG, "SDO information in endless fragments");
     q->first = false;
     return ECT_READER_OK;
 }

@@ -10,7 +10,8 @@
 enum { COUNTERS = 7, ATTEMPTS_MOST = 100000 };
 enum { STATUS_OF_SM1 = ECT_REG_SM + ECT_SM_SIZE + ECT_SM_STATUS };
 
-/* Reading the last byte empties the mailbox: a frame that is lost takes the mail with it, and is not repeated. */
+/* Reads a mail once: the read of the last byte empties the mailbox, so a repetition after a lost frame would find no
+ * mail. */
 static ect_reader_result_t fetch(ect_reader_t *r, bool *came)
 {
     uint8_t status;
@@ -57,8 +58,8 @@ ect_reader_result_t reader_send_mail(ect_reader_t *r, uint8_t type, const uint8_
     const uint64_t until = reader_now(r) + r->config.reply_ms * NS_PER_MS;
     ECT_ASSERT(r->out_size <= sizeof mail);
     if ((size_t)length + MAIL_HEADER > r->out_size)
-        return reader_report(r, ECT_READER_WRONG, "its mailbox of %u bytes holds no request of %u bytes", r->out_size,
-                             length + MAIL_HEADER);
+        return reader_report(r, ECT_READER_WRONG, "its mailbox of %u bytes is too small for a request of %u bytes",
+                             r->out_size, length + MAIL_HEADER);
     if (drain(r) != ECT_READER_OK)
         return r->result;
     if (!r->plain)

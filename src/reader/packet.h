@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The wire of a reader: a network interface.
+ * The connection of a reader over a network interface.
  */
 #ifndef ECT_READER_PACKET_H
 #define ECT_READER_PACKET_H
@@ -12,7 +12,7 @@
 
 ECT_C_BEGIN
 
-/** @param port  open; must outlive the link, and be used by nothing else meanwhile @return a wire through it */
+/** @param port  open; must outlive the link, which uses it exclusively @return a connection over the port */
 ect_reader_link_t ect_reader_packet_link(ect_packet_t *port);
 
 ECT_C_END

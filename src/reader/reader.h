@@ -30,15 +30,15 @@
 
 /** A frame of maximum length, Ethernet header included, check sequence excluded. */
 enum { ECT_READER_FRAME = 1514 };
-/** Largest mailbox, in bytes: one datagram of one frame. A slave with a larger one is refused. */
+/** Largest mailbox, in bytes: one datagram of one frame. A slave with a larger mailbox is refused. */
 enum { ECT_READER_MAIL = 1486 };
 /** Room for the line of ::ect_reader_t::text, terminator included. */
 enum { ECT_READER_TEXT = 160 };
-/** Most bytes of an EEPROM. A header that announces more is regarded as invalid: only the header is read. */
+/** Limit of an EEPROM, bytes. A header that announces more is regarded as invalid: only the header is read. */
 enum { ECT_READER_SII = 128 * 1024 };
 /** Bytes of the header of an EEPROM. */
 enum { ECT_READER_HEADER = 128 };
-/** Most bytes of a value that ::ect_reader_dictionary uploads; a longer one is reported as ECT_READER_TOO_LONG. */
+/** Limit of a value uploaded by ::ect_reader_dictionary, bytes; a longer value is reported as ECT_READER_TOO_LONG. */
 enum { ECT_READER_VALUE = 4096 };
 
 /** A connection: frames out, frames in, time. All functions are called with `ctx`, from the thread of the reader. */
@@ -84,9 +84,9 @@ typedef enum ect_reader_changes {
 typedef struct ect_reader_config {
     uint16_t position;  /**< in the segment, from 0 */
     uint16_t station;   /**< configured station address, for addressing; 0: addressing by position */
-    uint32_t frame_ms;  /**< until a frame counts as lost; 0: 100 */
-    uint32_t reply_ms;  /**< until a mail counts as unanswered; 0: 2000 (ETG.2000 ResponseTimeout) */
-    uint32_t state_ms;  /**< until a state change counts as refused; 0: 5000 */
+    uint32_t frame_ms;  /**< time after which a frame counts as lost; 0: 100 */
+    uint32_t reply_ms;  /**< longest wait for a reply by mail; 0: 2000 (ETG.2000 ResponseTimeout) */
+    uint32_t state_ms;  /**< time after which a state change counts as refused; 0: 5000 */
     uint32_t limit_ms;  /**< of all calls of a reader together; 0: 600 000 */
     unsigned int tries; /**< for each request; 0: 3 */
     uint8_t counter;    /**< of the last mail that the slave has received, 1 to 7; 0: unknown */
@@ -96,7 +96,7 @@ typedef struct ect_reader_config {
     bool (*progress)(void *progress_ctx, const char *what, unsigned int done, unsigned int all);
 } ect_reader_config_t;
 
-/** Most bytes of a mail of another master that a reader keeps. */
+/** Limit of the kept bytes of another master's mail. */
 enum { ECT_READER_FOUND = 64 };
 
 /** A reader. Set up by ::ect_reader_open; members are read only for others. */
@@ -121,7 +121,7 @@ typedef struct ect_reader {
     uint16_t found_size;                  /**< bytes of `found_mail`; 0: none */
     uint8_t found_mail[ECT_READER_FOUND]; /**< the beginning of a mail that another master has left in SyncManager 1 */
     uint32_t last_sum;                    /**< check sum of the last mail received, counter included */
-    unsigned int failures;                /**< requests without a usable reply, in a row */
+    unsigned int failures;                /**< successive requests without a usable reply */
     unsigned int skipped;            /**< mails that belonged to no request: emergencies, late and repeated replies */
     ect_reader_result_t result;      /**< of the last call */
     uint32_t code;                   /**< of ECT_READER_ABORTED and ECT_READER_REFUSED */
@@ -131,7 +131,7 @@ typedef struct ect_reader {
     uint8_t mail[ECT_READER_MAIL];   /**< last one received */
     uint8_t data[ECT_READER_VALUE];  /**< of the dictionary's descriptions and values */
     uint8_t value[ECT_READER_VALUE];
-    uint8_t objects[0x10000 / 8]; /**< a bit for each index: all ends within 65 536 steps */
+    uint8_t objects[0x10000 / 8]; /**< a bit for each index, so that every walk ends within 65 536 steps */
 } ect_reader_t;
 
 /** Bytes within a reply, valid during the callback. */
@@ -271,14 +271,14 @@ ect_reader_result_t ect_reader_entry(ect_reader_t *r, uint16_t index, uint8_t su
 /**
  * Reads the dictionary in ascending order of the indices: by SDO information, or without it the values of identity,
  * assignments and the mappings that they name. A slave without CoE has no objects.
- * @return ECT_READER_OK, or the first result that ended it: the sink has received all objects up to there. A request
- * that stays without a usable reply three times in a row ends it; an entry that the slave refuses does not.
+ * @return ECT_READER_OK, or the first result that ended it: the sink has received all objects up to there. Three
+ * successive tries without a usable reply end the call; an entry refused by the slave does not.
  */
 ect_reader_result_t ect_reader_dictionary(ect_reader_t *r, ect_reader_values_t values, const ect_reader_sink_t *sink);
 
 /**
- * Reads the PDO assignments (1C10h and following) of some SyncManagers and the mappings that they name: values alone,
- * each object once. The slave needs CoE.
+ * Reads the PDO assignments (1C10h and following) of some SyncManagers and the assigned mappings: values only, each
+ * object once. The slave needs CoE.
  * @param sms  bit n: SyncManager n, 0 to 31
  * @return as ::ect_reader_dictionary
  */

@@ -32,7 +32,7 @@ static ect_reader_result_t count_slaves(ect_reader_t *r)
         return ECT_READER_OK;
     return came ? reader_report(r, ECT_READER_LOST, "the segment has only %u slave%s", r->count,
                                 r->count == 1 ? "" : "s")
-                : reader_report(r, ECT_READER_LOST, "no frame comes back: is a slave connected?");
+                : reader_report(r, ECT_READER_LOST, "no frame returns: is a slave connected?");
 }
 
 static ect_reader_result_t al_status(ect_reader_t *r, uint16_t *status, uint16_t *code)

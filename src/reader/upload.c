@@ -20,7 +20,7 @@ typedef struct transfer {
     size_t room;
     size_t size; /* announced */
     size_t done;
-    uint8_t reply; /* REPLY_... that is due */
+    uint8_t reply; /* expected reply, REPLY_... */
 } transfer_t;
 
 static bool is_of_object(const transfer_t *t, const uint8_t *data)
@@ -84,7 +84,7 @@ static ect_reader_result_t take_segment(ect_reader_t *r, transfer_t *t, unsigned
     memcpy(t->data + t->done, data + 1, bytes);
     t->done += bytes;
     if (*more && (bytes == 0 || t->done == t->size))
-        return give_up(r, t, ABORT_GENERAL, ECT_READER_WRONG, "segments without an end");
+        return give_up(r, t, ABORT_GENERAL, ECT_READER_WRONG, "endless segments");
     return ECT_READER_OK;
 }
 
@@ -125,7 +125,7 @@ static ect_reader_result_t upload_once(ect_reader_t *r, void *what)
         return take_expedited(r, t, data);
     t->size = ect_load_le32(data + SDO_HEADER);
     if (t->size > t->room)
-        return give_up(r, t, ABORT_NO_MEMORY, ECT_READER_TOO_LONG, "longer than there is room for");
+        return give_up(r, t, ABORT_NO_MEMORY, ECT_READER_TOO_LONG, "longer than the room");
     const size_t here = length - SDO_REQUEST < t->size ? length - SDO_REQUEST : t->size;
     memcpy(t->data, data + SDO_REQUEST, here);
     t->done = here;

@@ -409,7 +409,7 @@ static bool write_image(const ect_device_t *device, const ect_identity_t *identi
     return !pen.overflow;
 }
 
-/* Writes the image with the least left out; as ect_sii_omission. */
+/* Writes the image with the fewest omissions. @return as ect_sii_omission */
 static int write_fitting(const ect_device_t *device, const ect_identity_t *identity, uint16_t alias, uint8_t *image)
 {
     int most = device->sii_omit != 0 ? device->sii_omit : ECT_OMIT_ENTRY_NAMES;

@@ -6,7 +6,7 @@
 
 #include "slave/internal.h"
 
-/* The AMS header, and the parameters behind it. */
+/* Offsets in the AMS header, and in the following parameters. */
 enum { TARGET = 0, SOURCE = 8, COMMAND = 16, FLAGS = 18, LENGTH = 20, ERROR = 24, INVOKE = 28, HEADER = 32 };
 enum { ADDRESS = 8, IS_RESPONSE = 0x0001, IS_ADS = 0x0004 };
 enum { GROUP = 0, OFFSET = 4, SIZE = 8, WRITE_SIZE = 12 };
@@ -77,7 +77,7 @@ static uint32_t read_object(const call_t *c, uint32_t offset, uint8_t *data, uin
     const uint32_t room = *length;
     ect_reason_t reason = ect_sdo_read_all(c->s, offset, data, length);
     if (reason == ECT_OK && *length > room) {
-        memset(data, 0, room); /* the mail behind a refusal is all 0 */
+        memset(data, 0, room); /* the rest of the mail after a refusal is 0 */
         reason = ECT_REASON_MAILBOX_SIZE;
     }
     return result_of(reason);
@@ -86,7 +86,7 @@ static uint32_t read_object(const call_t *c, uint32_t offset, uint8_t *data, uin
 static uint32_t write_object(const call_t *c, uint32_t offset, const uint8_t *data, uint32_t length)
 {
     if (c->s->sdo.state == ECT_SDO_DOWNLOADING)
-        return ECT_ADS_BUSY; /* it collects a value */
+        return ECT_ADS_BUSY; /* a write collects a value */
     return result_of(ect_sdo_write_all(c->s, offset, data, (uint16_t)length));
 }
 
@@ -165,7 +165,7 @@ static uint32_t read_state(call_t *c)
     return ECT_ADS_OK;
 }
 
-/* The length that the parameters announce must be that of the data behind them. */
+/* Checks that the announced length equals that of the data. */
 static uint32_t write_value(call_t *c)
 {
     const uint32_t length = ect_load_le32(c->from + SIZE);
@@ -191,7 +191,7 @@ static uint32_t refuse(call_t *c)
 }
 
 static const struct {
-    uint8_t parameters; /* bytes of them, at least */
+    uint8_t parameters; /* least number of bytes */
     uint8_t reply;
     uint32_t (*serve)(call_t *c);
 } commands[COMMANDS] = {

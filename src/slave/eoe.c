@@ -177,7 +177,7 @@ static uint16_t set_address(const ect_eoe_t *eoe, ect_slave_t *s, const uint8_t 
     return result;
 }
 
-/* One field behind the other, as SOEM reads them; a name for which the mailbox has no room is left out. */
+/* Writes the fields in succession, as SOEM reads them; a name for which the mailbox has no room is omitted. */
 static void send_address(const ect_eoe_t *eoe, ect_slave_t *s, const uint8_t *request)
 {
     const ect_eoe_address_t *address = &state_of(eoe, s)->address;
@@ -243,7 +243,7 @@ uint16_t ect_eoe_request(const ect_protocol_t *self, ect_slave_t *s, const uint8
 
 /* --- a frame of the device ---------------------------------------------------------------------------------------- */
 
-/* Makes a frame the one under way. @return false: the device has none */
+/* Fetches the next frame of the device. @return false: none */
 static bool fetch(const ect_eoe_t *eoe, ect_slave_t *s)
 {
     ect_eoe_state_t *e = state_of(eoe, s);

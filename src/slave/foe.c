@@ -31,7 +31,7 @@ static void send_number(ect_slave_t *s, uint8_t operation, uint32_t number)
     ect_mailbox_send(s, ECT_MAILBOX_TYPE_FOE, HEADER);
 }
 
-/* Into a mail that is already built. */
+/* Writes an error into a mail that is already built. */
 static void send_error_in(ect_slave_t *s, uint8_t *mail, uint32_t code, const char *text)
 {
     uint16_t room = (uint16_t)(ect_mailbox_room(s) - HEADER);

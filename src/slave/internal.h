@@ -32,7 +32,8 @@
 #include "wire/bytes.h"
 #include "wire/registers.h"
 
-/* --- access.c: false once an access of this poll has failed; nothing further is tried then ---------------------- */
+/* --- access.c: false after a failed access of this poll, without a further access -----------------------------------
+ */
 bool ect_slave_read(ect_slave_t *s, unsigned int address, void *buffer, unsigned int length);
 bool ect_slave_write(ect_slave_t *s, unsigned int address, const void *buffer, unsigned int length);
 /* The AL event word; the first access after a failure clears the failure. */
@@ -101,9 +102,9 @@ bool ect_sm_flush(ect_slave_t *s);
 uint16_t ect_pdo_configure(ect_slave_t *s);
 /* Number of runs of the mapping of SyncManager `sm`, which must be constant. */
 uint16_t ect_pdo_count_runs(const ect_device_t *device, unsigned int sm);
-/* Written outputs whose SyncManagers raise no event. */
+/* @return written outputs whose SyncManagers raise no event. */
 unsigned int ect_pdo_written(ect_slave_t *s);
-/* Takes the outputs of those SyncManagers that were written. */
+/* Takes the outputs of the written SyncManagers. */
 void ect_pdo_outputs(ect_slave_t *s, unsigned int sms, bool apply);
 bool ect_pdo_inputs(ect_slave_t *s);
 
@@ -112,9 +113,9 @@ void ect_cycle_outputs(ect_slave_t *s, uint32_t event);
 void ect_cycle_inputs(ect_slave_t *s);
 /* Mainline holds the exchange while it works on data that the exchange, or a function of the device, uses too. */
 void ect_cycle_hold(ect_slave_t *s);
-/* Between two steps: makes up for an exchange that was held. */
+/* Executes a held exchange; called between two steps. */
 void ect_cycle_yield(ect_slave_t *s);
-/* The same, and permits the exchange from now on. */
+/* Executes a held exchange, and permits the exchange from now on. */
 void ect_cycle_release(ect_slave_t *s);
 
 /* --- mailbox.c (and seams/mailbox.h) ------------------------------------------------------------------------------ */
@@ -146,7 +147,7 @@ enum {
     ECT_SDO_LENGTH = 10, /* of the smallest SDO mail: CoE header and 8 bytes */
 };
 
-/* Whether a mail is of this kind: 0, or the detail of the mailbox error. */
+/* @return 0: the mail is of this kind; else the detail of the mailbox error. */
 uint16_t ect_coe_expect(const uint8_t *data, uint16_t length, uint8_t kind);
 /* Starts a CoE mail of a kind. @return its payload */
 uint8_t *ect_coe_build(ect_slave_t *s, uint8_t kind);

@@ -353,7 +353,7 @@ void ect_mailbox_poll(ect_slave_t *s, uint32_t event)
     go_on(s);
     const bool announced = m->announced;
     if (announced) {
-        m->announced = false; /* from here on an announcement counts again, one in an interrupt too */
+        m->announced = false; /* an announcement after this point counts again, also from an interrupt */
         if (may_build(m))
             (void)send_own(s, false, true);
     }

@@ -93,7 +93,7 @@ uint64_t ect_slave_mainline(ect_slave_t *slave, uint64_t now_ns);
  * are fetched and not applied. Calls the device's `outputs`, `inputs` and `inputs_read`. During a step of mainline it
  * only records the request, and mainline executes the exchange at the end of that step.
  *
- * Context: an interrupt that only interrupts may interrupt which do not use the stack; or mainline, between polls.
+ * Context: an interrupt, which only interrupts that do not use the stack may interrupt; or mainline, between polls.
  * Cost: 1 PDI access, and 1 for each SyncManager with data; 0 below SAFEOP or in a step of mainline.
  *
  * @param slave   initialised
@@ -101,8 +101,10 @@ uint64_t ect_slave_mainline(ect_slave_t *slave, uint64_t now_ns);
  */
 void ect_slave_cycle(ect_slave_t *slave, uint64_t now_ns);
 
-/** The interface that the device got for its requests, for code that acts on behalf of the device; valid as long as the
- * slave. */
+/**
+ * @return the interface for the device's requests, for code that acts on behalf of the device; valid as long as the
+ * slave.
+ */
 static inline const ect_host_t *ect_slave_host(const ect_slave_t *slave)
 {
     return &slave->host;

@@ -119,7 +119,7 @@ static void set_number(const place_t *p, uint64_t number)
     copy_number(memory(p), wire, ect_soe_width(p->idn->attribute));
 }
 
-/* The order of numbers of a kind, as that of unsigned ones. */
+/* Converts a number so that its order is that of unsigned numbers. */
 static uint64_t order(uint32_t attribute, uint64_t number)
 {
     const unsigned int unused = 64u - 8u * ect_soe_width(attribute);
@@ -141,7 +141,7 @@ static uint16_t check_limits(const ect_soe_idn_t *idn, uint64_t number)
     return ECT_SOE_OK;
 }
 
-/* An IDN of the drive of `p`, which has memory. */
+/* @return an IDN of the drive of `p` that has memory */
 static bool find_memory(const place_t *p, uint16_t idn, place_t *found)
 {
     *found = *p;
@@ -301,7 +301,7 @@ static void set_element(const ect_od_t *od, uint16_t index, unsigned int subinde
     (void)ect_od_write(od, entry, 0, wire, ect_od_bytes(entry));
 }
 
-/* Maps what a list of process data contains, behind the control word or status word. */
+/* Maps the content of a list of process data, after the control word or status word. */
 static void map(const place_t *p)
 {
     const ect_standard_t *standard = (const ect_standard_t *)(const void *)p->instance;
@@ -395,7 +395,7 @@ static void note_invalid(const place_t *list, uint16_t idn)
     *used = (uint16_t)(*used + 2);
 }
 
-/* Checks a drive for a state, and lists the IDNs that prevent it. @return whether none does */
+/* Checks a drive for a state, and lists the IDNs that prevent the state. @return whether the list is empty */
 static bool check_drive(const place_t *drive, uint8_t target)
 {
     const unsigned int flag = target == ECT_STATE_SAFEOP ? ECT_SOE_CHECK_SAFEOP : ECT_SOE_CHECK_OP;
@@ -584,7 +584,8 @@ static uint16_t check_rights(const ect_slave_t *s, const place_t *p, unsigned in
     return s->state >= ECT_STATE_SAFEOP && is_in_mdt(p) ? ECT_SOE_CYCLIC : ECT_SOE_OK;
 }
 
-/* The length of a list is a multiple of its elements', is that of the data behind it, and fits. */
+/* Checks the length of a list: a multiple of the element's length, equal to that of the data, and within the capacity.
+ */
 static uint16_t check_list_length(const ect_soe_idn_t *idn, const uint8_t *data, uint16_t size)
 {
     if (size < LENGTHS)
@@ -606,7 +607,8 @@ static uint16_t check_number(const ect_soe_idn_t *idn, const uint8_t *data, uint
     return check_limits(idn, ect_load_le64(wire));
 }
 
-/* The rules of the standard IDNs, then those of the device; `data` is a number, or a list without its lengths. */
+/* Applies the rules of the standard IDNs, then those of the device; `data` is a number, or a list without its lengths.
+ */
 static uint16_t check_content(const place_t *p, const uint8_t *data, uint16_t size)
 {
     if (is_process_list(p->idn) && !can_be_mapped(p, data, size))
@@ -676,7 +678,7 @@ static void reply(ect_slave_t *s, const uint8_t *request, uint16_t code)
     ect_mailbox_send(s, ECT_MAILBOX_TYPE_SOE, code != ECT_SOE_OK ? HEADER + 2 : HEADER);
 }
 
-/* Sends the next mail of a reply: all but the last one count the mails behind them. */
+/* Sends the next mail of a reply: each mail except the last contains the number of further mails. */
 static void send_piece(const ect_soe_t *soe, ect_slave_t *s)
 {
     ect_soe_state_t *st = state_of(soe, s->config.instance);
@@ -697,7 +699,7 @@ static void send_piece(const ect_soe_t *soe, ect_slave_t *s)
     ect_mailbox_send(s, ECT_MAILBOX_TYPE_SOE, (uint16_t)(HEADER + bytes));
 }
 
-/* Puts the requested elements into the buffer; without those that are missing, if any other is there. */
+/* Copies the requested elements to the buffer; missing elements are omitted, unless all are missing. */
 static uint16_t gather(const place_t *p, ect_soe_state_t *st, unsigned int elements)
 {
     const unsigned int present = elements & elements_of(p->idn);

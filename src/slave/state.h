@@ -54,7 +54,7 @@ typedef struct ect_sdo {
     uint32_t size;
     uint32_t done;
     ect_sdo_cursor_t cursor;
-    ect_span_t instead; /* bytes that the device supplies in place of the entry */
+    ect_span_t instead; /* bytes supplied by the device in place of the entry */
 } ect_sdo_t;
 
 enum { ECT_SDO_IDLE, ECT_SDO_UPLOADING, ECT_SDO_DOWNLOADING };

@@ -71,7 +71,7 @@ static void load_entry(const ect_slave_t *s, const ect_record_t *r, uint32_t at,
     }
 }
 
-/* Entries that this firmware does not know, or knows with another size, are skipped. */
+/* Skips entries that this firmware does not have, or has with another size. */
 static void load(ect_slave_t *s)
 {
     ect_record_t r;

@@ -181,7 +181,7 @@ void ect_yaml_each(ect_yaml_t *yaml, const yaml_node_t *map, const char *what, b
         const yaml_node_t *value = ect_yaml_node(yaml, p->value);
         const char *key = ect_yaml_scalar(yaml, name, what);
         if (unique && ect_yaml_find(yaml, map, key) != value)
-            ect_yaml_fail(yaml, name, "'%.60s' is there twice", key);
+            ect_yaml_fail(yaml, name, "'%.60s' occurs twice", key);
         if (!yaml->mistake->failed)
             take(ctx, key, name, value);
     }

@@ -88,7 +88,7 @@ class File:
         self.bits, self.items, self.counts = {}, {}, {}
         for kind in device.findall("Profile/Dictionary/DataTypes/DataType"):
             name, bits = kind.findtext("Name"), int(kind.findtext("BitSize"))
-            self.want(name not in self.bits, f"type {name} is there twice")
+            self.want(name not in self.bits, f"type {name} occurs twice")
             base, array = kind.findtext("BaseType"), kind.find("ArrayInfo")
             self.want(base is None or base in self.bits, f"type {name}: there is no {base} before it")
             if array is not None:
@@ -103,7 +103,7 @@ class File:
         for item in self.items[name]:
             size, offset, kind = int(item.findtext("BitSize")), int(item.findtext("BitOffs")), item.findtext("Type")
             what = f"type {name}, {item.findtext('Name')}"
-            self.want(item.findtext("Name") not in names, f"{what} is there twice")
+            self.want(item.findtext("Name") not in names, f"{what} occurs twice")
             self.want(kind in self.bits, f"{what}: there is no type {kind}")
             self.want(size == self.bits.get(kind, size), f"{what}: {size} bits, its type {self.bits.get(kind)}")
             self.want(offset >= end and offset - end < 8, f"{what} begins at {offset}, the one before ends at {end}")
@@ -168,7 +168,7 @@ class File:
                 self.entry(what, pdo.tag, entry)
         for index in (number(e.text) for e in device.iter("Exclude")):
             self.want(index in indices, f"{index:04X} is excluded and no PDO")
-        self.want(len(set(indices)) == len(indices), "a PDO is there twice")
+        self.want(len(set(indices)) == len(indices), "a PDO occurs twice")
         self.sms(device, bits)
 
     def entry(self, what, tag, entry):

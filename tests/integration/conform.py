@@ -304,7 +304,7 @@ OTHERS = (
 LIARS = {
     "liar-upload-4g": "slave 1 cannot be examined", "liar-no-uploads": "no reply within 2000 ms",
     "liar-no-replies": "no reply within 2000 ms", "liar-toggle": "1C12:00: a segment with the wrong toggle bit",
-    "liar-other-index": "none that replies to the request", "liar-endless-list": "slave 1 cannot be examined",
+    "liar-other-index": "is the reply to the request", "liar-endless-list": "slave 1 cannot be examined",
     "liar-endless-mails": "slave 1 cannot be examined",
 }
 

@@ -20,7 +20,7 @@ ectwin: slave 3, Tool 3 (IO8): $alone; hot-connect group Tool, plugged in" "$(gr
 check "the bus can run" "3 twins: eni:$eni/machine.xml" "$(cat "$work/out")"
 check "--quiet: no notes" "" "$("$ectwin" check --quiet "eni:$eni/machine.xml" 2>&1 >/dev/null)"
 sed 's|<AutoIncAddr>65535<|<AutoIncAddr>65533<|' "$eni/machine.xml" >"$work/order.xml"
-check "ENI-008: another place in AutoIncAddr" "its AutoIncAddr is 65533, its place in the file 2" \
+check "ENI-008: another place in AutoIncAddr" "its AutoIncAddr is 65533; its place in the file requires 2" \
   "$("$ectwin" check "eni:$work/order.xml" 2>&1 | grep -o 'its AutoIncAddr.*')"
 
 sed '0,\|</Mailbox>|s||<EoE><InitCmd><Transition>IP</Transition></InitCmd></EoE><SoE><InitCmds><InitCmd/><InitCmd/></InitCmds></SoE></Mailbox>|' \
@@ -169,7 +169,7 @@ refused "a device behind a bus" 1 "no device follows behind eni:$eni/machine.xml
 refused "no such folder" 2 "--esi-dir $work/none: No such file or directory" --esi-dir "$work/none" "eni:$eni/machine.xml"
 sed 's|<PhysAddr>1001</PhysAddr></PreviousPort>|<PhysAddr>9</PhysAddr></PreviousPort>|' "$eni/machine.xml" >"$work/tree.xml"
 refused "ENI-010: a neighbour that is not there" 1 \
-  "$work/tree.xml:$(grep -n '<PhysAddr>9<' "$work/tree.xml" | head -1 | cut -d: -f1): PreviousPort has the PhysAddr 9, which no slave before has" \
+  "$work/tree.xml:$(grep -n '<PhysAddr>9<' "$work/tree.xml" | head -1 | cut -d: -f1): PreviousPort has the PhysAddr 9, which no previous slave has" \
   "eni:$work/tree.xml"
 sed 's|<VendorId>[^<]*</VendorId>||' "$eni/machine.xml" >"$work/wrong.xml"
 refused "ENI-001: a slave without VendorId" 2 \

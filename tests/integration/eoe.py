@@ -330,7 +330,7 @@ def tshark():
     path = f"{work}/run.pcapng"
     inside("ping", ["--eoe", "echo", "--pcap", path])
     fragment, whole = "ecat_mailbox.eoe.type == 0", "ecat_mailbox.eoe.fragno == 0 && ecat_mailbox.eoe.last == 1"
-    check("EOE-022 fragments: each to the slave is there twice, each of the slave once", True,
+    check("EOE-022 fragments: each to the slave occurs twice, each of the slave once", True,
           len(lines_of(path, fragment)) >= 5 * 3 + 5 * 2 * 3)
     check("whole frames with a ping and its echo", True, len(lines_of(path, f"{whole} && icmp")) >= 5 * 3)
     check("nothing is wrong with whole frames", [], lines_of(path, f"{whole} && (_ws.malformed || _ws.expert.severity == error)"))

@@ -168,7 +168,7 @@ static void a_wrong_file_is_refused_with_its_line(void **state)
              "1, m: 1, n: 1, o: 1, p: 1, q: 1}}\n"),
          "/m/bus.yaml:1: more than 1048576 options of all twins together"},
         {BUS(ONE "  alias: seven\n"), "/m/bus.yaml:4: 'alias' takes a number, not 'seven'"},
-        {BUS(ONE "  alias: 1\n  alias: 2\n"), "/m/bus.yaml:5: 'alias' is there twice"},
+        {BUS(ONE "  alias: 1\n  alias: 2\n"), "/m/bus.yaml:5: 'alias' occurs twice"},
         {BUS("busy-poll: yes\n" ONE), "/m/bus.yaml:2: 'busy-poll' takes true or false"},
         {BUS("seed: {a: 1}\n" ONE), "/m/bus.yaml:2: 'seed' takes one value"},
         {BUS("connect: arm.x=1.y\n" ONE), "/m/bus.yaml:2: there is no twin with the name 'arm'"},

@@ -243,7 +243,7 @@ static void a_wrong_rack_is_refused_with_its_line_and_a_cure(void **state)
         {MODULES("  a: {name: A}\n"), P(9, "'modules' takes a number from 1 to 4294967295, not 'a'")},
         {MODULES("  0: {name: A}\n"), P(9, "'modules' takes a number from 1 to 4294967295, not '0'")},
         {MODULES("  1: {name: A}\n  0x1: {name: A}\n"),
-         P(10, "module 0x00000001 is there twice, first in line 9: give one another ident")},
+         P(10, "module 0x00000001 occurs twice, first in line 9: give one another ident")},
         {MODULES("  1: {type: A}\n"), P(9, "module 1 has no 'name'")},
         {MODULES("  1: {name: ''}\n"), P(9, "'name' is empty")},
         {MODULES("  1: {name: A, slot: 1}\n"),

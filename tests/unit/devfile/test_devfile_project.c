@@ -253,7 +253,7 @@ static void a_wrong_project_is_refused_with_its_line(void **state)
          "esi.json:3: 'default' takes a number from -128 to 127, not '200'"},
         {PROJECT("\"rxpdo\": {\"7000\": {\"otype\": \"VAR\", \"name\": \"A\", \"dtype\": \"INTEGER8\"}}, \"sdo\": "
                  "{\"7000\": {\"otype\": \"VAR\", \"name\": \"A\", \"dtype\": \"INTEGER8\"}}"),
-         "esi.json:3: object 7000 is there twice, first in line 3"},
+         "esi.json:3: object 7000 occurs twice, first in line 3"},
         {PROJECT("\"txpdo\": {\"6000\": {\"otype\": \"VAR\", \"name\": \"A\", \"dtype\": \"INTEGER8\", \"access\": "
                  "\"WO\"}}"),
          "esi.json:3: 6000:0 is an input and cannot be read: change its"},

@@ -48,8 +48,8 @@ static void ENI_010_an_impossible_place_is_refused_with_its_line(void **state)
     static const struct {
         const char *text, *why;
     } rows[] = {
-        {THREE(PORT("B", 1003)), "t.xml:2: PreviousPort has the PhysAddr 1003, which no slave before has"},
-        {THREE(PORT("C", 7)), "t.xml:2: PreviousPort has the PhysAddr 7, which no slave before has"},
+        {THREE(PORT("B", 1003)), "t.xml:2: PreviousPort has the PhysAddr 1003, which no previous slave has"},
+        {THREE(PORT("C", 7)), "t.xml:2: PreviousPort has the PhysAddr 7, which no previous slave has"},
         {THREE(PORT("A", 1001)), "t.xml:2: PreviousPort has Port A, which leads to the master"},
     };
     (void)state;

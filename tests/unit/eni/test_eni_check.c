@@ -44,11 +44,11 @@ static const struct {
 } rows[] = {
     {"nothing but a slave", ENI_ONE("", ""), ""},
     {"ENI-008 another place", ENI_ONE("<AutoIncAddr>65535</AutoIncAddr>", ""),
-     "t.xml:2: slave 1: AutoIncAddr is 65535, by its place in the file 0\n"},
+     "t.xml:2: slave 1: AutoIncAddr is 65535; its place in the file requires 0\n"},
     {"ENI-010 a neighbour that is not there",
      ENI_HEAD ENI_SLAVE("", "") "\n" ENI_SLAVE("", "<PreviousPort><Port>B</Port><PhysAddr>9</PhysAddr></PreviousPort>")
          ENI_TAIL,
-     "t.xml:2: PreviousPort has the PhysAddr 9, which no slave before has\n"},
+     "t.xml:2: PreviousPort has the PhysAddr 9, which no previous slave has\n"},
     {"ENI-013 a SyncManager that agrees", DATA(SM2(4352, 6, 100), WRITE(2064, "0011060064000100")), ""},
     {"ENI-013 another start", DATA(SM2(4608, 6, 100), WRITE(2064, "0011060064000100")),
      "t.xml:2: slave 1: SyncManager 2 is written with start 0x1100; Sm2 has 0x1200\n"},

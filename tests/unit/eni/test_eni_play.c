@@ -465,13 +465,13 @@ static const talk_t talks[] = {
     {"AoE: no ADS command", "0200 0400 0c000000 00000000 02", "0b00 0400 0c000000 00000000 02", ECT_ENI_PREOP,
      "slave 1, AoE: ADS error 0x0008\n"},
     {"AoE: a length beyond the mail", "0c000000 00000000 02", "ff000000 00000000 02", ECT_ENI_PREOP,
-     "slave 1, AoE: a mailbox error comes\n"},
+     "slave 1, AoE: mailbox error\n"},
     {"AoE: a command that is no longer disabled", "<Disabled>1</Disabled>", "<Disabled>0</Disabled>", ECT_ENI_SAFEOP,
      "slave 1, AoE: ADS error 0x0703\n"},
     {"EoE: an address that is cut", "00ffffff010aa8c0<", "00ffffff<", 0, "slave 1, EoE type 2: EoE result 0x0001\n"},
     {"EoE: a filter", "<Type>6</Type>", "<Type>4</Type>", ECT_ENI_PREOP, "slave 1, EoE type 4: EoE result 0x0401\n"},
     {"EoE: a response in place of a request", "<Type>6</Type>", "<Type>7</Type><Timeout>5</Timeout>", ECT_ENI_PREOP,
-     "slave 1, EoE type 7: no reply comes\n"},
+     "slave 1, EoE type 7: no reply\n"},
 };
 
 static void play_talk(const char *path, const talk_t *talk)
@@ -558,7 +558,7 @@ static void drive_report(void *ctx, const char *line)
 {
     drive_t *drive = ctx;
     drive->mail[15] = has_end(line, "S-0-0017: the reply does not end") ? 'e'
-                      : has_end(line, "S-0-0017: no reply comes")       ? 'n'
+                      : has_end(line, "S-0-0017: no reply")             ? 'n'
                       : has_end(line, "S-0-0017: SoE error 0x0000")     ? '0'
                       : has_end(line, "S-0-0017: SoE error 0x7009")     ? '9'
                       : has_end(line, "for this start-up command")      ? 'm'

@@ -52,7 +52,7 @@ static const struct {
     {"no Cmd", ENI_COMMAND("<Ado>0</Ado>"), "t.xml:2: InitCmd has no Cmd"},
     {"an unknown Cmd", ENI_COMMAND("<Cmd>15</Cmd><Ado>0</Ado>"), "t.xml:2: Cmd is 15, not 0 to 14"},
     {"an unknown Transition", ENI_COMMAND("<Transition>PX</Transition><Cmd>7</Cmd><Ado>0</Ado>"),
-     "t.xml:2: Transition is \"PX\", which is none"},
+     "t.xml:2: Transition has the invalid value \"PX\""},
     {"ENI-005 a mask of another length",
      ENI_COMMAND("<Cmd>7</Cmd><Ado>0</Ado><DataLength>2</DataLength><Validate><Data>0000</Data>"
                  "<DataMask>00</DataMask></Validate>"),
@@ -62,7 +62,7 @@ static const struct {
      "t.xml:2: Validate has 2 bytes, more than the command, which has 1"},
     {"an unknown comparison",
      ENI_COMMAND("<Cmd>7</Cmd><Ado>0</Ado><DataLength>1</DataLength><Validate Type='LT'><Data>00</Data></Validate>"),
-     "t.xml:2: Validate has the Type \"LT\", which is none"},
+     "t.xml:2: Validate has the invalid Type \"LT\""},
     {"a CoE command without Index", ENI_COE("<Ccs>1</Ccs>"), "t.xml:2: InitCmd has no Index"},
     {"ENI-010 a Port beyond D", ENI_ONE("", "<PreviousPort><Port>E</Port></PreviousPort>"),
      "t.xml:2: PreviousPort has the Port \"E\", not A to D"},

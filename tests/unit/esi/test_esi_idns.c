@@ -175,7 +175,7 @@ static void mistakes(void **state)
         const char *what, *text, *note;
     } rows[] = {
         {"an IDN twice", DRIVE(OBJECT("UINT", "16", "") OBJECT("UINT", "16", ""), "", "<SoE/>"),
-         "line 2: P-0-0001 is left out: it is there already"},
+         "line 2: P-0-0001 is left out: it exists already"},
         {"a type that is not there", DRIVE(OBJECT("NONE", "0", ""), "", "<SoE/>"),
          "line 2: P-0-0001 is left out: the length of its type is not known"},
         {"a list longer than its type",

@@ -332,7 +332,7 @@ static void contradictions(void **state)
         "<Sm StartAddress='#x1000' DefaultSize='128' ControlByte='#x26'>MBoxOut</Sm>"
         "<Sm StartAddress='#x1080' DefaultSize='128' ControlByte='#x22'>MBoxIn</Sm><Mailbox><CoE/></Mailbox>"
         "</Device></Devices></Descriptions></EtherCATInfo>";
-    static const char *const expected[] = {"object 2000:0: of its default 0xFF only 2 bits are there",
+    static const char *const expected[] = {"object 2000:0: its default 0xFF is truncated to 2 bits",
                                            "object 2001:0: its default -6 is not within its limits -5 to 5: no limits"};
     char message[300] = "";
     size_t count;

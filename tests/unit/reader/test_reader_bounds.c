@@ -40,14 +40,14 @@ static void frames_are_tried_as_often_as_configured(void **state)
         liar_t l;
         liar_open(&l, &testdev, &kind);
         assert_int_equal(ect_reader_open(&reader, &l.link, &config), ECT_READER_LOST);
-        assert_string_equal(reader.text, "no frame comes back: is a slave connected?");
+        assert_string_equal(reader.text, "no frame returns: is a slave connected?");
         assert_int_equal(l.frames, rows[i].frames);
         l.number = UINT64_MAX;
         assert_int_equal(ect_reader_open(&reader, &l.link, &config), ECT_READER_OK);
         l.number = 0;
         l.frames = 0;
         assert_int_equal(ect_reader_registers(&reader, 0x0110, bytes, 2), ECT_READER_LOST);
-        assert_string_equal(reader.text, "no frame comes back (0x0110)");
+        assert_string_equal(reader.text, "no frame returns (0x0110)");
         assert_int_equal(l.frames, rows[i].frames);
         ect_reader_close(&reader);
         liar_close(&l);

@@ -64,7 +64,7 @@ static void record(const wire_t *w)
 typedef struct given {
     bool sent; /* sent to the slaves; otherwise the expected frame */
     bool far;  /* at the other end of the chain */
-    bool none; /* no frame comes back */
+    bool none; /* no frame returns */
     uint8_t bytes[2100];
     size_t length; /* 0: none is given */
 } given_t;

@@ -386,7 +386,7 @@ static void the_pairs_of_a_mapping_are_taken_in_order_until_a_mistake(void **sta
         {"b: 1\na: [2]\n", false, "b@1=1 a@2=? ", ""},
         {"{}\n", true, "", ""},
         {"a: 1\na: 2\n", false, "a@1=1 a@2=2 ", ""},
-        {"a: 1\nb: 2\na: 3\nc: 4\n", true, "a@1=1 b@2=2 ", "f.yaml:3: 'a' is there twice"},
+        {"a: 1\nb: 2\na: 3\nc: 4\n", true, "a@1=1 b@2=2 ", "f.yaml:3: 'a' occurs twice"},
         {"a: 1\nstop: 2\nb: 3\n", true, "a@1=1 stop@2=2 ", "f.yaml:2: stopped"},
         {"a: 1\n? [k]\n: 2\nb: 3\n", true, "a@1=1 ", "f.yaml:2: 'a thing' takes one value"},
         {"a: 1\n? [k]\n: 2\nb: 3\n", false, "a@1=1 ", "f.yaml:2: 'a thing' takes one value"},

@@ -116,8 +116,8 @@ static void results_are_verdicts(void **state)
         cf_verdict_t verdict;
         const char *reason;
     } cases[] = {
-        {"no frame comes back", read_without_frames, CF_FAIL, "no frame comes back"},
-        {"frames stop on the way", read_halfway, CF_FAIL, "no frame comes back (0x050"},
+        {"no frame returns", read_without_frames, CF_FAIL, "no frame returns"},
+        {"frames stop on the way", read_halfway, CF_FAIL, "no frame returns (0x050"},
         {"the EEPROM does not acknowledge", read_without_acknowledge, CF_FAIL, "the EEPROM does not acknowledge"},
         {"Ctrl-C", read_interrupted, CF_INTERRUPTED, "interrupted"},
         {"the time limit of the case", read_too_late, CF_FAIL, "time limit: not finished within"},

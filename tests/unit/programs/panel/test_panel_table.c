@@ -51,7 +51,7 @@ static void each_change_is_one_of_its_signal(void **state)
     assert_true(add("{\"slave\":1,\"name\":\"a\"}"));
     assert_true(add("{\"slave\":1,\"name\":\"b\"}"));
     assert_true(add("{\"slave\":2,\"name\":\"a\",\"unit\":\"mm\"}"));
-    assert_true(add("{\"slave\":2,\"name\":\"a\"}")); /* it is there already */
+    assert_true(add("{\"slave\":2,\"name\":\"a\"}")); /* it exists already */
     assert_int_equal(table->count, 3);
     assert_string_equal(table->signals[2].text, "{\"slave\":2,\"name\":\"a\",\"unit\":\"mm\"}");
     assert_string_equal(table->signals[2].name, "a");
