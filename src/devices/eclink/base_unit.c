@@ -2,8 +2,8 @@
 /*
  * The base unit: its rhythm, supervision of its links, and the input data (TS-0007 §8, §10, §11).
  *
- * Input data change every 125 ms, and PCI counts with them. Supervision does not wait for that: BU state, relays and
- * message follow at once, and the controller reads them in the next input data.
+ * Input data change every 125 ms, and PCI counts each change. Supervision does not wait for this rhythm: BU state,
+ * relays and message follow at once, and the controller reads them in the next input data.
  */
 #include <string.h>
 
@@ -55,7 +55,7 @@ static uint8_t present_fault(const eclink_t *unit)
     return unit->cao_late ? ECLINK_WHY_CAO : ECLINK_WHY_NONE;
 }
 
-/* An error ends with its cause; read strictly (lock_errors), one after the first good exchange stays. */
+/* An error ends with its cause; in a strict reading (lock_errors) an error after the first good exchange remains. */
 static uint8_t fault_of(eclink_t *unit)
 {
     uint8_t fault = present_fault(unit);
@@ -66,7 +66,7 @@ static uint8_t fault_of(eclink_t *unit)
     return unit->locked != ECLINK_WHY_NONE ? unit->locked : fault;
 }
 
-/* The first armed remote that stops the machine, or NULL. */
+/* @return the first armed remote that stops the machine; NULL: none */
 static const eclink_ru_t *stopped(const eclink_t *unit)
 {
     for (unsigned int i = 0; i < unit->armed.count; i++) {
@@ -99,7 +99,7 @@ static uint16_t why_stopped(const eclink_t *unit)
     return eclink_why((unsigned int)(ru - unit->ru) + 1, why);
 }
 
-/* The cause of a state that is not Armed or Disarmed. */
+/* @return the cause of a state other than Armed and Disarmed */
 static uint16_t cause(const eclink_t *unit, uint8_t fault, bool ec_link_bad)
 {
     switch (unit->bu.state) {
@@ -131,7 +131,7 @@ void eclink_evaluate(eclink_t *unit)
 
 /* --- from the stack ----------------------------------------------------------------------------------------------- */
 
-/* Surroundings of a new unit. */
+/* Sets the surroundings of a new unit. */
 static void outside_defaults(eclink_t *unit)
 {
     unit->bu.enabled = 1;
@@ -184,7 +184,7 @@ static void stop_exchange(eclink_t *unit)
     eclink_periodic_drop(unit); /* an interruption ends a set */
 }
 
-/* In Input Only data flow while inputs are read; in other modes while outputs arrive. */
+/* Begins the flow of data in Input Only, which lasts while inputs are read; in other modes, while outputs arrive. */
 static void begin_exchange(eclink_t *unit, uint64_t now_ns)
 {
     if (eclink_has(unit, ECLINK_FMAP_COMMANDS))
@@ -198,7 +198,7 @@ static bool has_modbus(const eclink_t *unit)
     return unit->modbus_deadline_ns != ECT_NEVER;
 }
 
-/* A bus that writes outputs keeps the unit until it stops: the other one cannot take it. */
+/* Refuses OP while Modbus writes outputs: the bus that writes keeps the unit until it stops. */
 uint16_t eclink_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns)
 {
     eclink_t *unit = instance;
@@ -236,7 +236,7 @@ static bool is_mismatch(uint16_t code)
            (code >= ECT_AL_INPUT_MAPPING && code <= ECT_AL_NO_SYNC);
 }
 
-/* A refused configuration stays the cause until the controller gets further, or another error comes. */
+/* A refused configuration remains the cause until the controller advances further, or another error occurs. */
 uint16_t eclink_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_ns)
 {
     eclink_t *unit = instance;
@@ -299,7 +299,7 @@ static void publish(eclink_t *unit)
     eclink_remotes_publish(unit, in);
 }
 
-/* @return whether it has passed; then it is cleared */
+/* @return whether the deadline has passed, and clears it in this case */
 static bool passed(uint64_t *deadline_ns, uint64_t now_ns)
 {
     if (now_ns < *deadline_ns)
@@ -308,7 +308,7 @@ static bool passed(uint64_t *deadline_ns, uint64_t now_ns)
     return true;
 }
 
-/* In Input Only an EtherCAT master may read as well; its own deadline watches it. */
+/* In Input Only an EtherCAT master may read too, supervised by its own deadline. */
 static void modbus_went(eclink_t *unit)
 {
     unit->bu.modbus = 0;
@@ -331,7 +331,7 @@ static void supervise(eclink_t *unit, uint64_t now_ns)
         unit->exchanging = has_modbus(unit);
 }
 
-/* A late call neither shifts the rhythm nor makes up for missed updates. */
+/* Updates the input data. A late call neither shifts the rhythm nor repeats missed updates. */
 uint64_t eclink_tick(void *instance, uint64_t now_ns)
 {
     eclink_t *unit = instance;

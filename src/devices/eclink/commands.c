@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Commands, both ways, each exactly once (TS-0007 §10.1, §10.2).
+ * Commands in both directions, each executed exactly once (TS-0007 §10.1, §10.2).
  *
- * From a remote: the next command enters the input data, and CCI counts, once the controller has acknowledged the one
- * before (CAO = CCI). To the remotes: a change of CCO is a command; CAI acknowledges it once all its receivers have
- * room for it.
+ * From a remote: the next command enters the input data, and CCI counts, after the controller has acknowledged the
+ * previous one (CAO = CCI). To the remotes: a change of CCO is a command; CAI acknowledges the command when all its
+ * receivers have room.
  */
 #include <string.h>
 
@@ -32,7 +32,7 @@ static bool take(eclink_queue_t *queue, eclink_command_t *command)
 
 /* --- from the remotes --------------------------------------------------------------------------------------------- */
 
-/* CAO matters only while a command waits for it. The timeout runs while data flow. */
+/* Evaluates CAO, only while a command waits for it. The timeout runs while data flow. */
 static void watch_cao(eclink_t *unit, uint64_t now_ns)
 {
     if (unit->cci_waits && unit->outputs[ECLINK_OUT_CAO] == unit->bu.cci)
@@ -45,8 +45,9 @@ static void watch_cao(eclink_t *unit, uint64_t now_ns)
     }
 }
 
-/* Drops commands that have waited longer than bu.command_lifetime: an operator's command of an hour ago must not start
- * a machine when its controller comes back. The one in the input data stays, for CCI cannot be taken back. */
+/* Drops commands that have waited longer than bu.command_lifetime, because an operator's command of an hour ago must
+ * not start a machine when its controller returns. The command in the input data remains, because CCI has already
+ * counted it. */
 static void expire(eclink_t *unit, uint64_t now_ns)
 {
     eclink_queue_t *queue = &unit->from_ru;
@@ -97,7 +98,7 @@ static bool id_is_known(const eclink_t *unit, uint16_t id)
     return id == 0;
 }
 
-/* CAI acknowledges a command without a receiver, too: TS-0007 has no reply for it. */
+/* Acknowledges a command without a receiver too, because TS-0007 defines no other reply. */
 static void count_undelivered(eclink_t *unit)
 {
     if (id_is_known(unit, unit->waiting.ru))
@@ -133,8 +134,8 @@ static void take_command(eclink_t *unit)
 }
 
 /*
- * The first outputs of a controller bring some value of CCO: one more than the last is a command, any other value is
- * its start. Later each change is a command; commands that CCO has passed over are lost.
+ * Evaluates CCO. In the first outputs of a controller, the last value plus one is a command, and any other value is a
+ * start value. Later each change is a command; commands skipped by CCO are lost.
  */
 static void watch_cco(eclink_t *unit, bool first)
 {
@@ -173,8 +174,8 @@ static bool give_command(eclink_ru_t *ru)
 }
 
 /*
- * Once an update. On G-Link each remote takes a command and the periodic data; on fallback C-Link has room for one
- * thing: a command from the remote goes before a command to it, and periodic data come last (§10.6).
+ * Called once in each update. On G-Link each remote gets a command and the periodic data; on fallback, C-Link transfers
+ * one item: a command from the remote precedes a command to the remote, and periodic data come last (§10.6).
  */
 void eclink_command_to_rus(eclink_t *unit)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The descriptions of the four base units. The lists below are the only place of TS-0007's fields: the records 2001h
- * and 2002h, the mapping objects, the SII and the ESI follow from them.
+ * The descriptions of the four base units. The lists below are the only definition of TS-0007's fields: the records
+ * 2001h and 2002h, the mapping objects, the SII and the ESI follow from them.
  */
 #include "devices/eclink/eclink.h"
 
@@ -80,7 +80,7 @@ enum { PRODUCT_MAP1 = 0x0EC10001, PRODUCT_MAP3, PRODUCT_MAP7, PRODUCT_MULTIARM }
     F(10, ECLINK_OUT_PERIODIC_BLOCK, U8, "Periodic data block")                                                        \
     F(11, ECLINK_OUT_PERIODIC_SPARE, U8, "Spare 27")
 
-/* The 200 periodic bytes in eights: F(sub-index, first byte, last byte). */
+/* The 200 periodic bytes in groups of eight: F(sub-index, first byte, last byte). */
 #define PERIODIC_EIGHTS(F)                                                                                             \
     F(1, 0, 7)                                                                                                         \
     F(2, 8, 15)                                                                                                        \
@@ -109,7 +109,7 @@ enum { PRODUCT_MAP1 = 0x0EC10001, PRODUCT_MAP3, PRODUCT_MAP7, PRODUCT_MULTIARM }
     F(25, 192, 199)
 
 /* Kinds of field. On the wire two bytes are an array, not a number: CoE numbers are little-endian, these are big-endian
- * (TS-0007 §2.2). 3001h and 3002h show the same fields as numbers. */
+ * (TS-0007 §2.2). 3001h and 3002h contain the same fields as numbers. */
 enum { BYTES_U8 = 1, BYTES_U16 = 2, BYTES_I16 = 2, BYTES_HALF = 8 };
 enum {
     WIRE_U8 = ECT_TYPE_UNSIGNED8,

@@ -108,13 +108,17 @@ typedef enum eclink_equipment {
 
 enum { ECLINK_RUS = 8, ECLINK_MOST_ARMED = 3, ECLINK_JOYSTICKS = 4, ECLINK_SWITCHES = 8, ECLINK_QUEUE = 16 };
 
-/** Longest time without a change of PCO, without CAO after a command (§10.1, §10.4), without a read of the inputs
- * (Input Only), and over Modbus without the duty of the mode. An EtherCAT master that leaves OP keeps the unit as long.
+/**
+ * Longest time without a change of PCO, without CAO after a command (§10.1, §10.4), without a read of the inputs (Input
+ * Only), and over Modbus without the required request of the mode. An EtherCAT master that leaves OP keeps the unit for
+ * the same time.
  */
 #define ECLINK_SUPERVISION_NS 2000000000ull
 
-/** Largest set of periodic data: 256 blocks (§10.4). The host's buffer has room for two: the last complete one, and the
- * one that is being assembled. Without the buffer the unit counts sets and keeps no content. */
+/**
+ * Largest set of periodic data: 256 blocks (§10.4). The host's buffer has room for two sets: the last complete one, and
+ * the one under assembly. Without the buffer the unit counts sets and keeps no content.
+ */
 enum { ECLINK_PERIODIC_ROOM = 51200, ECLINK_BUFFER = 2 * ECLINK_PERIODIC_ROOM };
 
 typedef struct eclink_command {
@@ -129,7 +133,7 @@ typedef struct eclink_queue {
     uint8_t count;
 } eclink_queue_t;
 
-/** Path to a remote unit. */
+/** The path to a remote unit. */
 typedef enum eclink_path {
     ECLINK_PATH_NONE,   /* out of communication */
     ECLINK_PATH_C_LINK, /* on fallback */
@@ -159,7 +163,7 @@ typedef struct eclink_ru {
     int16_t forced_c_link;           /* a link status of §8.2, or ECLINK_NOT_FORCED */
     int16_t forced_g_link;
 
-    uint8_t armed; /* from here on results of the base unit: lost with its power */
+    uint8_t armed; /* this member and the following ones: results of the base unit, lost with its power */
     uint8_t state;
     int16_t c_link;
     int16_t g_link;
@@ -169,13 +173,13 @@ typedef struct eclink_ru {
     uint32_t received_count;
     uint32_t periodic_count; /* sets of periodic data shown */
     eclink_queue_t to_ru;
-    bool periodic_waits;       /* a set waits until the link has room */
-    uint8_t sent;              /* its commands that C-Link still has to carry, on fallback */
-    bool vlap;                 /* it has one */
-    uint32_t commands_dropped; /* commands of `to_ru` that were gone with its communication */
+    bool periodic_waits;       /* a set waits for room on the link */
+    uint8_t sent;              /* its commands that C-Link has yet to transfer, on fallback */
+    bool vlap;                 /* the remote has a VLAP */
+    uint32_t commands_dropped; /* commands of `to_ru` lost with its communication */
 } eclink_ru_t;
 
-/** Cause of the base unit's state. The plant has its words. */
+/** Cause of the base unit's state. The plant has the texts. */
 typedef enum eclink_why {
     ECLINK_WHY_NONE,
     ECLINK_WHY_DISABLED, /* faults of the EC-Link (§8.2, §11), the worse of two first */
@@ -190,13 +194,13 @@ typedef enum eclink_why {
     ECLINK_WHY_EG_ERROR,
     ECLINK_WHY_EG_INTERFACE,
     ECLINK_WHY_EG_DATA,
-    ECLINK_WHY_LOST, /* from here on combined with the number of a remote, from 1 */
+    ECLINK_WHY_LOST, /* this and the following: combined with the number of a remote, from 1 */
     ECLINK_WHY_FAILED,
     ECLINK_WHY_STOP,
     ECLINK_WHY_SHOCK,
 } eclink_why_t;
 
-/* The same with the number of a remote, for `bu.cause`. */
+/* A cause with the number of a remote, for `bu.cause`. */
 static inline uint16_t eclink_why(unsigned int number, eclink_why_t why)
 {
     return (uint16_t)(number << 8 | (unsigned int)why);
@@ -210,11 +214,11 @@ typedef struct eclink_bu {
     uint8_t failed;
     uint8_t module_error;
     uint8_t report_passive;       /* EC-C9: byte 36 is 6, not 0, while no RU is armed */
-    uint8_t lock_errors;          /* §11 read strictly: an EC-Link error stays until power is cycled */
-    uint32_t command_lifetime_ms; /* commands from the remotes that wait longer are dropped; 0: none is */
+    uint8_t lock_errors;          /* strict reading of §11: an EC-Link error remains until a power cycle */
+    uint32_t command_lifetime_ms; /* commands from the remotes that wait longer are dropped; 0: never */
 
-    uint8_t state;  /* from here on results: lost with its power */
-    uint8_t frozen; /* its input data do not change */
+    uint8_t state;  /* this member and the following ones: results, lost with its power */
+    uint8_t frozen; /* the input data do not change */
     uint8_t restart;
     uint8_t ec_link;
     uint8_t es_link; /* relays closed */
@@ -223,29 +227,29 @@ typedef struct eclink_bu {
     uint8_t pci, cci, pai, cai;
     uint16_t fault;              /* eclink_why_t up to ECLINK_WHY_CAO: the message on the display */
     uint16_t cause;              /* eclink_why(): cause of a state that is not Armed or Disarmed */
-    uint8_t modbus;              /* a controller works over Modbus TCP */
-    uint32_t overflows;          /* commands from the remotes that a full queue refused */
-    uint32_t commands_lost;      /* commands from the controller that CCO passed over */
+    uint8_t modbus;              /* a controller is active over Modbus TCP */
+    uint32_t overflows;          /* commands from the remotes refused by a full queue */
+    uint32_t commands_lost;      /* commands from the controller skipped by CCO */
     uint32_t commands_unknown;   /* ... to an id that no remote has */
     uint32_t commands_unreached; /* ... acknowledged without a remote to receive them */
     uint32_t commands_expired;   /* commands from the remotes that outlived command_lifetime_ms */
-    uint32_t cco_resyncs;        /* first outputs whose CCO was neither the last one nor that plus one */
+    uint32_t cco_resyncs;        /* first outputs whose CCO was neither the last value nor the last value plus one */
     uint32_t pco_jumps;          /* changes of PCO by other than one */
     uint32_t periodic_sets;
     uint32_t periodic_errors;
-    uint32_t periodic_skipped;    /* blocks of a set whose block 0 did not come */
+    uint32_t periodic_skipped;    /* blocks of a set whose block 0 is missing */
     uint32_t periodic_unfinished; /* sets that never became complete */
     uint32_t periodic_lost;       /* blocks missing in them */
     uint16_t periodic_size;       /* of the last complete set */
-    uint16_t periodic_pending;    /* size of the set that is being assembled; 0: none is */
-    uint16_t periodic_missing;    /* its blocks that have not come */
+    uint16_t periodic_pending;    /* size of the set under assembly; 0: none */
+    uint16_t periodic_missing;    /* missing blocks of this set */
     uint32_t periodic_check;      /* CRC-32 of the last complete set */
 } eclink_bu_t;
 
-/** The set of periodic output data that is being assembled. */
+/** The set of periodic output data under assembly. */
 typedef struct eclink_periodic {
     uint8_t have[32]; /* a bit for each block */
-    uint8_t shown;    /* which half of the buffer holds the last complete set */
+    uint8_t shown;    /* half of the buffer with the last complete set */
 } eclink_periodic_t;
 
 /** Numbers 0..7 of remotes, in the order of entry. */
@@ -262,45 +266,44 @@ typedef struct eclink {
     uint8_t output_numbers[ECLINK_OUT_PERIODIC];
     const ect_host_t *host;
     uint8_t fmap;
-    eclink_bu_t bu; /* with `ru`: the operator's side; its surroundings outlast power */
+    eclink_bu_t bu; /* with `ru`: the operator's side; its surroundings outlast a power cycle */
     eclink_ru_t ru[ECLINK_RUS];
     eclink_list_t armed; /* together with `lost` at most as many as may be armed */
-    eclink_list_t lost;  /* lost while armed: each keeps its place until it is rearmed or replaced */
+    eclink_list_t lost;  /* lost while armed: a remote keeps its place until it is rearmed or replaced */
 
     bool remotes_due;   /* a signal was set or a remote disarmed since the last update of the remotes: nothing else
                            changes them */
     bool in_op;         /* an EtherCAT master has the unit */
     bool exchanging;    /* process data flow */
-    bool good_once;     /* there was a good exchange since power-on */
+    bool good_once;     /* a good exchange has occurred since power-on */
     bool outputs_known; /* outputs have arrived since data began to flow */
     bool pco_alive;
-    bool config_refused; /* the configuration that the controller needed to leave `refused_in` */
+    bool config_refused; /* configuration needed by the controller to leave `refused_in` */
     uint8_t refused_in;
-    uint8_t locked; /* with lock_errors: the fault of the EC-Link that stays */
+    uint8_t locked; /* with lock_errors: the remaining fault of the EC-Link */
     uint8_t last_pco, last_cco;
     bool cci_waits;           /* the command in the input data is not acknowledged */
-    bool cao_late;            /* ... and its time is over */
+    bool cao_late;            /* ... and its timeout has passed */
     bool cco_waits;           /* a remote has no room yet for `waiting` */
     eclink_command_t waiting; /* the command of last_cco */
     uint64_t pco_deadline_ns;
     uint64_t cao_deadline_ns;
-    uint64_t read_deadline_ns;   /* Input Only: latest next read of the inputs */
-    uint64_t modbus_deadline_ns; /* the next request that is a controller's duty must come until then; ECT_NEVER: none
-                                    has come */
-    uint64_t hold_deadline_ns;   /* an EtherCAT master that has left OP keeps the outputs until then */
-    uint64_t update_ns;          /* when PCI counts next */
+    uint64_t read_deadline_ns;   /* Input Only: deadline of the next read of the inputs */
+    uint64_t modbus_deadline_ns; /* deadline of the controller's next required request; ECT_NEVER: no request so far */
+    uint64_t hold_deadline_ns;   /* an EtherCAT master that has left OP keeps the outputs until this time */
+    uint64_t update_ns;          /* next time at which PCI counts */
     eclink_queue_t from_ru;
-    uint64_t sent_ns[ECLINK_QUEUE]; /* when each of them was sent */
+    uint64_t sent_ns[ECLINK_QUEUE]; /* times at which they were sent */
     eclink_periodic_t periodic;
 } eclink_t;
 
-/* Whether a link status is an error: 2 to 5 of §8.2. */
+/* @return whether a link status is an error: 2 to 5 of §8.2. */
 static inline bool eclink_is_error(int link_status)
 {
     return link_status >= ECLINK_LINK_NONE && link_status <= ECLINK_LINK_DATA_ERROR;
 }
 
-/* Whether the mode has a function, ECLINK_FMAP_... */
+/* @return whether the mode has a function, ECLINK_FMAP_... */
 static inline bool eclink_has(const eclink_t *unit, unsigned int function)
 {
     return (unit->fmap & function) != 0;
@@ -313,12 +316,12 @@ void eclink_outputs(void *instance, uint64_t now_ns);
 void eclink_inputs_read(void *instance, uint64_t now_ns);
 uint64_t eclink_tick(void *instance, uint64_t now_ns);
 ect_reason_t eclink_sdo_read(void *instance, uint16_t index, uint16_t subindex, ect_span_t *instead);
-/* 3001h or 3002h. The place of an entry in the instance, less `base`, is the offset of the field in the image. */
+/* 3001h or 3002h. The offset of an entry in the instance, minus `base`, is the offset of the field in the image. */
 const ect_object_t *eclink_fields(const eclink_t *unit, bool inputs, size_t *base);
 
 /* base_unit.c */
-/* Call when a Modbus controller has written outputs, or has read inputs in a mode without outputs: its duty, which
- * keeps data flowing. */
+/* Records the required request of a Modbus controller, which keeps data flowing: a write of outputs, or a read of
+ * inputs in a mode without outputs. */
 void eclink_modbus_came(eclink_t *unit, uint64_t now_ns);
 /* Computes links, BU state, relays, message and cause. */
 void eclink_evaluate(eclink_t *unit);
@@ -327,17 +330,17 @@ void eclink_evaluate(eclink_t *unit);
 /* Queues a command from a remote. @return false: the queue is full */
 bool eclink_command_from_ru(eclink_t *unit, const eclink_command_t *command, uint64_t now_ns);
 void eclink_command_to_rus(eclink_t *unit);
-/* Hands the controller's command to its remotes and acknowledges it, once all of them have room. */
+/* Passes the controller's command to its remotes and acknowledges it, as soon as all of them have room. */
 void eclink_pass_command(eclink_t *unit);
 void eclink_show_command(eclink_t *unit, uint64_t now_ns);
 void eclink_command_outputs(eclink_t *unit, bool first, uint64_t now_ns);
 
 /* periodic.c */
-/* Takes the block in the outputs. Call once a block. */
+/* Takes the block in the outputs. Call it once for each block. */
 void eclink_periodic_outputs(eclink_t *unit);
-/* Drops the set that is being assembled. */
+/* Drops the set under assembly. */
 void eclink_periodic_drop(eclink_t *unit);
-/* The last complete set, bu.periodic_size bytes; NULL without a buffer. */
+/* @return the last complete set, bu.periodic_size bytes; NULL without a buffer. */
 const uint8_t *eclink_periodic_set(const eclink_t *unit);
 
 /* remotes.c */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The process data as Modbus tables (TS-0007 §5.2). Bits are those of the bytes of chapters 8 and 9, the lowest one of
- * byte 0 first. A register is two bytes: a field of 16 bits is that number, of other fields the first byte is the lower
+ * byte 0 first. A register has two bytes: a field of 16 bits is a number, of other fields the first byte is the lower
  * half. Sizes are those of the mode; the figures of §5.2 (224 and 64 bytes) predate revision 8.
  */
 #include <string.h>
@@ -18,7 +18,7 @@ enum { CONNECTIONS = 4, IDLE_MS = 60000 };
 typedef struct area {
     bool inputs;
     uint16_t first;
-    uint16_t end; /* of the data, in bits or registers as the table has them */
+    uint16_t end; /* of the data, in the units of the table: bits or registers */
 } area_t;
 
 static uint16_t input_bytes(const eclink_t *unit)
@@ -33,7 +33,7 @@ static uint16_t output_bytes(const eclink_t *unit)
     return eclink_has(unit, ECLINK_FMAP_COMMANDS) ? ECLINK_OUT_PERIODIC_SIZE : 0;
 }
 
-/* @return whether the table has the whole range */
+/* @return whether the table contains the entire range */
 static bool find(const eclink_t *unit, const ect_modbus_range_t *range, area_t *area)
 {
     bool mirror = range->table == ECT_MODBUS_HOLDING_REGISTERS && range->first >= MIRROR;
@@ -44,7 +44,7 @@ static bool find(const eclink_t *unit, const ect_modbus_range_t *range, area_t *
     return area->first + range->count <= area->end;
 }
 
-/* Swaps registers of 16-bit fields, which 3001h and 3002h name: their first byte is the upper half. */
+/* Swaps the bytes of registers that are 16-bit fields in 3001h and 3002h: their first byte is the upper half. */
 static void turn_numbers(const eclink_t *unit, const area_t *area, uint16_t count, uint16_t *values)
 {
     size_t base;

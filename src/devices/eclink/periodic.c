@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Periodic output data: blocks of 200 bytes become sets. Block 0 always begins a set; the others may follow in any
- * order. A complete set is handed over, and the next one is assembled beside it (TS-0007 §10.4).
+ * order. A complete set is passed on, and the next one is assembled in the other half of the buffer (TS-0007 §10.4).
  */
 #include <string.h>
 
@@ -14,7 +14,7 @@ static uint16_t blocks_of(uint16_t size)
     return (uint16_t)((size + ECLINK_PERIODIC_BYTES - 1) / ECLINK_PERIODIC_BYTES);
 }
 
-/* The half of the buffer that holds the complete set, or the other one. */
+/* @return the half of the buffer with the complete set, or the other half */
 static uint8_t *half(const eclink_t *unit, bool complete)
 {
     bool second = (unit->periodic.shown != 0) == complete;

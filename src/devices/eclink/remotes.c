@@ -25,7 +25,7 @@ static void list_remove(eclink_list_t *list, unsigned int number)
     list->count = kept;
 }
 
-/* Its VLAP becomes free. */
+/* Releases the VLAP of a remote. */
 static void disarm(eclink_t *unit, unsigned int number)
 {
     unit->remotes_due |= unit->ru[number].armed;
@@ -42,7 +42,7 @@ const char *eclink_why_unreachable(const eclink_ru_t *ru)
     return NULL;
 }
 
-/* A VLAP, a signal, no error: whether arming, fallback and the status that is reported find C-Link in order. */
+/* @return whether C-Link is usable for arming, fallback and the reported status: a VLAP, a signal, no error */
 static bool c_link_works(const eclink_ru_t *ru, bool has_vlap)
 {
     return has_vlap && ru->rssi > 0 && !eclink_is_error(ru->forced_c_link);
@@ -56,7 +56,7 @@ static unsigned int reserved_vlaps(const eclink_t *unit)
     return count;
 }
 
-/* @return why a remote that can be reached cannot be armed; NULL: it can */
+/* @return the reason why a reachable remote cannot be armed; NULL: it can be armed */
 static const char *why_not_armed(const eclink_t *unit, const eclink_ru_t *ru)
 {
     if (unit->bu.state == ECLINK_BU_INITIAL)
@@ -75,7 +75,7 @@ static const char *why_not_armed(const eclink_t *unit, const eclink_ru_t *ru)
     return NULL;
 }
 
-/* A rearmed remote is no longer lost. Without a free place an armed remote replaces the one that was lost first. */
+/* A rearmed remote is no longer lost. Without a free place an armed remote replaces the remote that was lost first. */
 const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed)
 {
     eclink_ru_t *ru = &unit->ru[number];
@@ -98,8 +98,8 @@ const char *eclink_arm(eclink_t *unit, unsigned int number, bool armed)
     return NULL;
 }
 
-/* Out of communication: commands and data on their way are lost. An armed remote blocks the unit until it is rearmed
- * (§8.1). */
+/* Handles a loss of communication: commands and data on their way are lost. An armed remote blocks the unit until it is
+ * rearmed (§8.1). */
 static void lose(eclink_t *unit, unsigned int number)
 {
     unit->ru[number].commands_dropped += unit->ru[number].to_ru.count;
@@ -136,7 +136,7 @@ static bool take(unsigned int *vlaps)
     return true;
 }
 
-/* A forced status decides how the radio works. */
+/* A forced status determines the state of the radio. */
 static bool g_link_works(const eclink_ru_t *ru)
 {
     if (ru->forced_g_link == ECLINK_NOT_FORCED)
@@ -159,7 +159,7 @@ static eclink_path_t path_of(eclink_ru_t *ru, unsigned int *vlaps)
     return c_link_works(ru, ru->vlap) ? ECLINK_PATH_C_LINK : ECLINK_PATH_NONE;
 }
 
-/* On cable the remote does without a VLAP. */
+/* On cable the remote needs no VLAP. */
 static uint8_t c_link(const eclink_ru_t *ru)
 {
     if (!ru->on)
@@ -204,14 +204,14 @@ static void update_all(eclink_t *unit)
     unit->bu.armed = unit->armed.count;
 }
 
-/* Each pass leaves one armed remote fewer, or is the last. */
+/* Each pass reduces the number of armed remotes by one, or is the last. */
 void eclink_remotes_update(eclink_t *unit)
 {
     while (unit->remotes_due)
         update_all(unit);
 }
 
-/* Movements are allowed in Enabled alone (§8.3): a joystick that must not move anything is passive, 0 (§8.4). */
+/* Movements are permitted only in Enabled (§8.3): in other states a joystick is passive, 0 (§8.4). */
 static void publish_one(const eclink_ru_t *ru, uint8_t *to)
 {
     bool enabled = ru->state == ECLINK_RU_ENABLED;

@@ -175,14 +175,15 @@ static const char *write_id(const eclink_t *unit, const eclink_ru_t *ru, uint16_
     return NULL;
 }
 
-/* @return whether the signal is an element of an array of the remote; then *position is its number, from 0 */
+/* @return whether the signal is an element of an array of the remote. @param[out] position on true its number, from 0
+ */
 static bool is_element(const ect_signal_t *signal, size_t first, size_t size, size_t element, unsigned int *position)
 {
     *position = (unsigned int)((signal->offset - first) / element);
     return signal->offset >= first && signal->offset < first + size;
 }
 
-/* Signals of two bytes. */
+/* Returns signals of two bytes. */
 static const char *write_number(eclink_t *unit, eclink_ru_t *ru, const ect_signal_t *signal, int16_t value)
 {
     unsigned int position;
@@ -260,7 +261,7 @@ static ect_bulk_t bulk(const void *instance)
         .data = eclink_periodic_set(unit), .size = unit->bu.periodic_size, .serial = unit->bu.periodic_sets};
 }
 
-/* --- in words ----------------------------------------------------------------------------------------------------- */
+/* --- texts -------------------------------------------------------------------------------------------------------- */
 
 static const char *message_of(uint8_t fault)
 {
@@ -280,7 +281,7 @@ static const char *message_of(uint8_t fault)
     }
 }
 
-/* All texts fit into the room of their signals. */
+/* All texts are shorter than the room of their signals. */
 static void put(char *text, const char *words)
 {
     memcpy(text, words, strlen(words) + 1);

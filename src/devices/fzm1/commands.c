@@ -6,10 +6,10 @@
 #include "devices/fzm1/instance.h"
 
 #define TENTH_S 100000000ull
-#define AGAIN   1000000ull /* retry of a command that waits for a save by hand */
+#define AGAIN   1000000ull /* interval for a command that waits for a manual save */
 
-/* Unit data are a thousandfold in the response area. The functions below return FZM1_DONE, or the reason of a refusal.
- */
+/* Unit data in the response area are multiplied by 1000. The functions below return FZM1_DONE, or the reason of a
+ * refusal. */
 static fzm1_why_t get_unit_data(const fzm1_t *u, int32_t *value)
 {
     uint32_t unit = (uint32_t)u->arguments[0];
@@ -49,7 +49,7 @@ static fzm1_why_t start_continuous(fzm1_t *u)
     return why;
 }
 
-/* *data: response data, of commands that have some. */
+/* @param[out] data  response data, of commands with response data */
 static fzm1_why_t execute(fzm1_t *u, int32_t *data)
 {
     switch (u->code) {
@@ -64,7 +64,7 @@ static fzm1_why_t execute(fzm1_t *u, int32_t *data)
         fzm1_end_errors(u, FZM1_ERROR_ALL);
         return FZM1_DONE;
     case FZM1_SAVE:
-        return u->saving.failure; /* the save is over, see finish() */
+        return u->saving.failure; /* the save has ended, see finish() */
     case FZM1_GET_SCENE:
         *data = u->scene_number;
         return FZM1_DONE;
@@ -84,7 +84,7 @@ static fzm1_why_t execute(fzm1_t *u, int32_t *data)
     }
 }
 
-/* Clear, End continuous and Restart are taken at any time. */
+/* @return whether a command is taken at any time: Clear, End continuous, Restart */
 static bool always_taken(uint32_t code)
 {
     return code == FZM1_CLEAR || code == FZM1_END_CONTINUOUS || code == FZM1_RESTART;
@@ -115,7 +115,7 @@ static void answer(fzm1_t *u, fzm1_why_t why, int32_t data)
     u->response_code = u->code;
     u->result_code = (uint32_t)(why != FZM1_DONE ? FZM1_NG : FZM1_OK);
     u->response_data = why != FZM1_DONE ? 0 : data;
-    u->flg = !u->exe_fell; /* after an early fall of EXE the response has no FLG, for nothing would end it */
+    u->flg = !u->exe_fell; /* after an early fall of EXE the response has no FLG, because no later edge would end it */
     if (u->flg && u->settings.exe_timeout > 0)
         u->flg_due_ns = u->time_ns + u->settings.exe_timeout * TENTH_S;
     if (u->next_code != 0)
@@ -139,7 +139,7 @@ static void finish(fzm1_t *u)
     }
 }
 
-/* @return FZM1_DONE: a command with this code may be taken now */
+/* @return FZM1_DONE: a command with this code may be taken; else the reason of the refusal */
 static fzm1_why_t not_taken(const fzm1_t *u, uint32_t code)
 {
     if (u->starting != 0)
@@ -153,7 +153,7 @@ static fzm1_why_t not_taken(const fzm1_t *u, uint32_t code)
     return fzm1_busy(u) ? FZM1_WHY_BUSY_MEASURING : FZM1_DONE;
 }
 
-/* Clear and End continuous wait for the end of a command that is being executed; Restart does not. */
+/* Clear and End continuous wait for the end of the present command; Restart does not. */
 static void take(fzm1_t *u)
 {
     if (u->executing && u->command_code != FZM1_RESTART) {
@@ -171,7 +171,7 @@ void fzm1_exe(fzm1_t *u, bool rising)
 {
     if ((u->levels & FZM1_EXE) == 0) {
         if (u->flg)
-            fzm1_end_errors(u, FZM1_ERROR_EXE); /* a command without this error */
+            fzm1_end_errors(u, FZM1_ERROR_EXE); /* other commands do not have this error */
         u->exe_fell = u->next_exe_fell = true;
         u->flg = false;
         u->flg_due_ns = ECT_NEVER;

@@ -2,7 +2,7 @@
 /* The controller's time and its process data. */
 #include "devices/fzm1/instance.h"
 
-/* Longest time that one call makes up for: after a longer pause of the host a continuous measurement has waited. */
+/* Longest time processed by one call: in a longer pause of the host a continuous measurement waits. */
 enum { MOST_EVENTS = 4096 };
 
 /* --- time --------------------------------------------------------------------------------------------------------- */
@@ -95,7 +95,7 @@ static void begin_levels(fzm1_t *u)
         fzm1_refuse(&u->step_ignored, why);
 }
 
-/* Without process data all signals of the master are off. */
+/* Switches off all signals of the master, because process data have stopped. */
 static void end_levels(fzm1_t *u)
 {
     take_levels(u, 0);
@@ -105,8 +105,8 @@ static void end_levels(fzm1_t *u)
 
 /* --- from the stack ----------------------------------------------------------------------------------------------- */
 
-/* The memory consists of zeros but for the switches: only other defaults are written, because most of it stays unused.
- */
+/* Writes only defaults other than 0, because the memory is already zero, except the switches, and most of it stays
+ * unused. */
 static void plant_defaults(fzm1_plant_t *p)
 {
     p->known = true;

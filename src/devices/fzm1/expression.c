@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The expression of an output data (Q179 §3-2, "Expression"): D1 to D8, the measured values; JG, the overall judgement,
- * and JG0 to JG7, a unit's, 1 or -1; numbers; + - * / and parentheses. The spelling is ours, for Q179 has none.
+ * and JG0 to JG7, those of units, 1 or -1; numbers; + - * / and parentheses. The syntax is ectwin's, because Q179 does
+ * not define one.
  */
 #include <stddef.h>
 
 #include "devices/fzm1/instance.h"
 
-enum { DEEPEST = 8 /* parentheses and signs inside one another */ };
+enum { DEEPEST = 8 /* nesting of parentheses and signs */ };
 
 typedef struct reader {
     const char *at;
@@ -19,7 +20,7 @@ typedef struct reader {
 static double sum(reader_t *r);
 static double factor(reader_t *r);
 
-/* @return whether the text continues with it; then it is read */
+/* Reads a character if the text continues with it. @return whether the character was read */
 static bool take(reader_t *r, char c)
 {
     while (*r->at == ' ')
@@ -107,7 +108,7 @@ static double product(reader_t *r)
             value *= factor(r);
         } else if (take(r, '/')) {
             double by = factor(r);
-            value = by < 0 || by > 0 ? value / by : 0; /* a division by 0 gives 0 */
+            value = by < 0 || by > 0 ? value / by : 0; /* a division by 0 results in 0 */
         } else {
             break;
         }

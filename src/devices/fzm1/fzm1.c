@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The description. Sizes and order follow Q179 §4-1; object indices are ours, for none are public. */
+/* The description. Sizes and order follow Q179 §4-1; object indices are ectwin's, because none are public. */
 #include "devices/fzm1/fzm1.h"
 
 #include "devices/fzm1/instance.h"

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Scenes of a group in memory: all of them, or some on a board with little memory. */
+/* Scenes of a group in memory: all, or some on a board with little memory. */
 #include <stddef.h>
 #include <string.h>
 
 #include "devices/fzm1/instance.h"
 
-/* The place of a scene; `count`: none. */
+/* @return the place of a scene; `count`: none */
 static unsigned int find(const fzm1_group_t *group, uint8_t number)
 {
     unsigned int i = 0;
@@ -20,7 +20,7 @@ const fzm1_scene_t *fzm1_group_find(const fzm1_group_t *group, uint8_t number)
     return i < group->count ? &group->places[i].content : NULL;
 }
 
-/* Member by member: a compound literal would need stack for a whole place. */
+/* Copies member by member, because a compound literal would need stack for an entire place. */
 static void fill(fzm1_place_t *place, uint8_t number, bool changed, const fzm1_scene_t *content)
 {
     place->number = number;
@@ -39,7 +39,7 @@ void fzm1_group_add(fzm1_group_t *group, uint8_t number, const fzm1_scene_t *con
         group->partial = true;
 }
 
-/* A place that is free, or whose scene can be read from the record again. */
+/* @return a place that is free, or whose scene can be read from the record again */
 static fzm1_place_t *make_room(fzm1_group_t *group)
 {
     if (group->count < FZM1_KEPT)

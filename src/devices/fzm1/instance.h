@@ -78,10 +78,11 @@ enum { FZM1_SHORTEST_US = 100, FZM1_MINUTE_US = 60000000 };
 enum { FZM1_SCENES = 128 }; /**< of a scene group */
 
 /**
- * Sizes, smaller in a firmware for a board (ECT_SMALL). FZM1_KEPT: scenes of the current group in memory (some 620
- * bytes, twice); with fewer than FZM1_SCENES a switch reads the others, and only so many can be changed before a save.
- * FZM1_PREPARED: scenes that can be prepared (620 bytes). FZM1_TABLE: rows of the table (88 bytes). FZM1_TURNS: places
- * in the table, one a scene and one for the rows of any scene. A board has no plant and needs one of each.
+ * Sizes, smaller in a firmware for a board (ECT_SMALL). FZM1_KEPT: scenes of the current group in memory (about 620
+ * bytes, twice); with fewer than FZM1_SCENES a switch reads the others, and only this number can be changed before a
+ * save. FZM1_PREPARED: scenes that can be prepared (620 bytes). FZM1_TABLE: rows of the table (88 bytes). FZM1_TURNS:
+ * places in the table, one for each scene and one for the rows of any scene. A board has no plant and needs one of
+ * each.
  */
 #ifdef ECT_SMALL
 enum { FZM1_KEPT = 2, FZM1_PREPARED = 1, FZM1_TABLE = 1, FZM1_TURNS = 1 };
@@ -92,7 +93,7 @@ enum { FZM1_KEPT = FZM1_SCENES, FZM1_PREPARED = 256, FZM1_TABLE = 256, FZM1_TURN
 /** Source of a value, added to the scene's own; times have FIXED, RANDOM and TABLE. */
 enum { FZM1_SOURCE_FIXED, FZM1_SOURCE_RAMP, FZM1_SOURCE_SINE, FZM1_SOURCE_RANDOM, FZM1_SOURCE_TABLE };
 
-/** Causes of ERR, a bit each. */
+/** Causes of ERR, one bit each. */
 typedef enum fzm1_error {
     FZM1_ERROR_NO_DSA = 0x01,
     FZM1_ERROR_DSA_STAYED = 0x02,
@@ -102,7 +103,7 @@ typedef enum fzm1_error {
     FZM1_ERROR_ALL = 0x1F,
 } fzm1_error_t;
 
-/** Reason of a refusal. The plant has its words. */
+/** Reason of a refusal. The plant has the texts. */
 typedef enum fzm1_why {
     FZM1_DONE,
     FZM1_WHY_NO_UNIT,
@@ -142,18 +143,18 @@ typedef enum fzm1_why {
     FZM1_WHY_FORMATS,
 } fzm1_why_t;
 
-/** Refusals: their number, and the reason of the last one. */
+/** The number of refusals, and the reason of the last one. */
 typedef struct fzm1_refusal {
     uint32_t count;
     uint16_t why; /* fzm1_why_t */
 } fzm1_refusal_t;
 
-/** One scene: its flow of processing units, and their results. */
+/** A scene: the flow of processing units, and their results. */
 typedef struct fzm1_scene {
     double data[FZM1_DATA];
     int16_t judgement[FZM1_UNITS]; /* 1 OK, -1 NG */
     uint8_t units;                 /* in the flow */
-    uint8_t output_unit;           /* number of Fieldbus Data Output; its settings follow */
+    uint8_t output_unit;           /* number of Fieldbus Data Output, whose settings follow */
     uint8_t format;
     char comment[FZM1_DATA][FZM1_TEXT + 1];
     char expression[FZM1_DATA][FZM1_TEXT + 1]; /* "": the measured value of the same number */
@@ -166,7 +167,7 @@ typedef struct fzm1_place {
     fzm1_scene_t content;
 } fzm1_place_t;
 
-/** Scenes of a group. A scene without a place is the factory's; if `partial`, the prepared or saved one. */
+/** Scenes of a group. A scene without a place has its factory state; if `partial`, its prepared or saved state. */
 typedef struct fzm1_group {
     fzm1_place_t places[FZM1_KEPT];
     uint8_t count;
@@ -185,7 +186,7 @@ typedef struct fzm1_result {
 typedef struct fzm1_settings {
     uint8_t fieldbus; /* 0 OFF, 1 EtherCAT */
     uint8_t output_control;
-    uint8_t output_repeat;  /* without handshaking and without a new result: the last one again */
+    uint8_t output_repeat;  /* without handshaking and without a new result: repeat the last result */
     uint16_t output_period; /* 0.1 ms */
     uint16_t output_time;   /* 0.1 ms */
     uint16_t timeout;       /* 0.1 s */
@@ -195,7 +196,7 @@ typedef struct fzm1_settings {
 typedef struct fzm1_row {
     double data[FZM1_DATA];
     int16_t scene;                          /* -1: any */
-    int16_t judgement;                      /* 0: each unit its own */
+    int16_t judgement;                      /* 0: separate for each unit */
     uint32_t image_input_us, processing_us; /* 0: as set */
 } fzm1_row_t;
 
@@ -205,7 +206,7 @@ typedef struct fzm1_prepared {
     fzm1_scene_t content;
 } fzm1_prepared_t;
 
-/** Surroundings: the switch on the front, the cameras and their view. They outlast a restart. */
+/** The surroundings, which outlast a restart: the switch on the front, the cameras and their view. */
 typedef struct fzm1_plant {
     bool known;
     uint8_t node_address;
@@ -218,19 +219,19 @@ typedef struct fzm1_plant {
     uint32_t command_us;
     uint32_t switch_us;
     uint32_t start_ms;
-    int16_t judgement; /* 0: each unit its own */
+    int16_t judgement; /* 0: separate for each unit */
     uint8_t source[FZM1_DATA];
     double amplitude[FZM1_DATA];
     uint32_t period[FZM1_DATA]; /* measurements */
     uint32_t seed;
-    uint32_t random, time_random; /* two, so that values do not depend on the times */
+    uint32_t random, time_random; /* two generators, so that values do not depend on the times */
     uint32_t shots;
-    fzm1_row_t row; /* the next one to be added */
+    fzm1_row_t row; /* the next row to be added */
     uint16_t rows;
     fzm1_row_t table[FZM1_TABLE];
-    uint16_t turns[FZM1_TURNS]; /* by the scene of a row, the last one for any: rows used */
-    uint32_t sdo_abort;         /* the next SDO request is refused with it */
-    fzm1_prepared_t edit;       /* the scene that the user works on */
+    uint16_t turns[FZM1_TURNS]; /* used rows, by their scene; the last element: rows of any scene */
+    uint32_t sdo_abort;         /* abort code that refuses the next SDO request */
+    fzm1_prepared_t edit;       /* the scene opened by the user */
     fzm1_prepared_t prepared[FZM1_PREPARED];
     uint16_t prepared_count;
 } fzm1_plant_t;
@@ -238,9 +239,9 @@ typedef struct fzm1_plant {
 /** A save under way. */
 typedef struct fzm1_saving {
     uint8_t phase;
-    uint16_t scene; /* the next one of the current group */
-    uint32_t own;   /* its next one in the record before */
-    uint32_t from;  /* the next one of the other groups there */
+    uint16_t scene; /* next scene of the current group */
+    uint32_t own;   /* its next scene in the previous record */
+    uint32_t from;  /* next scene of the other groups in the previous record */
     ect_record_t to;
     uint64_t due_ns;
     fzm1_why_t failure; /* of the last one */
@@ -258,17 +259,16 @@ typedef struct fzm1 {
     int32_t output[FZM1_DATA];
 
     const ect_host_t *host;
-    uint64_t time_ns; /* all events up to this time have happened */
+    uint64_t time_ns; /* all events up to this time are processed */
     uint32_t levels;  /* last control signals */
     bool levels_known;
 
     fzm1_settings_t settings;
-    fzm1_scene_t scene; /* the current one */
-    fzm1_group_t group; /* as of the last switch of a scene */
-    fzm1_group_t
-        loading; /* the next group while it is loaded; during a save its first place: the current scene as written */
+    fzm1_scene_t scene;   /* the current one */
+    fzm1_group_t group;   /* as of the last switch of a scene */
+    fzm1_group_t loading; /* the next group while it is loaded; during a save: the current scene as written, first */
     uint8_t scene_number, scene_group;
-    uint64_t switched_due_ns; /* by hand: BUSY until then */
+    uint64_t switched_due_ns; /* switched manually: BUSY until this time */
 
     ect_record_t record; /* the saved one */
     int8_t record_found; /* 1 found; 0 none; -1 the memory has not responded */
@@ -277,7 +277,7 @@ typedef struct fzm1 {
     /* measurement */
     uint8_t run; /* RUN window shown */
     bool continuous;
-    fzm1_result_t last;                /* all 0: nothing measured yet */
+    fzm1_result_t last;                /* all 0: no measurement yet */
     fzm1_result_t images[FZM1_IMAGES]; /* taken and waiting, oldest first */
     uint8_t first_image, image_count;
     uint64_t image_due_ns, processing_due_ns;
@@ -293,8 +293,8 @@ typedef struct fzm1 {
 
     /* output */
     bool gate, dsa_was_off;
-    bool to_repeat;    /* a result was output that no Clear has taken back */
-    bool gate_changed; /* in this poll: without handshaking once is enough, or the master would not see it */
+    bool to_repeat;    /* a result was output and not yet cleared */
+    bool gate_changed; /* in this poll: without handshaking only one change, so that the master can read each */
     int32_t waiting[FZM1_OUTPUTS][FZM1_DATA];
     uint8_t first_output, output_count;
     uint64_t poll_ns; /* time of this poll */
@@ -317,7 +317,7 @@ typedef struct fzm1 {
 } fzm1_t;
 
 /* settings.c */
-/* GATE has to fall before the next output (OM-C13). */
+/* GATE must fall before the next output (OM-C13). */
 static inline bool fzm1_time_fits(uint16_t output_time, uint16_t output_period)
 {
     return output_time < output_period;
@@ -326,7 +326,7 @@ ect_reason_t fzm1_sdo_request(void *instance, uint16_t index, uint8_t subindex);
 ect_reason_t fzm1_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size);
 void fzm1_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns);
 
-/* controller.c: what the stack calls */
+/* controller.c: functions called by the stack */
 void fzm1_init(void *instance, const ect_host_t *host, uint64_t now_ns);
 uint16_t fzm1_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns);
 void fzm1_outputs(void *instance, uint64_t now_ns);
@@ -346,41 +346,41 @@ fzm1_why_t fzm1_switch_scene(fzm1_t *u, uint32_t number);
 fzm1_why_t fzm1_switch_group(fzm1_t *u, uint32_t number);
 fzm1_why_t fzm1_switch_by_hand(fzm1_t *u, bool group, uint32_t number);
 void fzm1_switch_due(fzm1_t *u);
-fzm1_why_t fzm1_edit_open(fzm1_t *u, uint8_t group, uint8_t scene); /* plant.edit becomes that scene */
+fzm1_why_t fzm1_edit_open(fzm1_t *u, uint8_t group, uint8_t scene); /* opens a scene in plant.edit */
 fzm1_why_t fzm1_edit_change(fzm1_t *u, const fzm1_scene_t *content);
 
 /* save.c */
 fzm1_why_t fzm1_save(fzm1_t *u); /* begins */
 bool fzm1_saving(const fzm1_t *u);
 void fzm1_save_due(fzm1_t *u);
-void fzm1_save_reset(fzm1_t *u); /* power-on: nothing is being written */
+void fzm1_save_reset(fzm1_t *u); /* power-on: no save is under way */
 void fzm1_load(fzm1_t *u);       /* at power-on */
-/* Loads a group into u->group and a scene of it into *scene, or a scene alone: as prepared or saved. @return false: the
- * memory does not respond */
+/* Loads a group into u->group and one of its scenes into *scene, or only a scene, in its prepared or saved state.
+ * @return false: the memory does not respond */
 bool fzm1_load_group(fzm1_t *u, uint8_t group, uint8_t number, fzm1_scene_t *scene);
 bool fzm1_load_scene(fzm1_t *u, uint8_t group, uint8_t number, fzm1_scene_t *scene);
-bool fzm1_scene(fzm1_t *u, uint8_t number, fzm1_scene_t *scene); /* of the current group; the same */
+bool fzm1_scene(fzm1_t *u, uint8_t number, fzm1_scene_t *scene); /* of the current group; likewise */
 /* Changes a scene of the current group. */
 fzm1_why_t fzm1_keep_scene(fzm1_t *u, uint8_t number, const fzm1_scene_t *content);
 
 /* measure.c */
-fzm1_why_t fzm1_not_ready(const fzm1_t *u); /* why READY is off */
+fzm1_why_t fzm1_not_ready(const fzm1_t *u); /* reason why READY is off */
 bool fzm1_busy(const fzm1_t *u);
 void fzm1_step(fzm1_t *u); /* READY is on */
 void fzm1_measure_due(fzm1_t *u);
-void fzm1_measure_put_off(fzm1_t *u, uint64_t ns); /* delays image input and processing under way */
+void fzm1_measure_put_off(fzm1_t *u, uint64_t ns); /* delays the present image input and processing */
 void fzm1_start_continuous(fzm1_t *u);
-void fzm1_clear(fzm1_t *u); /* back to: nothing measured */
+void fzm1_clear(fzm1_t *u); /* returns to the state without a measurement */
 
 /* output.c */
-void fzm1_output_put(fzm1_t *u, const double *data); /* lost when sixteen wait already */
+void fzm1_output_put(fzm1_t *u, const double *data); /* lost if sixteen results wait */
 void fzm1_output_discard(fzm1_t *u);                 /* drops the waiting results */
-void fzm1_output_begin(fzm1_t *u);                   /* OP begins: DSA has to be off first */
-void fzm1_output_end(fzm1_t *u);                     /* OP ends: GATE falls, and the wait for DSA is over */
-bool fzm1_output_step(fzm1_t *u); /* makes one change of GATE that is possible now; @return whether it made one */
+void fzm1_output_begin(fzm1_t *u);                   /* begin of OP: DSA must first be off */
+void fzm1_output_end(fzm1_t *u);                     /* end of OP: GATE falls, and the wait for DSA ends */
+bool fzm1_output_step(fzm1_t *u); /* makes one possible change of GATE; @return whether GATE has changed */
 void fzm1_output_due(fzm1_t *u);
 void fzm1_output_reset(fzm1_t *u);
-void fzm1_output_new_period(fzm1_t *u, uint16_t period); /* 0.1 ms: valid for the next output already */
+void fzm1_output_new_period(fzm1_t *u, uint16_t period); /* 0.1 ms; valid from the next output on */
 uint64_t fzm1_output_next(const fzm1_t *u);
 int32_t fzm1_fixed_point(double value);
 
@@ -390,10 +390,10 @@ uint64_t fzm1_processing_ns(fzm1_t *u, const fzm1_result_t *image);
 void fzm1_take_image(fzm1_t *u, fzm1_result_t *image);
 
 /* group.c */
-const fzm1_scene_t *fzm1_group_find(const fzm1_group_t *group, uint8_t number); /* NULL: it has no place */
+const fzm1_scene_t *fzm1_group_find(const fzm1_group_t *group, uint8_t number); /* NULL: the scene has no place */
 void fzm1_group_add(fzm1_group_t *group, uint8_t number,
-                    const fzm1_scene_t *content); /* unchanged; without a free place: nothing */
-/* Marks the scene as changed if `content` differs from `before`. @return false: changed scenes have all places */
+                    const fzm1_scene_t *content); /* unchanged; without a free place no effect */
+/* Marks the scene as changed if `content` differs from `before`. @return false: all places have changed scenes */
 bool fzm1_group_change(fzm1_group_t *group, uint8_t number, const fzm1_scene_t *before, const fzm1_scene_t *content);
 void fzm1_group_saved(fzm1_group_t *group);
 

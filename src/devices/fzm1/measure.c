@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* STEP, READY and BUSY (Q179 §4-4): images are taken one after the other and measured in the same order, independent of
- * the data output. */
+/* STEP, READY and BUSY (Q179 §4-4): images are taken in succession and measured in the same order, independent of the
+ * data output. */
 #include <string.h>
 
 #include "devices/fzm1/instance.h"
 
-/* Largest number of images that wait; the 5 million pixel camera has no multiple image input. */
+/* Limit of waiting images; the 5 million pixel camera has no multiple image input. */
 static unsigned int image_room(const fzm1_t *u)
 {
     static const uint8_t rooms[] = {16, 4, 1};
@@ -95,7 +95,7 @@ void fzm1_measure_put_off(fzm1_t *u, uint64_t ns)
         u->processing_due_ns += ns;
 }
 
-/* OR and the output area stay as they are (as in the FZ3). */
+/* OR and the output area are unchanged (as in the FZ3). */
 void fzm1_clear(fzm1_t *u)
 {
     memset(&u->last, 0, sizeof u->last);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * DSA, GATE and the output area (Q179 §4-4). Results wait in the order of their measurements. Data are placed before
- * GATE rises and stay until it has fallen.
+ * DSA, GATE and the output area (Q179 §4-4). Results wait in the order of their measurements. Data are written before
+ * GATE rises, and are unchanged until GATE has fallen.
  */
 #include <string.h>
 
@@ -10,11 +10,11 @@
 #define TENTH_MS 100000ull
 #define TENTH_S  100000000ull
 
-/* The integer part of the thousandfold, limited to 32 bits; NaN is 0. */
+/* @return the integer part of a value multiplied by 1000, limited to 32 bits; NaN is 0 */
 int32_t fzm1_fixed_point(double value)
 {
     double scaled = value * 1000.0;
-    scaled += scaled < 0 ? -1e-6 : 1e-6; /* 12.345 has no exact double: its thousandfold is just below 12345 */
+    scaled += scaled < 0 ? -1e-6 : 1e-6; /* 12.345 has no exact double: multiplied by 1000 it is just below 12345 */
     if (scaled != scaled)
         return 0;
     if (scaled >= 2147483647.0)
@@ -37,7 +37,7 @@ static bool handshaking(const fzm1_t *u)
     return u->settings.output_control == FZM1_HANDSHAKING;
 }
 
-/* Output and measuring are independent: a result without room is lost, and no measurement waits for room. */
+/* Adds a result. Output and measuring are independent: a result without room is lost, and no measurement waits. */
 void fzm1_output_put(fzm1_t *u, const double *data)
 {
     if (u->output_count == FZM1_OUTPUTS) {
@@ -51,7 +51,7 @@ void fzm1_output_put(fzm1_t *u, const double *data)
     u->output_count++;
 }
 
-/* The oldest results leave the queue; with the last one the loss ends. */
+/* Removes the oldest results from the queue; the loss ends with the last one. */
 static void drop(fzm1_t *u, uint8_t count)
 {
     u->first_output = (uint8_t)((u->first_output + count) % FZM1_OUTPUTS);
@@ -125,7 +125,7 @@ void fzm1_output_end(fzm1_t *u)
     u->dsa_due_ns = ECT_NEVER;
 }
 
-/* A missing DSA drops the result; a DSA that stays on ends GATE. */
+/* Handles timeouts: a missing DSA drops the result; a DSA that stays on ends GATE. */
 static void dsa_timeout(fzm1_t *u)
 {
     u->dsa_due_ns = ECT_NEVER;
@@ -150,8 +150,8 @@ static uint64_t off_time(const fzm1_t *u)
     return (uint64_t)u->settings.output_period * TENTH_MS - (uint64_t)u->settings.output_time * TENTH_MS;
 }
 
-/* The times of GATE start with the poll that shows it, however late, and each poll shows one change: a master with the
- * same rhythm reads every pulse. */
+/* The times of GATE start at the poll that changes it, however late, and each poll makes one change, so that a master
+ * with the same rhythm reads every pulse. */
 static bool step_period(fzm1_t *u)
 {
     if (u->gate || u->gate_changed || !to_show(u) || u->next_output_ns > u->time_ns)
@@ -202,7 +202,7 @@ void fzm1_output_new_period(fzm1_t *u, uint16_t period)
     u->next_output_ns = u->next_output_ns < latest ? u->next_output_ns : latest;
 }
 
-/* After a change of output control, and at start, GATE is off for as long as between two outputs. */
+/* Keeps GATE off, after a change of output control and at the start, for the time between two outputs. */
 void fzm1_output_reset(fzm1_t *u)
 {
     u->gate = false;

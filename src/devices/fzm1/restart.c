@@ -31,7 +31,7 @@ void fzm1_restart_due(fzm1_t *u)
         u->start_due_ns = u->time_ns + u->plant.start_ms * 1000000ull;
         u->host->off_bus(u->host->ctx, true);
     } else if (fzm1_saving(u)) {
-        u->start_due_ns = u->time_ns + 1000000; /* a save under way is finished first */
+        u->start_due_ns = u->time_ns + 1000000; /* a save under way is completed first */
     } else {
         u->host->restart(u->host->ctx);
     }

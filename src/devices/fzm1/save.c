@@ -1,30 +1,30 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * "Save to unit" (Q179 §3-2, §4-3): system data, then each scene that differs from the factory's. A save writes the
- * current group and copies the others from the record before.
+ * current group and copies the others from the previous record.
  *
- * A save takes steps, some scenes a poll, and then waits for the medium; no other work waits for it. Scenes of a group
- * are in the order of their numbers, so that a save meets each once.
+ * A save consists of steps, some scenes in each poll, and then waits for the medium; no other work waits for the save.
+ * Scenes of a group are in the order of their numbers, so that a save processes each once.
  */
 #include <string.h>
 
 #include "devices/fzm1/instance.h"
 
 #define MAGIC   0x314D5A46u /* "FZM1" */
-#define STEP_NS 100000u     /* from one step to the next */
+#define STEP_NS 100000u     /* between two steps */
 #define ASK_NS  1000000u    /* between two queries of the medium */
 
 enum {
-    LAYOUT = 2,                 /* version: records of another one are not read */
+    LAYOUT = 2,                 /* version: records of another version are not read */
     SYSTEM = 1 + 3 + 4 * 2 + 2, /* layout, flags, numbers, scene and group */
     ENTRY = 4,                  /* of a scene: its group, its number, its packed length */
-    FIXED = 8 * FZM1_DATA + 4,  /* packed: data, judgements, flow and format; then texts, each behind its length */
+    FIXED = 8 * FZM1_DATA + 4,  /* packed: data, judgements, flow and format; then texts, each after its length */
     TEXTS = 2 * FZM1_DATA,      /* comments, expressions */
     SCENE = FIXED + TEXTS * (1 + FZM1_TEXT), /* at most */
     SCENES_A_STEP = 8,
 };
 
-enum { IDLE, OWN, OTHERS, DATA, HEADER }; /* part that is being written; DATA, HEADER: being made safe */
+enum { IDLE, OWN, OTHERS, DATA, HEADER }; /* part under way: written, or (DATA, HEADER) made safe */
 
 /* --- packing ------------------------------------------------------------------------------------------------------ */
 
@@ -43,7 +43,7 @@ static void pack_system(const fzm1_t *u, uint8_t *b)
     b[13] = u->scene_number;
 }
 
-/* Accepts only values that a user could have set: a record may come from anywhere. */
+/* Accepts only values that a user could have set, because a record may be of any origin. */
 static bool valid_settings(const fzm1_settings_t *s)
 {
     return s->fieldbus <= 1 && s->output_control <= 1 && s->output_repeat <= 1 && s->output_period >= 20 &&
@@ -73,7 +73,7 @@ static const char *text_of(const fzm1_scene_t *scene, unsigned int n)
     return n < FZM1_DATA ? scene->comment[n] : scene->expression[n - FZM1_DATA];
 }
 
-/* @return its length */
+/* @return length of the packed scene */
 static uint16_t pack_scene(const fzm1_scene_t *scene, uint8_t *b)
 {
     uint8_t ng = 0;
@@ -132,7 +132,8 @@ static bool unpack_scene(fzm1_scene_t *scene, const uint8_t *b, uint16_t size)
 
 /* --- the record --------------------------------------------------------------------------------------------------- */
 
-/* The newest record, if this firmware can read it. 1 found, 0 none, -1 there is no memory, or it does not respond. */
+/* Finds the newest record that this firmware can read. @return 1 found · 0 none · -1 no memory, or it does not respond
+ */
 static int8_t find_record(fzm1_t *u)
 {
     uint8_t layout;
@@ -155,12 +156,12 @@ static bool locate_record(fzm1_t *u)
 
 /* A scene in the record. */
 typedef struct entry {
-    uint32_t at; /* of its packed form */
+    uint32_t at; /* of the packed form */
     uint16_t size;
     uint8_t group, scene;
 } entry_t;
 
-/* The entry at `from`. 1 found, 0 the record ends, -1 the memory does not respond */
+/* Reads the entry at `from`. @return 1 found · 0 the end of the record · -1 the memory does not respond */
 static int read_entry(const ect_record_t *r, uint32_t from, entry_t *e)
 {
     uint8_t header[ENTRY];
@@ -174,7 +175,7 @@ static int read_entry(const ect_record_t *r, uint32_t from, entry_t *e)
 
 /* --- reading ------------------------------------------------------------------------------------------------------ */
 
-/* An invalid scene becomes the factory's. @return whether the memory responds */
+/* Reads a scene; an invalid one gets the factory state. @return whether the memory responds */
 static bool read_scene(const ect_record_t *r, const entry_t *e, fzm1_scene_t *scene)
 {
     uint8_t packed[SCENE];
@@ -185,7 +186,7 @@ static bool read_scene(const ect_record_t *r, const entry_t *e, fzm1_scene_t *sc
     return true;
 }
 
-/* The next scene of a group at or behind `from`. 1 found, 0 none, -1 the memory does not respond */
+/* Finds the next scene of a group at or after `from`. @return 1 found · 0 none · -1 the memory does not respond */
 static int next_of_group(const fzm1_t *u, uint8_t group, uint32_t from, entry_t *e)
 {
     int there = u->record_found;
@@ -236,7 +237,7 @@ static void add_prepared(const fzm1_t *u, uint8_t group, fzm1_group_t *to)
     }
 }
 
-/* A scene of a group, from memory or from the record. */
+/* Reads a scene of a group, from memory or from the record. */
 static bool scene_of(fzm1_t *u, const fzm1_group_t *in, uint8_t group, uint8_t number, fzm1_scene_t *scene)
 {
     const fzm1_scene_t *found = fzm1_group_find(in, number);
@@ -299,8 +300,8 @@ static bool put_scene(ect_record_t *to, uint8_t group, uint8_t number, const uin
     return ect_record_put(to, header, ENTRY) && ect_record_put(to, packed, size);
 }
 
-/* The scene of the current group in the record before; call with each number in order. 1 found, 0 not saved, -1 the
- * memory does not respond, or the record is damaged */
+/* Finds a scene of the current group in the previous record; called with each number in order. @return 1 found · 0 not
+ * saved · -1 the memory does not respond, or the record is damaged */
 static int next_saved(fzm1_t *u, uint8_t number, entry_t *e)
 {
     fzm1_saving_t *s = &u->saving;
@@ -313,14 +314,14 @@ static int next_saved(fzm1_t *u, uint8_t number, entry_t *e)
     return e->scene > number ? 0 : e->scene == number ? 1 : -1;
 }
 
-/* The current scene, which may be changed before the save is over. */
+/* Copies the current scene, which may be changed before the save ends. */
 static const fzm1_scene_t *keep_written(fzm1_t *u)
 {
     u->loading.places[0].content = u->scene;
     return &u->loading.places[0].content;
 }
 
-/* A scene as it will be saved. @return whether the memory responds */
+/* Reads a scene in the state to be saved. @return whether the memory responds */
 static bool own_scene(fzm1_t *u, uint8_t number, fzm1_scene_t *scene)
 {
     entry_t e;
@@ -339,7 +340,7 @@ static bool own_scene(fzm1_t *u, uint8_t number, fzm1_scene_t *scene)
     return saved >= 0;
 }
 
-/* Scenes of the current group. @return whether the memory has room and responds */
+/* Writes scenes of the current group. @return whether the memory has room and responds */
 static bool put_own(fzm1_t *u)
 {
     fzm1_saving_t *s = &u->saving;
@@ -360,7 +361,7 @@ static bool put_own(fzm1_t *u)
     return true;
 }
 
-/* Scenes of the other groups, as saved before. @return whether the memory has room and responds */
+/* Copies scenes of the other groups. @return whether the memory has room and responds */
 static bool put_others(fzm1_t *u)
 {
     fzm1_saving_t *s = &u->saving;
@@ -392,7 +393,7 @@ static void end(fzm1_t *u, fzm1_why_t failure)
         u->saves++;
 }
 
-/* The record is safe: groups are loaded from it from now on. */
+/* Completes a save: groups are loaded from the new record from now on. */
 static void sealed(fzm1_t *u)
 {
     u->record = u->saving.to;
@@ -424,7 +425,7 @@ void fzm1_save_due(fzm1_t *u)
     fzm1_saving_t *s = &u->saving;
     if (s->due_ns > u->time_ns)
         return;
-    s->due_ns = u->poll_ns + STEP_NS; /* one step a poll, however late that is */
+    s->due_ns = u->poll_ns + STEP_NS; /* one step in each poll, however late the poll is */
     if (s->phase == DATA || s->phase == HEADER)
         flush(u);
     else if (!(s->phase == OWN ? put_own(u) : put_others(u)))

@@ -144,9 +144,9 @@ static const ect_signal_group_t groups[] = {
 
 #define IS(signal, member) ((signal)->offset == offsetof(fzm1_t, member))
 
-/* --- in words ----------------------------------------------------------------------------------------------------- */
+/* --- texts -------------------------------------------------------------------------------------------------------- */
 
-/* Empty: it was done. */
+/* Texts of the reasons; empty: no refusal. */
 static const char *in_words(fzm1_why_t why)
 {
     static const char *const words[] = {
@@ -192,7 +192,7 @@ static const char *in_words(fzm1_why_t why)
     return words[why];
 }
 
-/* Text behind text, cut where the room ends. */
+/* Appends a text, truncated at the end of the room. */
 static void append(char *to, const char *text)
 {
     size_t used = strlen(to);
@@ -225,7 +225,7 @@ static void signal_describe(const ect_signal_t *signal, uint16_t value, char *te
 
 /* --- from the user ------------------------------------------------------------------------------------------------ */
 
-/* The codes that an FZM1 knows (Q179 §1-1). */
+/* The abort codes of an FZM1 (Q179 §1-1). */
 static bool known_abort(uint32_t code)
 {
     static const uint32_t codes[] = {0x05030000, 0x05040000, 0x05040001, 0x05040005, 0x06010000, 0x06010001, 0x06010002,
@@ -280,7 +280,7 @@ static const char *restart(fzm1_t *u)
     return "";
 }
 
-/* Buttons: 1 presses, 0 is not a press. NULL: it is none of them. */
+/* Handles buttons: 1 presses, 0 has no effect. @return NULL: another signal */
 static const char *press(fzm1_t *u, const ect_signal_t *signal, uint8_t value)
 {
     static const struct {
@@ -296,7 +296,7 @@ static const char *press(fzm1_t *u, const ect_signal_t *signal, uint8_t value)
     return NULL;
 }
 
-/* Scenes to switch to, or to open. NULL: it is neither. */
+/* Handles scenes to switch to, or to open. @return NULL: another signal */
 static const char *choose(fzm1_t *u, const ect_signal_t *signal, uint8_t number)
 {
     fzm1_why_t why;
@@ -345,7 +345,7 @@ static bool inside(const ect_signal_t *signal, size_t scene)
     return signal->offset >= scene && signal->offset < scene + sizeof(fzm1_scene_t);
 }
 
-/* A value of a scene at `base` in the instance. It has to make sense with the others. */
+/* Checks a value of a scene at `base` in the instance for consistency with the other values. */
 static const char *write_scene(fzm1_t *u, const ect_signal_t *signal, size_t base, const void *value)
 {
     static const size_t sizes[] = {[ECT_SIGNAL_U8] = 1, [ECT_SIGNAL_I16] = 2, [ECT_SIGNAL_REAL] = sizeof(double)};

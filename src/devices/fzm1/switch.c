@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Switching scene and scene group (Q179 §4-3), by command or by hand, and preparing scenes before. */
+/* Switching scene and scene group (Q179 §4-3), by command or manually, and preparing scenes in advance. */
 #include "devices/fzm1/instance.h"
 
 fzm1_why_t fzm1_switch_scene(fzm1_t *u, uint32_t number)
@@ -18,7 +18,8 @@ fzm1_why_t fzm1_switch_scene(fzm1_t *u, uint32_t number)
     return FZM1_DONE;
 }
 
-/* Loads a group as it was saved or prepared, and begins with its scene 0. Unsaved changes of the old group are lost. */
+/* Loads a group in its saved or prepared state, and begins with its scene 0. Unsaved changes of the previous group are
+ * lost. */
 fzm1_why_t fzm1_switch_group(fzm1_t *u, uint32_t number)
 {
     if (number >= FZM1_GROUPS)
@@ -33,7 +34,7 @@ fzm1_why_t fzm1_switch_group(fzm1_t *u, uint32_t number)
     return FZM1_DONE;
 }
 
-/* --- by hand ------------------------------------------------------------------------------------------------------ */
+/* --- manual switching --------------------------------------------------------------------------------------------- */
 
 static fzm1_why_t not_by_hand(const fzm1_t *u)
 {
@@ -42,7 +43,7 @@ static fzm1_why_t not_by_hand(const fzm1_t *u)
     return fzm1_saving(u) ? FZM1_WHY_SAVING : FZM1_DONE;
 }
 
-/* The new scene is current at once, so that later settings are its own; BUSY stays on for as long as switching takes.
+/* Makes the new scene current at once, so that later settings apply to it; BUSY stays on for the duration of switching.
  */
 fzm1_why_t fzm1_switch_by_hand(fzm1_t *u, bool group, uint32_t number)
 {
@@ -60,7 +61,7 @@ void fzm1_switch_due(fzm1_t *u)
         u->switched_due_ns = ECT_NEVER;
 }
 
-/* --- prepared ----------------------------------------------------------------------------------------------------- */
+/* --- prepared scenes ---------------------------------------------------------------------------------------------- */
 
 fzm1_why_t fzm1_edit_open(fzm1_t *u, uint8_t group, uint8_t scene)
 {

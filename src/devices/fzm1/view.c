@@ -32,13 +32,13 @@ static uint16_t count_rows(const fzm1_plant_t *p, int16_t scene)
     return count;
 }
 
-/* The rows used of those of a scene. */
+/* @return the number of used rows of a scene */
 static uint16_t *turn_of(fzm1_plant_t *p, int16_t scene)
 {
     return &p->turns[scene < 0 ? FZM1_TURNS - 1 : (unsigned int)scene % FZM1_TURNS];
 }
 
-/* The row of the table that belongs to the next image: of the current scene, or of any if that has none. NULL: none */
+/* @return the row of the table for the next image: of the current scene, else of any scene; NULL: none */
 static const fzm1_row_t *next_row(fzm1_t *u)
 {
     fzm1_plant_t *p = &u->plant;
@@ -59,14 +59,14 @@ static const fzm1_row_t *next_row(fzm1_t *u)
     return NULL;
 }
 
-/* The row is used; the next image gets the one behind it. */
+/* Marks the row as used; the next image gets the next row. */
 static void use_row(fzm1_plant_t *p, const fzm1_row_t *row)
 {
     uint16_t *turn = turn_of(p, row->scene);
     *turn = (uint16_t)((*turn + 1) % count_rows(p, row->scene));
 }
 
-/* `row`: the table's value, 0: none. */
+/* @param row  value of the table; 0: none */
 static uint32_t time_us(fzm1_plant_t *p, uint32_t set, uint32_t spread, uint32_t row)
 {
     if (p->time_source == FZM1_SOURCE_TABLE)
@@ -92,7 +92,7 @@ uint64_t fzm1_processing_ns(fzm1_t *u, const fzm1_result_t *image)
     return time_us(p, p->processing_us, p->processing_spread_us, image->row_processing_us) * 1000ull;
 }
 
-/* A judgement by hand or by the table is that of each unit. */
+/* Applies a judgement set manually or by the table to each unit. */
 static void judge(const fzm1_t *u, const fzm1_row_t *row, fzm1_result_t *result)
 {
     int16_t all = u->plant.judgement != 0 ? u->plant.judgement : row ? row->judgement : 0;
@@ -103,7 +103,7 @@ static void judge(const fzm1_t *u, const fzm1_row_t *row, fzm1_result_t *result)
     }
 }
 
-/* Within the limits of the FZ family's values (OM-C6); NaN is 0. */
+/* Limits a value to the range of the FZ family (OM-C6); NaN is 0. */
 static double limited(double value)
 {
     if (value > FZM1_LARGEST)
@@ -123,7 +123,7 @@ static void output_data(const fzm1_scene_t *scene, const fzm1_result_t *measured
     }
 }
 
-/* The content of an image is decided at its input, not at its measurement. */
+/* Determines the content of an image at its input, not at its measurement. */
 void fzm1_take_image(fzm1_t *u, fzm1_result_t *image)
 {
     fzm1_plant_t *p = &u->plant;

@@ -6,7 +6,7 @@ static const ect_value_name_t users[] = {{OPTO_USER, "User"}, {OPTO_EXPERT, "Exp
 static const ect_value_name_t powers[] = {
     {OPTO_FULL_POWER, "Full"}, {OPTO_REDUCED_POWER, "Reduced"}, {OPTO_NO_POWER, "Off"}, {0, NULL}};
 
-/* The last digit of an error is its code in the sensor state. */
+/* The last digit of an error is the code in the sensor state. */
 #define ERRORS(in)                                                                                                     \
     {in(OPTO_LASER_OFF), "Laser off"}, {in(OPTO_TOO_WIDE), "Peak too wide"},                                           \
         {in(OPTO_NOT_EVALUATED), "Cannot be evaluated"}, {in(OPTO_NOT_CALCULATED), "Cannot be calculated"},            \

@@ -33,7 +33,7 @@ enum {
     OPTO_BEHIND_RANGE = 0x7FFFFFF9,
     OPTO_BEFORE_RANGE = 0x7FFFFFFA,
     OPTO_NO_PEAK = 0x7FFFFFFB,
-    OPTO_ERRORS = OPTO_LASER_OFF, /* no distance is as large */
+    OPTO_ERRORS = OPTO_LASER_OFF, /* above all distances */
 };
 
 /** Measurements in the order of 1A00h (A 7.3.2.8); 21B0h:4 is the first one. */
@@ -55,13 +55,13 @@ enum {
 };
 enum { OPTO_FIRST_CHOICE = 4 };
 enum { OPTO_SURFACES = 2, OPTO_RATES = 7 };
-enum { OPTO_SAMPLES = 100 /* most of an exchange: 1A00h to 1A63h (A 7.6) */ };
-enum { OPTO_LONGEST = 1144 /* bytes of process data: 22 whole records; three buffers fit into any controller */ };
-enum { OPTO_ROOM = 3 * OPTO_LONGEST / 4 /* measurements that are kept: of three exchanges */ };
+enum { OPTO_SAMPLES = 100 /* limit of an exchange: 1A00h to 1A63h (A 7.6) */ };
+enum { OPTO_LONGEST = 1144 /* bytes of process data: 22 complete records; three buffers fit into any controller */ };
+enum { OPTO_ROOM = 3 * OPTO_LONGEST / 4 /* kept measurements: those of three exchanges */ };
 
 /**
- * Memory and time, less of both in a firmware for a board (ECT_SMALL). OPTO_TABLE: rows of the plant's table.
- * OPTO_MOST_RECORDS: records that one call takes; after a longer pause these are the last ones.
+ * Limits of memory and time, smaller in a firmware for a board (ECT_SMALL). OPTO_TABLE: rows of the plant's table.
+ * OPTO_MOST_RECORDS: records taken by one call, the last ones after a longer pause.
  */
 #ifdef ECT_SMALL
 enum { OPTO_TABLE = 1, OPTO_MOST_RECORDS = 100 };
@@ -73,12 +73,12 @@ enum { OPTO_USER = 0, OPTO_EXPERT = 1 };
 enum { OPTO_PASSWORD = 31 };
 enum { OPTO_FULL_POWER = 0, OPTO_REDUCED_POWER = 1, OPTO_NO_POWER = 2 };
 
-/** Movement of a surface, added to its distance; TABLE replaces it. */
+/** Movement of a surface, added to its distance; TABLE replaces the distance. */
 enum { OPTO_SOURCE_FIXED, OPTO_SOURCE_RAMP, OPTO_SOURCE_SINE, OPTO_SOURCE_TABLE };
 
 enum { OPTO_ERROR_TEXT = 60 };
 
-/** A record: one value each, as in 6065h. */
+/** A record: one value of each measurement, as in 6065h. */
 typedef struct opto_record {
     int32_t value[OPTO_VALUES];
 } opto_record_t;
@@ -101,7 +101,7 @@ typedef struct opto_row {
     uint8_t present;
 } opto_row_t;
 
-/** Surroundings, and the settings that outlast power. */
+/** Surroundings, and the settings that outlast a power cycle. */
 typedef struct opto_plant {
     bool known;
     opto_surface_t surface[OPTO_SURFACES];
@@ -110,7 +110,7 @@ typedef struct opto_plant {
     double temperature; /* degC */
     uint8_t laser;
     uint32_t seed, random;
-    opto_row_t row; /* the next one to be added */
+    opto_row_t row; /* the next row to be added */
     uint16_t rows;
     uint32_t row_time_us;
     opto_row_t table[OPTO_TABLE];
@@ -141,16 +141,16 @@ typedef struct opto {
     uint8_t al_state;
     bool synchronised;
     int32_t kept[OPTO_ROOM]; /* see keep.c */
-    uint64_t oldest;         /* number of the record there */
-    uint64_t taken;          /* records, with those that no exchange could hold */
-    uint64_t sent;           /* records that the master has read */
+    uint64_t oldest;         /* number of the last record */
+    uint64_t taken;          /* records, including those beyond the size of an exchange */
+    uint64_t sent;           /* records read by the master */
     uint64_t shown;          /* records up to those in the process data */
     bool statistic;          /* minimum and maximum are valid */
     int32_t minimum, maximum;
 
     uint8_t user;
     uint8_t logout;
-    char login[OPTO_PASSWORD + 1]; /* as written, until the check */
+    char login[OPTO_PASSWORD + 1]; /* written value, until the check */
     char password_old[OPTO_PASSWORD + 1], password_new[OPTO_PASSWORD + 1], password_repeat[OPTO_PASSWORD + 1];
 
     /* as signals */
@@ -161,28 +161,28 @@ typedef struct opto {
 } opto_t;
 
 /* settings.c */
-void opto_choose(opto_t *u); /* updates 1A00h and the kept records to the selection in 21B0h, from the last record on */
+void opto_choose(opto_t *u); /* updates 1A00h and the kept records, from the last one on, by the selection in 21B0h */
 bool opto_is_rate(uint32_t hz);
 ect_reason_t opto_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size);
 void opto_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns);
 
-/* samples.c: what the stack calls */
+/* samples.c: functions called by the stack */
 void opto_inputs(void *instance, uint64_t now_ns);
 void opto_inputs_packed(void *instance, unsigned int sm, uint8_t *image, uint16_t size);
 void opto_inputs_read(void *instance, uint64_t now_ns);
 
-/* sensor.c: what the stack calls */
+/* sensor.c: functions called by the stack */
 void opto_init(void *instance, const ect_host_t *host, uint64_t now_ns);
 uint16_t opto_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns);
 uint64_t opto_tick(void *instance, uint64_t now_ns);
-/* Takes all records that are due. */
+/* Takes all due records. */
 void opto_advance(opto_t *u, uint64_t now_ns);
-void opto_new_rate(opto_t *u, uint64_t now_ns); /* the next record comes a period from now */
+void opto_new_rate(opto_t *u, uint64_t now_ns); /* the next record is due after a period */
 
 /* keep.c */
 void opto_keep(opto_t *u);      /* adds u->record */
-void opto_keep_last(opto_t *u); /* after a new selection: keeps the last record alone */
-/* The selected values of a record; of the oldest one, if that record is gone. */
+void opto_keep_last(opto_t *u); /* after a new selection: keeps only the last record */
+/* @return the selected values of a record, or of the oldest one if that record is lost */
 const int32_t *opto_kept(opto_t *u, uint64_t number);
 
 /* record.c */

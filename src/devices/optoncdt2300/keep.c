@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The selected values of the last records, in the order of 1A00h, in a ring. It holds as much as three of the longest
+ * The selected values of the last records, in the order of 1A00h, in a ring. Its capacity equals three of the longest
  * exchanges: few long records or many short ones. A new selection begins with the last record.
  */
 #include "devices/optoncdt2300/instance.h"
 
-/* Number of records that the ring holds. */
+/* @return the number of records in the ring */
 static uint32_t room(const opto_t *u)
 {
     return u->mapped > 0 ? (uint32_t)OPTO_ROOM / u->mapped : 1;

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The description. States and CoE follow A 7.2.5 and A 7.2.6; the manual prints 1A00h, 2001h, 2005h, 603Fh, 6065h and
- * names 21B0h; all other indices and sub-indices are ours.
+ * names 21B0h; all other indices and sub-indices are ectwin's.
  */
 #include "devices/optoncdt2300/optoncdt2300.h"
 
 #include "devices/optoncdt2300/instance.h"
 
-#define PRODUCT_CODE 0x0D230001 /* placeholders of this project; the manual has the article number there */
+#define PRODUCT_CODE 0x0D230001 /* placeholders of this project; the manual has the article number here */
 #define REVISION     0x00010000
 
 enum {
@@ -44,7 +44,7 @@ static const ect_entry_t mapping[] = {
     MAPPED(13, 0),
 };
 
-/* An object a sample, all with the same mapping. */
+/* One mapping object for each sample, all with the same mapping. */
 #define SAMPLE(n) ECT_RECORD(0x1A00 + (n), "TxPDO mapping", mapping)
 #define TEN(F, n)                                                                                                      \
     F(n), F((n) + 1), F((n) + 2), F((n) + 3), F((n) + 4), F((n) + 5), F((n) + 6), F((n) + 7), F((n) + 8), F((n) + 9)
@@ -141,7 +141,7 @@ static const ect_object_t objects[] = {
     ECT_OBJECT_IDENTITY,
     HUNDRED(SAMPLE, 0),
     ECT_OBJECT_SM_TYPES(4),
-    ECT_ARRAY(0x1C12, "RxPDO assign", no_outputs), /* SOEM takes an SM2 without a type for one of outputs */
+    ECT_ARRAY(0x1C12, "RxPDO assign", no_outputs), /* SOEM regards an SM2 without a type as outputs */
     ECT_ARRAY(0x1C13, "TxPDO assign", assignment),
     ECT_SPARSE(0x1C33, RECORD, 32, "SM3 synchronization", sync),
     ECT_RECORD(0x2001, "User level", user_level),
@@ -172,7 +172,7 @@ static const ect_detail_t details[] = {
     UNIT(0x6065, 0x10, UNIT_NM),
 };
 
-/* SYNC0 is the measuring rate, or for two sensors that take turns half of it, the second one a period later. */
+/* SYNC0 has the measuring rate, or half of it for two alternating sensors, the second one a period later. */
 #define SYNC0(mode_name, what, cycle_ns, shift_ns)                                                                     \
     {.name = mode_name,                                                                                                \
      .description = what,                                                                                              \

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * MICRO-EPSILON optoNCDT 2300 laser distance sensor. docs/devices/optoncdt2300.md cites the manual's page A 7.2.5 and
- * A 7.2.6, the public pages, and our assumptions.
+ * MICRO-EPSILON optoNCDT 2300 laser distance sensor. docs/devices/optoncdt2300.md cites the manual's pages A 7.2.5 and
+ * A 7.2.6, the public pages, and the assumptions of the twin.
  *
  * Signals play the plant: up to two moving surfaces, their reflection, noise, laser, temperature.
  */

@@ -23,7 +23,7 @@ static void count_in(opto_t *u, int32_t distance)
     u->statistic = true;
 }
 
-/* Reason of a missing distance, four bits a surface: the last digit of its error. */
+/* @return the reasons of missing distances, four bits for each surface: the last digit of the error */
 static int32_t state_of(const int32_t distance[OPTO_SURFACES])
 {
     int32_t state = 0;

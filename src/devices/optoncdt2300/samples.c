@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Selection of the records of an exchange (A 7.6): as many as assigned PDOs, the oldest first. */
+/* Selection of the records of an exchange (A 7.6): one for each assigned PDO, the oldest first. */
 #include "devices/optoncdt2300/instance.h"
 #include "wire/bytes.h"
 
 /*
- * One: the last record. Several: the records behind those that the master has read, so that it reads each once, though
- * it may be early or late. With fewer records, or with three times as many waiting: the last ones.
+ * A single sample is the last record. Several samples are the first unread records, so that the master reads each
+ * record once, even if it is early or late; with fewer unread records, or with three times as many, the last records.
  */
 void opto_inputs(void *instance, uint64_t now_ns)
 {
@@ -23,7 +23,7 @@ void opto_inputs_read(void *instance, uint64_t now_ns)
     u->sent = u->shown;
 }
 
-/* With fewer records than samples the first one is repeated. */
+/* Repeats the first record if there are fewer records than samples. */
 void opto_inputs_packed(void *instance, unsigned int sm, uint8_t *image, uint16_t size)
 {
     opto_t *u = instance;

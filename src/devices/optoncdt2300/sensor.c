@@ -4,7 +4,7 @@
 
 #include "devices/optoncdt2300/instance.h"
 
-/* Shortest time between two updates of process data, at any rate: no master reads them faster. */
+/* Shortest time between two updates of process data, at any measuring rate: no master reads faster. */
 enum { RENEWAL_NS = 250000, IDLE_NS = 10000000 };
 
 static const struct {
@@ -31,7 +31,7 @@ static uint64_t period_ns(const opto_t *u)
     return rates[i].period_ns;
 }
 
-/* SYNC0 triggers records from its first pulse on; without it they follow the last one at the sensor's own rate. */
+/* SYNC0 triggers records from its first pulse on; without SYNC0 records follow at the sensor's own rate. */
 static void follow_sync0(opto_t *u)
 {
     bool runs = u->al_state == ECT_STATE_OP && u->sync.dc != 0 && u->sync.sync0_ns != 0;
@@ -44,7 +44,7 @@ static void follow_sync0(opto_t *u)
         u->next_ns += ((last_ns - u->next_ns) / period_ns(u) + 1) * period_ns(u);
 }
 
-/* Counts records that no exchange can hold any more, and does not take them. */
+/* Counts records that no later exchange can contain, and does not take them. */
 static void skip(opto_t *u, uint64_t now_ns)
 {
     uint64_t due = u->next_ns <= now_ns ? (now_ns - u->next_ns) / period_ns(u) + 1 : 0;
@@ -109,7 +109,7 @@ void opto_init(void *instance, const ect_host_t *host, uint64_t now_ns)
     opto_t *u = instance;
     u->host = host;
     u->start_ns = now_ns;
-    u->next_ns = now_ns; /* the first record comes at once */
+    u->next_ns = now_ns; /* the first record is due at once */
     if (!u->plant.known)
         opto_default_plant(&u->plant);
     u->user = u->plant.default_user;

@@ -8,7 +8,7 @@
 enum { USER_LEVEL = 0x2001, STATISTIC = 0x2181, CHOICE = 0x21B0, RATE = 0x2250 };
 enum { LOGIN = 2, LOGOUT = 3, DEFAULT_USER = 4, REPEAT = 7 };
 
-/* --- which measurements are sent ---------------------------------------------------------------------------------- */
+/* --- selection of measurements ------------------------------------------------------------------------------------ */
 
 /* The sub-indices of 6065h, in the order of 1A00h. */
 static const uint8_t sources[OPTO_VALUES] = {0x01, 0x02, 0x03, 0x11, 0x04, 0x05, 0x06,
@@ -25,7 +25,7 @@ void opto_choose(opto_t *u)
     opto_keep_last(u);
 }
 
-/* One more measurement goes into each assigned PDO. */
+/* Adds a measurement to each assigned PDO. */
 static ect_reason_t check_choice(const opto_t *u, uint8_t subindex, bool wanted)
 {
     enum { VALUE_BYTES = 4 };

@@ -107,7 +107,7 @@ static const char *restart(opto_t *u)
     return "";
 }
 
-/* Buttons: 1 presses, 0 is not a press. NULL: it is none of them. */
+/* Handles buttons: 1 presses, 0 has no effect. @return NULL: another signal */
 static const char *press(opto_t *u, const ect_signal_t *signal, uint8_t value)
 {
     static const struct {

@@ -35,14 +35,14 @@ static double phase(const opto_surface_t *s, uint64_t at_ns)
     return (double)(since_ns % period_ns) / (double)period_ns;
 }
 
-/* The row of the table that is in front of the sensor; NULL: it is empty. */
+/* @return the row of the table in front of the sensor; NULL: the table is empty */
 static const opto_row_t *row_at(const opto_plant_t *p, const opto_surface_t *s, uint64_t at_ns)
 {
     uint64_t since_ns = at_ns > s->origin_ns ? at_ns - s->origin_ns : 0;
     return p->rows > 0 ? &p->table[since_ns / (p->row_time_us * 1000ull) % p->rows] : NULL;
 }
 
-/* Distance of the surface in mm. @return false: there is none */
+/* Computes the distance of a surface in mm. @return false: no surface */
 static bool position(const opto_plant_t *p, unsigned int n, uint64_t at_ns, double *mm)
 {
     const opto_surface_t *s = &p->surface[n];
@@ -63,7 +63,7 @@ static int32_t nanometres(double mm)
     return (int32_t)(nm < 0 ? nm - 0.5 : nm + 0.5);
 }
 
-/* A value, or the error in its place. */
+/* @return a value, or the error in its place */
 static int32_t evaluate(const opto_t *u, const opto_surface_t *s, double mm)
 {
     if (s->fault != 0)
@@ -75,7 +75,7 @@ static int32_t evaluate(const opto_t *u, const opto_surface_t *s, double mm)
     return nanometres(mm);
 }
 
-/* The noise continues without a target: the values of a seed do not depend on hidden surfaces. */
+/* Draws noise also without a target, so that the values of a seed do not depend on hidden surfaces. */
 opto_peak_t opto_find_peak(opto_t *u, unsigned int n, uint64_t at_ns)
 {
     const opto_surface_t *s = &u->plant.surface[n];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The functions that the stack calls: time, process data, AL states, SDO; and the order within a step of 250 us. */
+/* The functions called by the stack: time, process data, AL states, SDO; and the sequence of a step of 250 us. */
 #include "devices/pmctendo/instance.h"
 
 enum { MS_STEPS = ECT_402_STEPS_PER_S / 1000 };
@@ -26,7 +26,7 @@ static int8_t mode(const pmctendo_t *u)
     }
 }
 
-/* The objects that the axis does not read itself. */
+/* Reads the objects that the axis does not read itself. */
 static void refresh(pmctendo_t *u)
 {
     u->axis.mode = mode(u);
@@ -112,13 +112,13 @@ void pmc_read_levels(pmctendo_t *u)
 {
     ect_402_read_levels(&u->axis);
     latch_edges(u);
-    pmc_latch_control(u); /* shows the levels */
+    pmc_latch_control(u); /* updates the levels */
     settle(u, 0);
 }
 
 /* --- actual values ------------------------------------------------------------------------------------------------ */
 
-/* 60FDh as in CiA 402: limit switches and home, then the four inputs as they are. */
+/* @return 60FDh as in CiA 402: limit switches and home, then the unchanged levels of the four inputs */
 static uint32_t digital_inputs(const pmctendo_t *u)
 {
     uint32_t bits = (u->axis.level[PMC_NSTOP] ? 0u : 1u) | (u->axis.level[PMC_PSTOP] ? 0u : 2u) |
@@ -128,7 +128,7 @@ static uint32_t digital_inputs(const pmctendo_t *u)
     return bits;
 }
 
-/* In SAFEOP and OP; below, actual values keep their last state. */
+/* Updates actual values in SAFEOP and OP; below, they keep their last state. */
 static void publish_actual(pmctendo_t *u)
 {
     bool following = u->axis.reference.loop == ECT_402_LOOP_POSITION && ect_402_powered(&u->axis);
@@ -147,7 +147,7 @@ static void publish_actual(pmctendo_t *u)
     u->mode_display = u->axis.mode;
 }
 
-/* The display on the front: the fault, else the first warning. */
+/* @return the display on the front: the fault, else the first warning */
 static uint16_t displayed(const pmctendo_t *u)
 {
     if (u->fault != 0)
@@ -159,7 +159,7 @@ static uint16_t displayed(const pmctendo_t *u)
     return 0;
 }
 
-/* To the master. */
+/* Updates the values for the master. */
 static void publish(pmctendo_t *u)
 {
     refresh(u);
@@ -171,7 +171,7 @@ static void publish(pmctendo_t *u)
         publish_actual(u);
 }
 
-/* 60FEh sets the outputs that its mask names, 2001h the others. */
+/* Sets the outputs: by 60FEh where its mask permits, the others by 2001h. */
 static uint8_t digital_output(const pmctendo_t *u, unsigned int number)
 {
     bool masked = (u->axis.physical[1] >> (16 + number) & 1u) != 0;
@@ -179,7 +179,7 @@ static uint8_t digital_output(const pmctendo_t *u, unsigned int number)
     return u->axis.live && (bits >> number & 1u) != 0;
 }
 
-/* Signals: a tick follows each exchange. */
+/* Updates the signals; a tick follows each exchange. */
 static void show(pmctendo_t *u)
 {
     u->state_shown = (uint16_t)u->axis.state;
@@ -231,7 +231,7 @@ void pmc_init(void *instance, const ect_host_t *host, uint64_t now_ns)
     pmc_publish(u);
 }
 
-/* The transition to SAFEOP clears a fault that needs no restart, without a control word. */
+/* Clears a fault that needs no restart at the transition to SAFEOP, without a control word. */
 static void clear_fault(pmctendo_t *u)
 {
     if (u->axis.state != ECT_402_FAULT || pmc_fault_needs_restart(u->fault))
@@ -240,7 +240,7 @@ static void clear_fault(pmctendo_t *u)
     u->axis.state = ECT_402_SWITCH_ON_DISABLED;
 }
 
-/* The effects of a transition by itself: on the rhythm, the torque offset, a fault. */
+/* Applies the effects of a transition on the rhythm, the torque offset and a fault. */
 static void enter(pmctendo_t *u, uint8_t from, uint8_t to)
 {
     bool up = to > from;
@@ -291,7 +291,7 @@ static void take_values(pmctendo_t *u)
     u->axis.set.ahead = u->torque_ahead;
 }
 
-/* The control word and the set values of the outputs come into force. */
+/* Applies the control word and the set values of the outputs. */
 static void take(pmctendo_t *u)
 {
     uint16_t rising = u->control_known ? u->control & (uint16_t)~u->axis.set.control : 0;
@@ -319,7 +319,7 @@ void pmc_cyclic(void *instance, uint8_t events, uint64_t now_ns)
     publish(u);
 }
 
-/* With SYNC0 the outputs come into force at the next one. */
+/* Takes the outputs, which with SYNC0 take effect at the next SYNC0. */
 void pmc_outputs(void *instance, uint64_t now_ns)
 {
     pmctendo_t *u = instance;
@@ -365,7 +365,7 @@ uint64_t pmc_tick(void *instance, uint64_t now_ns)
 
 /* --- by mailbox --------------------------------------------------------------------------------------------------- */
 
-/* Equal limits are off. The first write of a new pair may leave the limits crossed; then none is in force. */
+/* Equal limits are off. Limits that are crossed after the first write of a new pair have no effect. */
 static ect_reason_t check_limit(const pmctendo_t *u, uint8_t subindex, int32_t value)
 {
     int32_t lower = subindex == 1 ? value : u->axis.limit[0];

@@ -10,7 +10,7 @@ typedef struct fault {
     uint8_t reg;
     uint16_t code; /* 603Fh, CiA 402 */
     bool brakes;
-    bool restart; /* only a power cycle takes it away */
+    bool restart; /* ended only by a power cycle */
 } fault_t;
 
 static const fault_t faults[] = {
@@ -68,7 +68,7 @@ void pmc_fault(pmctendo_t *u, uint16_t number)
     u->host->emergency(u->host->ctx, f->code, f->reg | GENERIC, data);
 }
 
-/* The end of a fault is an emergency, as its beginning was. */
+/* Sends an emergency at the end of a fault, as at its beginning. */
 void pmc_fault_reset(pmctendo_t *u)
 {
     static const uint8_t nothing[5];

@@ -11,10 +11,10 @@
  *   status.c     status word
  *   latch.c      latch control and status word
  *   fault.c      faults F01 … F32 and warnings
- *   quirks.c     replies and AL status codes as the manual prints them
+ *   quirks.c     replies and AL status codes as printed in the manual
  *
- * Everything that CiA 402 standardises is the axis of profiles/cia402, with one control step of 250 us. The members
- * that follow are the additions and differences of the manual.
+ * The axis of profiles/cia402 has all standard functions of CiA 402, with a control step of 250 us. The following
+ * members are the additions and differences of the manual.
  */
 #ifndef ECT_DEVICES_PMCTENDO_INSTANCE_H
 #define ECT_DEVICES_PMCTENDO_INSTANCE_H
@@ -29,7 +29,7 @@ enum { PMC_STEP_NS = ECT_402_STEP_NS, PMC_DISPLAYS_FAULT = 0x100, PMC_STATUS_402
 
 #define PMC_TURN 1048576 /* counts; for expressions with doubles */
 
-/** Bits of the control word and of the status word that the manual has beside those of CiA 402. */
+/** Bits of the control word and of the status word in addition to those of CiA 402. */
 enum {
     PMC_REFERENCE = 0x0800, /**< control: reference run, mode 8 */
     PMC_SAVE = 0x1000,      /**< control: its rising edge stores the parameters */
@@ -63,11 +63,11 @@ enum {
     PMC_PDO_ACTUAL_STATUS = 0x1B26,
 };
 
-/** The wiring of the inputs (our assumption). */
+/** The wiring of the inputs (an assumption of the twin). */
 enum { PMC_DI1 = ECT_402_PROBE, PMC_DI2 = ECT_402_HOME, PMC_DI3 = ECT_402_POSITIVE, PMC_DI4 = ECT_402_NEGATIVE };
 enum { PMC_LATCH1 = PMC_DI1, PMC_LATCH2 = PMC_DI2, PMC_HOME = PMC_DI2, PMC_PSTOP = PMC_DI3, PMC_NSTOP = PMC_DI4 };
 
-/** The surroundings of the amplifier. They outlast a power cycle. */
+/** The surroundings of the amplifier, which outlast a power cycle. */
 typedef struct pmc_plant {
     bool known;
     ect_402_plant_t machine;
@@ -81,16 +81,16 @@ typedef struct pmc_plant {
 
 enum { PMC_LATCHES = 5 };
 typedef struct pmc_latch {
-    uint8_t armed, valid; /* a bit each */
+    uint8_t armed, valid; /* one bit each */
     int32_t value[PMC_LATCHES];
 } pmc_latch_t;
 
 typedef struct pmc_sync {
     bool synchronised, warned;  /* n17 */
-    unsigned int good;          /* consecutive events in order */
+    unsigned int good;          /* consecutive events in time */
     unsigned int measured;      /* events in the present mean */
-    uint64_t last_ns, first_ns; /* the last event, 0: none; the start of the mean */
-    uint64_t op_until_ns;       /* deadline of SAFEOP to OP; ECT_NEVER: the transition is not waiting */
+    uint64_t last_ns, first_ns; /* the last event; the start of the mean; 0: none */
+    uint64_t op_until_ns;       /* deadline of SAFEOP to OP; ECT_NEVER: the transition does not wait */
 } pmc_sync_t;
 
 typedef struct pmctendo {
@@ -143,7 +143,7 @@ typedef struct pmctendo {
     pmc_plant_t plant; /* outlasts power: see ect_plant_t */
 } pmctendo_t;
 
-/* drive.c: called by the stack */
+/* drive.c: functions called by the stack */
 void pmc_init(void *instance, const ect_host_t *host, uint64_t now_ns);
 uint16_t pmc_state_change(void *instance, uint8_t from, uint8_t to, uint64_t now_ns);
 void pmc_cyclic(void *instance, uint8_t events, uint64_t now_ns);
@@ -154,19 +154,19 @@ uint64_t pmc_tick(void *instance, uint64_t now_ns);
 ect_reason_t pmc_sdo_write(void *instance, uint16_t index, uint8_t subindex, const void *data, uint16_t size);
 void pmc_sdo_written(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns);
 uint16_t pmc_al_error(void *instance, uint8_t state, uint16_t code, uint64_t now_ns);
-/* ... and by the plant: runs the steps that are due; reads the levels of the inputs again. */
+/* ... and by the plant: runs due steps; reads the levels of the inputs again. */
 void pmc_advance(pmctendo_t *u, uint64_t now_ns);
 void pmc_read_levels(pmctendo_t *u);
-void pmc_publish(pmctendo_t *u); /* to the master, and as signals */
+void pmc_publish(pmctendo_t *u); /* for the master, and as signals */
 
 /* sync.c */
-bool pmc_sync_is_clocked(const pmctendo_t *u); /* the rate of the rhythm matters */
+bool pmc_sync_is_clocked(const pmctendo_t *u); /* whether the rate of the rhythm is checked */
 void pmc_sync_lose(pmctendo_t *u);
 void pmc_sync_event(pmctendo_t *u, uint8_t events, uint64_t now_ns);
 void pmc_sync_wait(pmctendo_t *u, uint64_t now_ns); /* SAFEOP to OP */
 void pmc_sync_due(pmctendo_t *u, uint64_t now_ns);
 uint64_t pmc_sync_next(const pmctendo_t *u);
-/* The cycle of the set values, 60C2h, in steps; 0: no multiple of a step. */
+/* @return the cycle of the set values, 60C2h, in steps; 0: not a multiple of a step. */
 uint32_t pmc_cycle_steps(const pmctendo_t *u);
 
 /* status.c */
@@ -191,11 +191,11 @@ void pmc_fault(pmctendo_t *u, uint16_t number); /* a second fault does not repla
 void pmc_fault_reset(pmctendo_t *u);
 bool pmc_fault_known(uint16_t number);
 bool pmc_fault_needs_restart(uint16_t number);
-bool pmc_fault_brakes(uint16_t number); /* the drive brakes; else the power stage goes off */
+bool pmc_fault_brakes(uint16_t number); /* the drive brakes; else the power stage is switched off */
 void pmc_warn(pmctendo_t *u, unsigned int number, bool on);
 
 /* quirks.c */
 void pmc_mail(void *instance, uint8_t *mail, uint16_t size);
-uint16_t pmc_al_code(const pmctendo_t *u, uint16_t code); /* as the master reads it */
+uint16_t pmc_al_code(const pmctendo_t *u, uint16_t code); /* value read by the master */
 
 #endif

@@ -22,7 +22,7 @@ static uint16_t inputs(const pmctendo_t *u)
     return (uint16_t)bits;
 }
 
-/* Copies the value that the control word selects, when there is one; @return its acknowledge code. */
+/* Copies the value selected by the control word, if a value is available. @return its acknowledge code */
 static uint16_t answer(pmctendo_t *u)
 {
     unsigned int code = u->latch_control >> CODE_SHIFT & CODE_MASK;
@@ -37,7 +37,7 @@ static void show(pmctendo_t *u)
     u->latch_status = (uint16_t)(u->latch.valid | answer(u) | inputs(u));
 }
 
-/* An enable bit arms when it rises; the caught value is kept until the bit falls. */
+/* Arms a latch at the rising edge of its enable bit; the latched value is kept until the bit falls. */
 void pmc_latch_control(pmctendo_t *u)
 {
     pmc_latch_t *l = &u->latch;

@@ -2,7 +2,7 @@
 /*
  * The description of a PMCtendo DD5. Mailbox, worked example and names are those of the manual (1002906-EN-02);
  * docs/devices/pmctendo-dd5.md names the sources of the PDOs that the manual does not print, and of the object numbers
- * of its family.
+ * of the product family.
  */
 #include "devices/pmctendo/pmctendo.h"
 
@@ -322,7 +322,7 @@ static const ect_detail_t details[] = {
     SPEED(0x60FF),
 };
 
-/* One a direction: each excludes the others. */
+/* One PDO for each direction: each PDO excludes the others. */
 static const uint16_t not_1701[] = {0x1702, 0x1704, 0x1720, 0x1721, 0x1722, 0};
 static const uint16_t not_1702[] = {0x1701, 0x1704, 0x1720, 0x1721, 0x1722, 0};
 static const uint16_t not_1704[] = {0x1701, 0x1702, 0x1720, 0x1721, 0x1722, 0};

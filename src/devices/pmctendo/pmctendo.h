@@ -2,7 +2,7 @@
 /**
  * @file
  * The Pilz PMCtendo DD5 (PMCprotego D) servo amplifier as an EtherCAT slave (manual 1002906-EN-02): a mailbox of 16
- * bytes, one fixed PDO a direction, chosen by the master, and a motor.
+ * bytes, one fixed PDO for each direction, chosen by the master, and a motor.
  */
 #ifndef ECT_DEVICES_PMCTENDO_H
 #define ECT_DEVICES_PMCTENDO_H

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Differences of the manual from the standard, for masters written after the manual. */
+/* Differences between the manual and the standard, for masters that follow the manual. */
 #include "devices/pmctendo/instance.h"
 
 enum { COE = 3, RESPONSE = 3, REQUEST = 2, COE_HEADER = 6, TELEGRAM = 16, HEADER_AND_LENGTH = 2 };
 
-/* The reply of §4.10's example: the length counts from byte 2, and the service is the request's. */
+/* Makes the reply of the example in §4.10: the length counts from byte 2, and the service is that of the request. */
 void pmc_mail(void *instance, uint8_t *mail, uint16_t size)
 {
     const pmctendo_t *u = instance;

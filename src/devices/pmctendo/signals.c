@@ -136,7 +136,7 @@ static const char *signal_write(void *instance, const ect_signal_t *signal, uint
     return NULL;
 }
 
-/* A change of the surroundings counts from this moment on: edges lie at the present position of the shaft. */
+/* Applies a change of the surroundings at the present time: edges occur at the present position of the shaft. */
 static void signal_written(void *instance, const ect_signal_t *signal, uint16_t number, uint64_t now_ns)
 {
     pmctendo_t *u = instance;

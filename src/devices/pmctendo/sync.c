@@ -1,26 +1,27 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The cyclic rhythm (manual §4.3.4, §4.8): SYNC0 where the clocks run, else the outputs of the master. Without a rhythm
- * warning n17 is on and OP is refused; its loss in OP is fault F28.
+ * The cyclic rhythm (manual §4.3.4, §4.8): SYNC0 if the clocks run, else the outputs of the master. Without a rhythm,
+ * warning n17 is on and OP is refused; a loss of the rhythm in OP is fault F28.
  */
 #include "devices/pmctendo/instance.h"
 
 enum { ENOUGH = 4, MEASURED = 16, MS_NS = 1000000 };
 
-/* SYNC0 is a clock. The frames of a PC are none: their rate matters only with sync_tolerance. */
+/* @return whether the rate of the rhythm is checked: always for SYNC0, which is a clock; for frames only with
+ * sync_tolerance */
 bool pmc_sync_is_clocked(const pmctendo_t *u)
 {
     return u->sync_data.dc != 0 || u->plant.sync_tolerance_ppm != 0;
 }
 
-/* Whether the last event is older than sync_patience. */
+/* @return whether the last event is older than sync_patience */
 static bool overdue(const pmctendo_t *u, uint64_t now_ns)
 {
     uint64_t patience_ns = (uint64_t)u->plant.sync_patience_ms * MS_NS;
     return patience_ns != 0 && now_ns - u->sync.last_ns > patience_ns;
 }
 
-/* The cycle time of 60C2h. */
+/* @return the cycle time of 60C2h */
 static uint64_t cycle_ns(const pmctendo_t *u)
 {
     uint64_t ns = u->cycle_units;
@@ -48,7 +49,7 @@ void pmc_sync_lose(pmctendo_t *u)
     u->sync.last_ns = 0;
 }
 
-/* Whether this event follows the last one in time. */
+/* @return whether this event follows the last one in time */
 static bool in_order(const pmctendo_t *u, uint64_t now_ns)
 {
     if (!pmc_sync_is_clocked(u))
@@ -58,7 +59,7 @@ static bool in_order(const pmctendo_t *u, uint64_t now_ns)
     return u->sync_data.dc == 0 || u->sync_data.cycle_ns == cycle_ns(u);
 }
 
-/* The mean of several cycles against 60C2h. */
+/* Compares the mean of several cycles with 60C2h. */
 static bool in_tolerance(const pmctendo_t *u, uint64_t now_ns)
 {
     uint64_t want = MEASURED * cycle_ns(u);
