@@ -68,7 +68,7 @@ function makeTroubles(find) {
   const kinds = [["err", "error_cause", "ERR"], ["steps_ignored", "step_ignored_cause", "STEP ignored"], ["exes_ignored", "exe_ignored_cause", "EXE ignored"],
     ["commands_refused", "command_refused_cause", "Command refused"], ["saves_failed", "save_failed_cause", "Save failed"]].map((names) => [find(names[0]), find(names[1]), names[2]]);
   const show = () => list.replaceChildren(...kinds.filter(([counter]) => counter.value > 0)
-    .map(([counter, cause, text]) => make("li", {}, `${text}${counter.value > 1 ? ` ${counter.value} times` : ""}: ${cause.value || "set by hand"}`)));
+    .map(([counter, cause, text]) => make("li", {}, `${text}${counter.value > 1 ? ` ${counter.value} times` : ""}: ${cause.value || "set manually"}`)));
   watchAll(kinds.flatMap(([counter, cause]) => [counter, cause]), show);
   return list;
 }

@@ -105,13 +105,15 @@ static const ect_signal_t signals[] = {
     R(gate_level, "gate", BOOL, 0, 1, NULL, "GATE"),
     R(overall_ng, "or", BOOL, 0, 1, NULL, "OR: the overall judgement is NG"),
     R(continuous_level, "continuous", BOOL, 0, 1, NULL, "continuous measurement"),
-    R(errors, "error_cause", DESCRIBED, 0, CAUSE, NULL, "why ERR is on"),
+    R(errors, "error_cause", DESCRIBED, 0, CAUSE, NULL, "causes of ERR"),
     R(step_ignored.count, "steps_ignored", U32, 0, INT32_MAX, NULL, "edges of STEP that measured nothing"),
-    R(step_ignored.why, "step_ignored_cause", DESCRIBED, 0, CAUSE, NULL, "why the last one did not"),
+    R(step_ignored.why, "step_ignored_cause", DESCRIBED, 0, CAUSE, NULL,
+      "reason why the last of these edges measured nothing"),
     R(exe_ignored.count, "exes_ignored", U32, 0, INT32_MAX, NULL, "edges of EXE that began no command"),
-    R(exe_ignored.why, "exe_ignored_cause", DESCRIBED, 0, CAUSE, NULL, "why the last one did not"),
-    R(refused.count, "commands_refused", U32, 0, INT32_MAX, NULL, "commands answered with -1"),
-    R(refused.why, "command_refused_cause", DESCRIBED, 0, CAUSE, NULL, "why the last one was"),
+    R(exe_ignored.why, "exe_ignored_cause", DESCRIBED, 0, CAUSE, NULL,
+      "reason why the last of these edges began no command"),
+    R(refused.count, "commands_refused", U32, 0, INT32_MAX, NULL, "commands refused with response code -1"),
+    R(refused.why, "command_refused_cause", DESCRIBED, 0, CAUSE, NULL, "reason of the last refusal"),
     R(saving_level, "saving", BOOL, 0, 1, NULL, "the unit is being saved"),
     R(saves, "saves", U32, 0, INT32_MAX, NULL, "complete saves"),
     R(save_failed.count, "saves_failed", U32, 0, INT32_MAX, NULL, "saves that failed"),
@@ -204,8 +206,8 @@ static void append(char *to, const char *text)
 
 static void append_errors(char *text, uint16_t errors)
 {
-    static const char *const causes[] = {"DSA did not come", "DSA stayed on", "results lost: 16 wait already",
-                                         "EXE stayed on", "set by hand"};
+    static const char *const causes[] = {"no DSA", "DSA stayed on", "results lost: 16 wait already", "EXE stayed on",
+                                         "set manually"};
     for (unsigned int i = 0; i < sizeof causes / sizeof causes[0]; i++) {
         if ((errors >> i & 1) == 0)
             continue;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Position and speed controller, their limits. Tuned for the motor alone, as after commissioning. */
+/* Position and speed controllers, and their limits. Tuned for the motor alone, as after commissioning. */
 #include "profiles/cia402/axis.h"
 
 #define POSITION_GAIN 50.0  /* 1/s */
@@ -7,7 +7,7 @@
 #define INTEGRAL_TIME 0.02  /* s */
 #define OVERSPEED     1.2
 enum { OVERSPEED_STEPS = ECT_402_STEPS_PER_S / 100 };
-#define STANDSTILL (3.0 / 60) /* turns a second */
+#define STANDSTILL (3.0 / 60) /* turns per second */
 
 /* --- controllers -------------------------------------------------------------------------------------------------- */
 
@@ -21,7 +21,7 @@ static uint16_t least(uint16_t a, uint16_t b)
     return a < b ? a : b;
 }
 
-/* 6072h and 6073h both ways, 60E0h and 60E1h one way each. */
+/* Limits the torque: 6072h and 6073h in both directions, 60E0h and 60E1h in one each. */
 static double limit_torque(const ect_402_axis_t *a, double torque)
 {
     uint16_t one_way = torque > 0 ? a->torque_limit[0] : a->torque_limit[1];
@@ -29,7 +29,7 @@ static double limit_torque(const ect_402_axis_t *a, double torque)
     return ect_402_within(torque, set < a->config->peak_torque ? set : a->config->peak_torque);
 }
 
-/* A limit switch that is hit stops the shaft on 6085h (DRV-238). A reference run brakes by itself. */
+/* Stops the shaft on 6085h at a limit switch (DRV-238). A reference run brakes by itself. */
 static double at_switch(ect_402_axis_t *a, double speed)
 {
     bool hit = blocked(a, speed) && !a->homing.active;
@@ -51,10 +51,10 @@ static double speed_command(ect_402_axis_t *a)
     return at_switch(a, limited);
 }
 
-/* No integration while the torque is at its limit: the integral part would wind up. */
+/* Integrates only while the torque is below its limit, to prevent wind-up. */
 static double speed_controller(ect_402_axis_t *a, double command, double ahead)
 {
-    double gain = 1.0 / (ect_402_per_nm(a, a->config->inertia) * SPEED_TIME); /* Nm a count/s */
+    double gain = 1.0 / (ect_402_per_nm(a, a->config->inertia) * SPEED_TIME); /* Nm per count/s */
     double error = command - a->plant->speed;
     double torque = gain * error + a->sum + ahead;
     double limited = limit_torque(a, torque);
@@ -64,7 +64,7 @@ static double speed_controller(ect_402_axis_t *a, double command, double ahead)
     return limited;
 }
 
-/* A torque is followed unless it turns the shaft too fast, or into a limit switch. */
+/* Follows a torque unless it turns the shaft too fast, or into a limit switch. */
 static double torque_controller(ect_402_axis_t *a)
 {
     double torque = limit_torque(a, a->reference.torque);
@@ -76,7 +76,7 @@ static double torque_controller(ect_402_axis_t *a)
     return faster ? speed_controller(a, ect_402_within(speed, ect_402_speed_limit(a)), 0) : torque;
 }
 
-/* Beyond 6065h for longer than 6066h. */
+/* @return whether the time beyond 6065h exceeds 6066h */
 bool ect_402_following_late(const ect_402_axis_t *a)
 {
     return a->error_steps > a->error_time * (ECT_402_STEPS_PER_S / 1000u);
@@ -121,7 +121,7 @@ bool ect_402_standing(const ect_402_axis_t *a)
     return a->reference.speed == 0 && ect_402_size(a->plant->speed) < STANDSTILL * a->config->turn;
 }
 
-/* --- standing still ----------------------------------------------------------------------------------------------- */
+/* --- standstill --------------------------------------------------------------------------------------------------- */
 
 void ect_402_hold_begin(ect_402_axis_t *a)
 {
@@ -129,7 +129,7 @@ void ect_402_hold_begin(ect_402_axis_t *a)
     a->segment_steps = 0;
 }
 
-/* The integral part of an acceleration must not act against the ramp. */
+/* Resets the integral part, because that of an acceleration would act against the ramp. */
 void ect_402_brake_begin(ect_402_axis_t *a)
 {
     a->reference = (ect_402_reference_t){.loop = ECT_402_LOOP_SPEED, .speed = a->plant->speed};

@@ -5,7 +5,7 @@
 /* Bits of the error register 1001h. */
 enum { GENERIC = 0x01, CURRENT = 0x02, VOLTAGE = 0x04, HOT = 0x08, BUS = 0x10, PROFILE = 0x20 };
 
-/* Faults that take the power stage: no reaction can brake. */
+/* Faults that disable the power stage, so that no reaction can brake. */
 static const uint16_t off[] = {0x2310, 0x2320, 0x2340, 0x3210, 0x3220, 0x5112, 0x5441,
                                0x5530, 0x6100, 0x6320, 0x7303, 0x7305, 0x7320, 0x8400};
 

@@ -41,7 +41,7 @@ static uint8_t line_of(const ect_402_drive_t *d, unsigned int n)
     }
 }
 
-/* Bit 0 or the bit of an edge arms when it rises. */
+/* Arms a probe at a rising edge of bit 0 or of the bit of an edge. */
 static void control(ect_402_probe_t *p, uint16_t function)
 {
     uint16_t rising = function & (uint16_t)~p->function;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The functions of a description: time, process data, AL states, SDO; and the order within a step of 250 us. */
+/* The functions of a description: time, process data, AL states, SDO; and the sequence of a step of 250 us. */
 #include "profiles/cia402/drive.h"
 
 enum {
     STEPS_A_MS = ECT_402_STEPS_PER_S / 1000,
-    LONGEST_CYCLE = ECT_402_STEPS_PER_S, /* steps: a second */
+    LONGEST_CYCLE = ECT_402_STEPS_PER_S, /* steps in a second */
     CYCLES_WITHOUT_SYNC0 = 4,
     UNDERVOLTAGE = 0x3220,
     STO = 0x5441,
@@ -61,7 +61,7 @@ static void settle(ect_402_drive_t *d, uint16_t rising)
 
 /* --- a step ------------------------------------------------------------------------------------------------------- */
 
-/* The shaft goes on into a limit switch. */
+/* @return whether the shaft moves further into a limit switch */
 static bool hits_switch(const ect_402_axis_t *a)
 {
     double speed = a->plant->speed;
@@ -122,8 +122,8 @@ static void surroundings(ect_402_drive_t *d)
                                    .stop_positive = {.at = INT32_MAX}};
 }
 
-/* 6502h of the file counts, as far as the objects allow its modes; 0 counts as absent. A master reads the modes that
- * 6060h takes, and those of the manufacturer, which have no behaviour. */
+/* Sets the supported modes: those of the file's 6502h for which the objects exist; 0 counts as absent. The master reads
+ * the modes that 6060h accepts, and those of the manufacturer, which have no behaviour. */
 static void find_modes(ect_402_drive_t *d)
 {
     enum { MANUFACTURER = 0xFFFF0000 };
@@ -155,7 +155,7 @@ void ect_402_drive_init(ect_402_drive_t *d, const ect_402_link_t *links, ect_402
     ect_402_drive_touched(d);
 }
 
-/* --- to the master, and to users ---------------------------------------------------------------------------------- */
+/* --- values for the master, and for users ------------------------------------------------------------------------- */
 
 void ect_402_drive_publish(ect_402_drive_t *d)
 {
@@ -190,7 +190,7 @@ static uint64_t written_cycle(const ect_402_drive_t *d)
     return d->cycle_written ? ect_402_drive_cycle_ns(units, d->value[ECT_402_V_CYCLE_POWER]) : 0;
 }
 
-/* The time from one set position to the next: 60C2h of the master, else as the last two came. */
+/* @return the time from one set position to the next: 60C2h of the master, else the distance of the last two */
 static uint32_t cycle_steps(const ect_402_drive_t *d, uint64_t now_ns)
 {
     uint64_t ns = written_cycle(d);
@@ -220,7 +220,7 @@ static bool sync0_runs(const ect_402_drive_t *d, uint64_t now_ns)
     return d->sync0_ns != 0 && now_ns - d->sync0_ns <= CYCLES_WITHOUT_SYNC0 * cycle;
 }
 
-/* 60C2h against the time from one SYNC0 or, without it, from one frame to the next (DRV-159). */
+/* Compares 60C2h with the distance of SYNC0 or, without SYNC0, of frames (DRV-159). */
 static void check_cycle(ect_402_drive_t *d, uint64_t before_ns, uint64_t now_ns)
 {
     uint64_t want = written_cycle(d);
@@ -276,11 +276,11 @@ void ect_402_drive_below_op(ect_402_drive_t *d, uint8_t al)
     d->al = al;
     if (al != ECT_STATE_INIT && al != ECT_STATE_BOOT)
         return;
-    d->axis.live = false; /* the control word was that of a mailbox */
+    d->axis.live = false; /* the last control word came by mailbox */
     settle(d, 0);
 }
 
-/* 6007h, when OP ends while the shaft has torque (DRV-155, DRV-156). */
+/* Applies 6007h at an end of OP with torque (DRV-155, DRV-156). */
 static void lose_op(ect_402_drive_t *d)
 {
     int64_t how = d->links[ECT_402_V_ABORT_OPTION].bytes != 0 ? d->value[ECT_402_V_ABORT_OPTION] : LEAVES_FAULT;
@@ -293,8 +293,8 @@ static void lose_op(ect_402_drive_t *d)
         d->axis.state = ECT_402_SWITCH_ON_DISABLED;
 }
 
-/* The end of OP sets what may be mapped to its default. Settings outlast it; digital outputs and touch probes do not.
- */
+/* Restores settings after the end of OP, which sets mappable entries to their defaults; digital outputs and touch
+ * probes keep the defaults. */
 static void keep_settings(ect_402_drive_t *d)
 {
     for (unsigned int i = 0; i < ECT_402_VALUE_COUNT; i++) {
@@ -322,7 +322,7 @@ void ect_402_drive_leave_op(ect_402_drive_t *d, uint64_t now_ns)
 
 /* --- by mailbox --------------------------------------------------------------------------------------------------- */
 
-/* Below OP a control word leads to Ready at most: it keeps the former command instead of one that leads on (DRV-154).
+/* Takes a control word below OP. A command that leads beyond Ready is replaced by the previous one (DRV-154).
  */
 static void take_below_op(ect_402_drive_t *d)
 {

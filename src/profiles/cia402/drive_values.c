@@ -5,9 +5,9 @@
 #define DEFAULT_INCREMENTS 1048576.0
 #define SHORTEST_TURN      1e-6 /* position units */
 #define LONGEST_TURN       1e12
-#define INERTIA_A_NM       1e-4 /* kg m2 for each Nm of rated torque: rated torque gives 10 000 rad/s2 */
+#define INERTIA_A_NM       1e-4 /* kg m2 for each Nm of rated torque: rated torque accelerates by 10 000 rad/s2 */
 #define PEAK               3.0  /* times the rated torque */
-enum { POSITION_TURNED = 0x80, SPEED_TURNED = 0x40, SHORTEST_UNITS = 250 /* of 60C2h, whole with any power */ };
+enum { POSITION_TURNED = 0x80, SPEED_TURNED = 0x40, SHORTEST_UNITS = 250 /* of 60C2h, an integer with any power */ };
 
 static bool has(const ect_402_drive_t *d, ect_402_value_t value)
 {
@@ -30,7 +30,7 @@ static double ratio(const ect_402_drive_t *d, ect_402_value_t above, ect_402_val
     return a > 0 ? a / (b > 0 ? b : 1) : otherwise;
 }
 
-/* The way of a turn of the motor, in the master's position units (DRV-230). */
+/* @return the distance of a turn of the motor, in the master's position units (DRV-230) */
 static double turn_of(const ect_402_drive_t *d)
 {
     double feed = ratio(d, ECT_402_V_FEED, ECT_402_V_FEED_TURNS, 0);
@@ -43,7 +43,7 @@ static double scaled(int32_t at, double factor)
     return ect_402_size((double)at) < INT32_MAX ? at * factor : at;
 }
 
-/* The machine keeps its shape when the unit that describes it changes. */
+/* Converts the description of the machine to a new unit. */
 static void rescale(ect_402_surroundings_t *s, double turn)
 {
     double factor = s->turn > 0 ? turn / s->turn : 1;
@@ -74,7 +74,7 @@ static double speed_unit(const ect_402_drive_t *d)
     }
 }
 
-/* A change of the way of a turn leaves the shaft where it is. */
+/* Applies a change of the distance of a turn without a motion of the shaft. */
 static void take_units(ect_402_drive_t *d)
 {
     double before = d->config.turn;
@@ -117,7 +117,7 @@ void ect_402_drive_defaults(ect_402_drive_t *d)
     }
 }
 
-/* A setting that the dictionary has, else the default. */
+/* @return a setting of the dictionary, else the default */
 static double setting(const ect_402_drive_t *d, ect_402_value_t value)
 {
     return has(d, value) ? (double)d->value[value] : default_of(d, value);
@@ -144,7 +144,7 @@ static int16_t option(const ect_402_drive_t *d, ect_402_value_t value)
     return (int16_t)ect_402_within(setting(d, value), INT16_MAX);
 }
 
-/* Speeds and accelerations in position units. */
+/* Converts speeds and accelerations to position units. */
 static uint32_t speed_u32(const ect_402_drive_t *d, ect_402_value_t value)
 {
     return nearest_u32(setting(d, value) * d->speed_unit);
@@ -210,7 +210,8 @@ static void take_torques(ect_402_drive_t *d)
     a->torque_slope = setting_u32(d, ECT_402_V_TORQUE_SLOPE);
 }
 
-/* 607Dh counts from the machine home (DRV-235); both outermost are none (DRV-237). */
+/* Sets the software limit switches: 607Dh counts from the machine home (DRV-235); both extreme values mean none
+ * (DRV-237). */
 static void take_limits(ect_402_drive_t *d, int64_t offset, bool turned)
 {
     ect_402_axis_t *a = &d->axis;
@@ -294,13 +295,13 @@ uint64_t ect_402_drive_cycle_ns(int64_t units, int64_t power)
     return power > 0 ? 0 : (uint64_t)units * ns;
 }
 
-/* 60C2h: whole steps of the control (DRV-263). */
+/* Checks 60C2h, a multiple of the control step (DRV-263). */
 static bool is_cycle(int64_t units, int64_t power)
 {
     return power >= -6 && power <= 0 && ect_402_drive_cycle_ns(units, power) % ECT_402_STEP_NS == 0;
 }
 
-/* 60E3h lists the methods, where the dictionary has it (DRV-280). */
+/* Checks a method against 60E3h, if the dictionary has 60E3h (DRV-280). */
 static bool is_method(const ect_402_drive_t *d, int64_t number)
 {
     bool listed = d->methods == 0 || (number < 64 && (d->methods >> number & 1u) != 0);
@@ -323,7 +324,7 @@ static bool is_known(const ect_402_drive_t *d, ect_402_value_t value, int64_t nu
         return number <= 0 || (number <= 32 && (d->modes >> (number - 1) & 1u) != 0);
     case ECT_402_V_HOME_METHOD:
         return number <= 0 || is_method(d, number);
-    case ECT_402_V_POSITIONING: /* base of relative targets, way of rotary axes; the rest is 0 */
+    case ECT_402_V_POSITIONING: /* base of relative targets, direction of rotary axes; the other bits must be 0 */
         return (number & ~INT64_C(0xC3)) == 0 && (number & 3) != 3;
     case ECT_402_V_PROFILE_TYPE:
     case ECT_402_V_TORQUE_PROFILE:
@@ -331,7 +332,7 @@ static bool is_known(const ect_402_drive_t *d, ect_402_value_t value, int64_t nu
         return number <= 0;
     case ECT_402_V_SYNC_FUNCTIONS: /* 60D9h: none */
         return number == 0;
-    case ECT_402_V_CYCLE_UNITS: /* may precede its power, which decides */
+    case ECT_402_V_CYCLE_UNITS: /* may precede its power, whose write is checked */
         return number >= 1 && number <= UINT8_MAX;
     case ECT_402_V_CYCLE_POWER:
         return is_cycle(d->cycle_written ? d->value[ECT_402_V_CYCLE_UNITS] : SHORTEST_UNITS, number);
@@ -340,7 +341,7 @@ static bool is_known(const ect_402_drive_t *d, ect_402_value_t value, int64_t nu
     }
 }
 
-/* The second value of a pair decides; a maximum of 0 was not written yet. */
+/* Checks a pair at the second write; a maximum of 0 is not yet written. */
 static bool is_crossed(const ect_402_drive_t *d, ect_402_value_t value, int64_t number)
 {
     switch (value) {
@@ -374,7 +375,7 @@ static int sign_of(const ect_402_drive_t *d, unsigned int mask)
     return ((unsigned int)d->value[ECT_402_V_POLARITY] & mask) != 0 ? -1 : 1;
 }
 
-/* Without 6060h the mode is that of the set value that the drive has. */
+/* @return the mode of the existing set value, without 6060h */
 static int8_t fixed_mode(const ect_402_drive_t *d)
 {
     if (has(d, ECT_402_V_TARGET_POSITION))
@@ -402,7 +403,7 @@ static void take_mode(ect_402_drive_t *d)
         d->axis.mode = (int8_t)mode;
 }
 
-/* Integers wrap, as positions count; a number in floating point has no such neighbour beyond 32 bits. */
+/* Wraps integers, as positions do; floating-point numbers beyond 32 bits do not wrap. */
 static int64_t set_position(const ect_402_drive_t *d, ect_402_value_t value)
 {
     int64_t position = sign_of(d, POSITION_TURNED) * d->value[value];
@@ -445,7 +446,7 @@ static void put_bits(const ect_402_drive_t *d, ect_402_value_t value, uint32_t b
     ect_402_store(d->instance, &d->links[value], bits);
 }
 
-/* DRV-075: the shaft is slower or faster than its demand. */
+/* @return whether the shaft is slower or faster than its demand by more than the maximum slippage (DRV-075) */
 static bool slips(const ect_402_drive_t *d)
 {
     const ect_402_axis_t *a = &d->axis;
@@ -453,7 +454,7 @@ static bool slips(const ect_402_drive_t *d)
            ect_402_size(a->reference.speed - a->plant->speed) > d->max_slippage;
 }
 
-/* Bits of the mode, by the choices of vendors in mode 8 (DRV-510, DRV-511). */
+/* @return the bits of the mode, in mode 8 by the choices of vendors (DRV-510, DRV-511) */
 static uint16_t mode_bits(const ect_402_drive_t *d)
 {
     const ect_402_axis_t *a = &d->axis;
@@ -480,7 +481,7 @@ static uint16_t status_word(const ect_402_drive_t *d)
                       (ect_402_limit_acts(a) || stop || a->held ? ECT_402_STATUS_LIMIT : 0));
 }
 
-/* 60FDh: limit switches, home switch, interlock, probe inputs. */
+/* @return 60FDh: limit switches, home switch, interlock, probe inputs */
 static uint32_t digital_inputs(const ect_402_drive_t *d)
 {
     const uint8_t *level = d->axis.level;

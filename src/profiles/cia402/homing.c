@@ -4,7 +4,7 @@
 
 #include "profiles/cia402/axis.h"
 
-enum { MOST_LEGS = 4, SHORTEST_STEPS = 80 /* 20 ms: bit 12 shows every run */ };
+enum { MOST_LEGS = 4, SHORTEST_STEPS = 80 /* 20 ms, so that bit 12 indicates every run */ };
 #define AT_THE_POINT 1.0 /* counts */
 enum { UP = 1, DOWN = -1, NONE = 0 };
 
@@ -19,8 +19,8 @@ typedef struct method {
     leg_t legs[MOST_LEGS];
 } method_t;
 
-/* The methods of CiA 402: 17 to 30 end at a switch, 1 to 14 at the index pulse behind it. The cam of 7 to 14 and 23 to
- * 30 may lie on either side: a limit switch turns the search for it. */
+/* The methods of CiA 402: 17 to 30 end at a switch, 1 to 14 at the index pulse behind the switch. The cam of 7 to 14
+ * and 23 to 30 may lie on either side: a limit switch reverses the search. */
 static const method_t methods[] = {
     {1, {{DOWN, ECT_402_NEGATIVE, false}, {UP, ECT_402_NEGATIVE, true}, {UP, ECT_402_INDEX, true}}},
     {2, {{UP, ECT_402_POSITIVE, false}, {DOWN, ECT_402_POSITIVE, true}, {DOWN, ECT_402_INDEX, true}}},
@@ -90,7 +90,7 @@ static int direction_of(const ect_402_axis_t *a, const leg_t *leg)
     return a->homing.turned && a->homing.leg == 0 ? -leg->direction : leg->direction;
 }
 
-/* The point is found, and the shaft has passed it. */
+/* Returns to the point found, which the shaft has passed. */
 static void turn_back(ect_402_axis_t *a, double found)
 {
     a->homing.returning = true;
@@ -106,8 +106,8 @@ static void next_leg(ect_402_axis_t *a, double at)
         turn_back(a, at);
 }
 
-/* The shaft is on the far side of the first leg already. When the second leg searches for the switch, the search runs
- * at its speed first, and both legs follow slowly for the edge that counts. */
+/* Handles a shaft that is already behind the first leg. If the second leg searches for the switch, the search runs
+ * first, at its speed, and both legs follow slowly for the relevant edge. */
 static void skip_first_leg(ect_402_axis_t *a)
 {
     const leg_t *leg = leg_at(a);
@@ -145,7 +145,7 @@ void ect_402_homing_abort(ect_402_axis_t *a)
         fail(a);
 }
 
-/* Only in the direction of the leg: the shaft may still be reversing. */
+/* Accepts edges only in the direction of the leg, because the shaft may still be reversing. */
 void ect_402_homing_edge(ect_402_axis_t *a, const ect_402_edge_t *edge)
 {
     const leg_t *leg = a->homing.active && !a->homing.returning ? leg_at(a) : NULL;
@@ -157,7 +157,7 @@ void ect_402_homing_edge(ect_402_axis_t *a, const ect_402_edge_t *edge)
         next_leg(a, edge->position);
 }
 
-/* In a limit switch that is not the target of the leg. */
+/* @return whether the shaft is in a limit switch that is not the target of the leg */
 static bool stuck(const ect_402_axis_t *a, const leg_t *leg)
 {
     unsigned int stop = direction_of(a, leg) == UP ? ECT_402_POSITIVE : ECT_402_NEGATIVE;

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Limits of set values: the speed limit, and the software limit switches 607Dh once the reference is known. Set
- * positions end at a switch; a speed or a torque towards one ends in a ramp to a standstill there, and back is free.
+ * positions end at a switch; a speed or a torque towards a switch ends in a ramp to a standstill there; the opposite
+ * direction is free.
  */
 #include "profiles/cia402/axis.h"
 
-#define REACTION_S 0.002 /* of the speed controller: the way of this lag precedes the ramp */
-#define CLOSE      10.0  /* counts: at the switch */
+#define REACTION_S 0.002 /* lag of the speed controller: the ramp begins earlier by the distance of this lag */
+#define CLOSE      10.0  /* counts from the switch that count as at the switch */
 
 static double least(double a, double b)
 {
@@ -69,7 +70,7 @@ double ect_402_folded(const ect_402_axis_t *a, double user)
     return user - (turns < full ? full - 1 : full) * whole;
 }
 
-/* The way to a position within 607Bh: in mode 1 by 60F2h, in the others the short one. */
+/* @return the distance to a position within 607Bh: in mode 1 by 60F2h, in other modes the shorter one */
 static double rotary_way(const ect_402_axis_t *a, double from, int32_t position)
 {
     enum { LINEAR, NEGATIVE, POSITIVE };
@@ -88,7 +89,7 @@ static double rotary_way(const ect_402_axis_t *a, double from, int32_t position)
     }
 }
 
-/* Between software limit switches the axis is a line; without them a set value is a difference of 32 bits. */
+/* Between software limit switches the axis is linear; without these a set value is a difference of 32 bits. */
 double ect_402_absolute(ect_402_axis_t *a, double from, int32_t position)
 {
     double target = clamp(a, position);
@@ -164,8 +165,8 @@ bool ect_402_limit_holds_speed(ect_402_axis_t *a, double speed)
     return guarded(a, direction, ect_402_size(speed), ect_402_deceleration(a));
 }
 
-/* A torque that turns the shaft back releases it at the switch: less towards the switch than the holding torque, which
- * is the integral part of the speed controller. */
+/* Releases the shaft at the switch if the torque towards the switch is less than the holding torque, the integral part
+ * of the speed controller. */
 bool ect_402_limit_holds_torque(ect_402_axis_t *a, double torque)
 {
     if (a->reference.speed == 0 && (torque - a->sum) * a->guarded < 0) {

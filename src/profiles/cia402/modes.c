@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Set values, by mode of operation, step by step. */
+/* Set values by mode of operation, in steps. */
 #include "profiles/cia402/axis.h"
 
 static bool is_position(int8_t mode)
@@ -18,7 +18,7 @@ void ect_402_follow_begin(ect_402_axis_t *a)
 {
     ect_402_hold_begin(a);
     if (!ect_402_standing(a))
-        a->reference.speed = a->plant->speed; /* a motion goes on from where it is (DRV-204) */
+        a->reference.speed = a->plant->speed; /* a motion continues from its present state (DRV-204) */
     ect_402_limits_begin(a);
     if (a->mode != a->mode_running) {
         ect_402_homing_abort(a);
@@ -36,14 +36,14 @@ bool ect_402_take_mode(ect_402_axis_t *a)
     return true;
 }
 
-/* A halt keeps tasks and reference runs, and takes new ones. */
+/* During a halt tasks and reference runs are kept, and new ones accepted. */
 bool ect_402_halted(const ect_402_axis_t *a)
 {
     return a->state == ECT_402_OPERATION_ENABLED && a->action == ECT_402_RAMP &&
            ect_402_command(a->set.control, a->live) == ECT_402_ENABLE_OPERATION;
 }
 
-/* By its level, the bit starts the first run in its mode. */
+/* @return whether a run starts: at an edge of the bit; the first run in the mode also at its level (homing_by_level) */
 static bool starts_homing(const ect_402_axis_t *a, uint16_t rising)
 {
     const ect_402_homing_t *h = &a->homing;
@@ -71,7 +71,7 @@ void ect_402_set_values(ect_402_axis_t *a, uint16_t rising)
 
 /* --- following ---------------------------------------------------------------------------------------------------- */
 
-/* Interpolates to each new position over one cycle; without a new one the reference holds. */
+/* Interpolates to each new position over one cycle; without a new position the reference is constant. */
 static void follow_position(ect_402_axis_t *a)
 {
     ect_402_reference_t *r = &a->reference;
@@ -112,7 +112,7 @@ static void follow_speed_ramp(ect_402_axis_t *a)
     if (ect_402_limit_holds_speed(a, target))
         return;
     if (a->at_switch)
-        r->speed = ect_402_within(r->speed, ect_402_size(a->switch_speed)); /* the way back begins at once */
+        r->speed = ect_402_within(r->speed, ect_402_size(a->switch_speed)); /* the return begins at once */
     bool faster = ect_402_size(target) > ect_402_size(r->speed) && (target > 0) == (r->speed >= 0);
     double most = (faster ? ect_402_acceleration(a) : ect_402_deceleration(a)) * ECT_402_STEP_S;
     r->loop = ECT_402_LOOP_SPEED;

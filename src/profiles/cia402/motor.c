@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Motor, load, friction, brake; marks, limit switches and the index pulse along the way. */
+/* Motor, load, friction, brake; marks, limit switches and the index pulse on the machine. */
 #include "profiles/cia402/axis.h"
 
 static double inertia(const ect_402_axis_t *a)
@@ -7,7 +7,7 @@ static double inertia(const ect_402_axis_t *a)
     return a->config->inertia + a->plant->load_inertia * 1e-4;
 }
 
-/* Friction, and the brake while it is closed: a torque against any motion that never starts one. */
+/* @return the torque of friction and of the closed brake, which opposes any motion and never starts one */
 static double holding_torque(const ect_402_axis_t *a, bool powered)
 {
     bool by_master = a->live && (a->physical[0] & a->physical[1] & 1u) != 0; /* 60FEh */
@@ -79,7 +79,7 @@ static bool level(const ect_402_axis_t *a, unsigned int line)
     const ect_402_plant_t *p = a->plant;
     bool by_hand = p->input[line] != 0;
     switch (line) {
-    case ECT_402_POSITIVE: /* closed unless the switch is hit: a broken wire reads as hit */
+    case ECT_402_POSITIVE: /* normally closed: a broken wire reads as hit */
         return by_hand && !(p->stop_positive.fitted && p->position >= p->stop_positive.at);
     case ECT_402_NEGATIVE:
         return by_hand && !(p->stop_negative.fitted && p->position <= p->stop_negative.at);
@@ -98,14 +98,15 @@ void ect_402_motor_levels(ect_402_axis_t *a)
     }
 }
 
-/* --- on the way --------------------------------------------------------------------------------------------------- */
+/* --- edges during a step ------------------------------------------------------------------------------------------ */
 
 static bool crossed(double from, double to, double boundary)
 {
     return (from < boundary) != (to < boundary);
 }
 
-/* A boundary at which the level changes upwards: on, or off. The edge lies at the boundary, wherever the step ends. */
+/* Checks a boundary at which the level changes in positive direction, to on or off. The position of the edge is the
+ * boundary, not the end of the step. */
 static void pass(ect_402_axis_t *a, unsigned int line, double from, double boundary, bool on_upwards)
 {
     double to = a->plant->position;

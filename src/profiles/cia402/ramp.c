@@ -19,8 +19,8 @@ static double approach(double speed, double goal, double acceleration, double de
     return ect_402_towards(speed, goal, (speed > goal ? deceleration : acceleration) * ECT_402_STEP_S);
 }
 
-/* The speed one step later towards a target `left` away: faster as long as a stop there is possible, then slower at the
- * rate that ends there exactly. */
+/* @return the speed one step later, at a distance `left` from the target: higher while a stop at the target is
+ * possible, then lower at the rate that ends exactly there */
 static double next_speed(double speed, double left, double most, double acceleration, double deceleration)
 {
     if (speed < 0)

@@ -27,7 +27,7 @@ typedef struct row {
     uint8_t to;
 } row_t;
 
-/* The first row that fits is the transition. */
+/* The first matching row is the transition. */
 static const row_t rows[] = {
     {13, HEALTHY, ANY, FAULT, 0, ECT_402_FAULT_REACTION},
     {14, S(FAULT_REACTION), ANY, STANDING, 0, ECT_402_FAULT},

@@ -53,7 +53,7 @@ static uint16_t bit(bool on, uint16_t mask)
     return on ? mask : 0;
 }
 
-/* In homing mode bit 10 is a standstill. */
+/* @return bit 10 in homing mode, a standstill */
 static uint16_t homing_bits(const ect_402_axis_t *a)
 {
     bool failed = a->homing.error && !a->homing.interrupted;

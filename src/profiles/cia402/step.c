@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The state machine of an axis at work, and a control step. */
+/* Execution of the state machine of an axis, and a control step. */
 #include "profiles/cia402/axis.h"
 
 enum { MS_NS = 1000000 };
@@ -16,7 +16,8 @@ bool ect_402_rests(const ect_402_axis_t *a)
 
 /* --- the state machine -------------------------------------------------------------------------------------------- */
 
-/* The drive closes the brake before it takes the torque from a shaft at a standstill; else the brake is late. */
+/* Closes the brake before the torque of a shaft at a standstill is removed; otherwise the brake closes with its delay.
+ */
 static void close_brake(ect_402_axis_t *a)
 {
     bool late = !a->inputs.supplied || !ect_402_standing(a);
@@ -58,7 +59,7 @@ static bool can_brake(const ect_402_axis_t *a)
     return ect_402_powered(a) && c->supplied && c->fault_brakes && a->fault_option != 0 && ect_402_stop_in_time(a);
 }
 
-/* A halt acts in profiled motion (DRV-205). */
+/* @return whether a halt acts: in profiled motion (DRV-205) */
 static uint16_t control_word(const ect_402_axis_t *a)
 {
     bool cyclic = a->mode == ECT_402_CSP || a->mode == ECT_402_CSV || a->mode == ECT_402_CST;
@@ -66,7 +67,7 @@ static uint16_t control_word(const ect_402_axis_t *a)
     return cyclic && !a->config->cyclic_halts ? word & (uint16_t)~ECT_402_HALT : word;
 }
 
-/* A stop in mode 4 ends without torque, whatever the speed (DRV-251). */
+/* Ends a stop in mode 4 without torque, at any speed (DRV-251). */
 static bool has_stopped(const ect_402_axis_t *a)
 {
     bool releases = a->config->torque_releases && a->mode == ECT_402_TQ && a->action != ECT_402_STOP;
@@ -99,7 +100,7 @@ static bool equal(const ect_402_inputs_t *x, const ect_402_inputs_t *y)
            x->can_brake == y->can_brake && x->standing == y->standing && x->stays == y->stays && x->coasts == y->coasts;
 }
 
-/* The decision is a function of state and inputs: nearly all steps repeat the last one. */
+/* Reuses the last decision if state and inputs are unchanged, as in nearly all steps. */
 static bool decide(ect_402_axis_t *a, uint16_t rising)
 {
     bool reset = false;
@@ -110,7 +111,7 @@ static bool decide(ect_402_axis_t *a, uint16_t rising)
         return false;
     ect_402_state_t next = ect_402_next(a->state, &a->inputs, &reset);
     bool changed = next != a->state;
-    a->decided = a->state; /* a new state is decided upon again */
+    a->decided = a->state; /* a new state needs a new decision */
     a->state = next;
     if (reset) {
         a->was_reset = true;

@@ -3,8 +3,8 @@
 #include "profiles/cia402/axis.h"
 
 enum { OFF_AT_ONCE = 0, SLOW_RAMP = 1, QUICK_RAMP = 2, STAYS = 4, RAMP_TOLERANCE_NS = 200000000 };
-#define AT_THE_LIMIT            1e12                  /* counts/s2: as fast as the torque limit lets it */
-#define LONGEST_AT_THE_LIMIT_NS UINT64_C(10000000000) /* with a load that the drive does not know */
+#define AT_THE_LIMIT            1e12                  /* counts/s2: limited only by the torque */
+#define LONGEST_AT_THE_LIMIT_NS UINT64_C(10000000000) /* with an unknown load */
 
 static double slow_ramp(const ect_402_axis_t *a)
 {

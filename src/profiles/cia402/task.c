@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Motion tasks, mode 1 (CiA 402-2, profile position). An edge of bit 4 takes target and rates as one set-point: the
- * running one is finished first, and one may wait. Bit 5 changes over at once, bit 9 without a stop at the first
- * target. A halt keeps both.
+ * present one is completed first, and one may wait. Bit 5 replaces the present one at once; bit 9 continues without a
+ * stop at the first target. A halt keeps both.
  */
 #include "profiles/cia402/axis.h"
 
@@ -11,7 +11,7 @@ static double least(uint32_t a, double b)
     return a < b ? a : b;
 }
 
-/* "Taken" holds as long as bit 4, and until there is room for another. */
+/* "Taken" remains set while bit 4 is set, and until another set-point is accepted. */
 void ect_402_task_room(ect_402_axis_t *a)
 {
     if ((a->set.control & ECT_402_START) == 0 && !a->next.valid)
@@ -28,8 +28,8 @@ bool ect_402_task_active(const ect_402_axis_t *a)
     return a->task || a->next.valid;
 }
 
-/* A relative target counts from the last target, after a stop that dropped it from the present position; or by 60F2h
- * from demand or actual position. */
+/* @return the base of a relative target: the last target, or the present position after a stop that dropped it; or by
+ * 60F2h the demand or actual position */
 static double base_of(const ect_402_axis_t *a)
 {
     enum { DEMAND = 1, ACTUAL = 2 };
@@ -84,7 +84,7 @@ void ect_402_task_take(ect_402_axis_t *a)
         begin(a); /* the place is free again without a step */
 }
 
-/* Whether the next set-point lies beyond the target and its motion follows without a stop. */
+/* @return whether the next set-point lies beyond the target, and its motion follows without a stop */
 static bool passes(ect_402_axis_t *a, double *beyond)
 {
     if (!a->next.valid || !a->next.through)
@@ -93,14 +93,14 @@ static bool passes(ect_402_axis_t *a, double *beyond)
     return (a->task_target - a->reference.position) * (*beyond - a->task_target) > 0;
 }
 
-/* The ramp that passes the target at 6082h ends here. */
+/* @return the end of the ramp that passes the target at 6082h */
 static double past(const ect_402_axis_t *a, double left)
 {
     double way = a->running.end_speed * a->running.end_speed / (2 * a->running.deceleration);
     return a->task_target + (left < 0 ? -way : way);
 }
 
-/* One step. @return whether the running set-point is finished */
+/* Executes one step. @return whether the present set-point is completed */
 static bool step(ect_402_axis_t *a)
 {
     double beyond = 0;

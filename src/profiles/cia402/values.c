@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The objects that a drive over a dictionary knows, and their entries in that dictionary. */
+/* The objects of a drive over a dictionary, and their entries in the dictionary. */
 #include "profiles/cia402/values.h"
 
 #include "profiles/cia402/axis.h"
@@ -30,7 +30,7 @@ bool ect_402_links_find(const ect_od_t *od, unsigned int axis, ect_402_link_t *l
 {
     for (unsigned int i = 0; i < ECT_402_VALUE_COUNT; i++)
         links[i] = ect_link_to(od, (uint16_t)(objects[i].index + axis * ECT_402_AXIS_OBJECTS), objects[i].subindex);
-    links[ECT_402_V_CYCLE_POWER].is_signed = true; /* never positive, and unsigned in twins of network files */
+    links[ECT_402_V_CYCLE_POWER].is_signed = true; /* never positive, unsigned in twins of ENI */
     return links[ECT_402_V_CONTROL].bytes != 0 && links[ECT_402_V_STATUS].bytes != 0;
 }
 

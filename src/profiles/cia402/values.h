@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The objects of CiA 402-2 that a drive over a dictionary knows: one row an object, and the links of an axis to the
- * entries of a dictionary that somebody else has written.
+ * The objects of CiA 402-2 of a drive over a dictionary, one row for each object, and the links of an axis to the
+ * entries of a vendor's dictionary.
  *
- * An axis uses the objects that its dictionary has, in the widths that it gives them, integer or floating point. A
- * link of 0 bytes stands for an object that the dictionary lacks.
+ * An axis uses the objects of its dictionary, in their widths, integer or floating point. A link of 0 bytes stands for
+ * a missing object.
  *
- * Context: any; the functions are pure but for the memory that they are given.
+ * Context: any. The functions access only the memory passed to them.
  */
 #ifndef ECT_PROFILES_CIA402_VALUES_H
 #define ECT_PROFILES_CIA402_VALUES_H
@@ -24,7 +24,7 @@ enum { ECT_402_AXIS_OBJECTS = 0x800, ECT_402_AXES = 8 };
  * V(name, index, sub-index, kind, scale, default).
  * kind: COMMAND, read with each control word · SETTING · ACTUAL, which the axis writes.
  * scale of the default: PLAIN · TURN, turns of the motor.
- * A setting without a default in the file has this one; LIMIT: also where the file has 0, which would stop the axis.
+ * A setting without a default in the file has this default; LIMIT: also if the file has 0, which would stop the axis.
  */
 #define ECT_402_VALUES(V)                                                                                              \
     V(ABORT_OPTION, 0x6007, 0, SETTING, PLAIN, 1)                                                                      \
@@ -138,13 +138,13 @@ typedef struct ect_402_object {
     double initial;
 } ect_402_object_t;
 
-/** The entry of a dictionary that holds a value of an axis. */
+/** The entry of a dictionary with a value of an axis. */
 typedef ect_link_t ect_402_link_t;
 
-/** The row of a value. */
+/** @return the row of a value. */
 const ect_402_object_t *ect_402_object(ect_402_value_t value);
 
-/** The value of an object of axis 0. @return whether there is one */
+/** Finds the value of an object of axis 0. @return whether the object has a value */
 bool ect_402_value_of(uint16_t index, uint8_t subindex, ect_402_value_t *value);
 
 /**
@@ -168,7 +168,7 @@ static inline void ect_402_store(void *instance, const ect_402_link_t *link, int
     ect_link_store(instance, link, value);
 }
 
-/** The modes that these objects allow: bit n - 1 for mode n, as in 6502h. */
+/** @return the modes for which the objects exist: bit n - 1 for mode n, as in 6502h. */
 uint32_t ect_402_modes_of(const ect_402_link_t *links);
 
 ECT_C_END

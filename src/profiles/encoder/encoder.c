@@ -7,10 +7,10 @@
 #define S_A_MIN       60.0
 #define NM_A_MM       1e6                   /* 6005h:1 counts nm */
 #define LINEAR_SPEEDS 100.0                 /* 6005h:2 counts 0.01 mm/s */
-#define FARTHEST      536870912.0           /* turns: with 2^32 units a turn, a position has 61 bits */
+#define FARTHEST      536870912.0           /* turns: with 2^32 units per turn, a position has 61 bits */
 #define MOST_COUNTS   2305843009213693952.0 /* 2^61: the sum with a preset has 63 bits */
 #define WIDEST        (INT64_C(1) << 62u)   /* range without limit */
-#define FASTEST       1e18                  /* units a second */
+#define FASTEST       1e18                  /* units per second */
 enum { USUAL_ROTARY = 65536, USUAL_LINEAR = 1000, LONGEST_RANGE = 62 };
 
 typedef enum kind { VAR, MEMBER, FIRST, EACH } kind_t;
@@ -105,7 +105,7 @@ static void store(const ect_encoder_t *e, ect_encoder_value_t value, int64_t num
     ect_link_store(e->instance, &e->links[value], number);
 }
 
-/* Without 6000h, 6001h and 6002h apply. */
+/* @return whether 6001h and 6002h apply: by 6000h, and without 6000h */
 static bool is_scaled(const ect_encoder_t *e)
 {
     return !has(e->links, ECT_ENCODER_OPERATING) ||
@@ -124,7 +124,7 @@ static double usual(const ect_encoder_t *e)
     return ect_encoder_is_linear(e->links) ? (double)USUAL_LINEAR : (double)USUAL_ROTARY;
 }
 
-/* Units a turn without scaling: those of the sensor. */
+/* @return the units per turn without scaling: those of the sensor */
 static double raw_units(const ect_encoder_t *e)
 {
     int64_t step = load(e, ECT_ENCODER_STEP);
@@ -140,14 +140,14 @@ static double units(const ect_encoder_t *e)
     return is_scaled(e) && scaled > 0 ? (double)scaled : raw_units(e);
 }
 
-/* The range of an entry; positions of a linear encoder do not wrap. */
+/* @return the range of an entry; positions of a linear encoder do not wrap */
 static int64_t width(const ect_link_t *link)
 {
     unsigned int bits = 8u * link->bytes - (link->is_signed ? 1u : 0u);
     return bits < LONGEST_RANGE ? INT64_C(1) << bits : WIDEST;
 }
 
-/* The range of the sensor: its turns; 0: unknown. */
+/* @return the range of the sensor, its turns; 0: unknown */
 static int64_t raw_range(const ect_encoder_t *e)
 {
     double range = units(e) * (double)load(e, ECT_ENCODER_TURNS);
@@ -295,7 +295,7 @@ static bool is_preset(ect_encoder_value_t value)
     return value == ECT_ENCODER_PRESET || value == ECT_ENCODER_WIDE_PRESET || value == ECT_ENCODER_CHANNEL_PRESET;
 }
 
-/* The position that a preset sets. */
+/* @return the position that a preset sets */
 static ect_encoder_value_t preset_position(ect_encoder_value_t preset)
 {
     if (preset == ECT_ENCODER_PRESET)
@@ -354,7 +354,7 @@ const uint16_t ect_encoder_signal_count = sizeof ect_encoder_signals / sizeof ec
         SHAFT(alarms, "alarms", U16, UINT16_MAX, NULL, "alarms to report, bits of 6503h"),                             \
         SHAFT(warnings, "warnings", U16, UINT16_MAX, NULL, "warnings to report, bits of 6505h"),                       \
         SHAFT(velocity_unit, "velocity_unit", U8, ECT_ENCODER_TENTH_RPM, NULL,                                         \
-              "6030h of a rotary encoder: 0 units a second, 1 turns a minute, 2 tenths of them")
+              "6030h of a rotary encoder: 0 units per second, 1 turns per minute, 2 tenths of turns per minute")
 
 const ect_signal_t ect_encoder_rotary_signals[] = {
     SIGNED(position, "position", 1 << 29, "turns", "position of the shaft, clockwise; does not wrap"),

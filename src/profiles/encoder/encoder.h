@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * An encoder over a dictionary: CiA 406 for a description that is not made for it, such as an ESI file.
+ * An encoder over a dictionary: CiA 406 for a foreign description, such as an ESI file.
  *
- * A shaft (or the carriage of a linear encoder) moves at the speed that a user sets. Position and speed go to the
- * entries of the dictionary that the links name, in the measuring units, the range, the direction and with the preset
- * that the master has written there. An object without an entry has no effect.
+ * A shaft (or the carriage of a linear encoder) moves at a speed set by the user. Position and speed are written to the
+ * linked entries of the dictionary, with the measuring units, the range, the direction and the preset that the master
+ * has written there. An object without an entry has no effect.
  *
- * No function allocates, blocks or reads a clock. The caller owns encoder, surroundings, links and instance; they stay
- * where they are. Context: mainline and exchange, one at a time.
+ * No function allocates, blocks or reads a clock. The caller owns encoder, surroundings, links and instance, which must
+ * not move. Context: mainline and exchange, one at a time.
  */
 #ifndef ECT_PROFILES_ENCODER_ENCODER_H
 #define ECT_PROFILES_ENCODER_ENCODER_H
@@ -18,11 +18,11 @@
 
 ECT_C_BEGIN
 
-/** Most encoders of a device: elements of 6020h. */
+/** Limit of encoders of a device: elements of 6020h. */
 enum { ECT_ENCODERS = 8 };
 
 /**
- * V(name, index, sub-index, kind): kind VAR: the whole device has one · MEMBER: sub-index of a record of the device ·
+ * V(name, index, sub-index, kind): kind VAR: one for the entire device · MEMBER: sub-index of a record of the device ·
  * FIRST: a VAR of the first encoder · EACH: an element for each encoder.
  */
 #define ECT_ENCODER_VALUES(V)                                                                                          \
@@ -65,11 +65,11 @@ enum {
 /** Unit of 6030h on the bus. */
 enum { ECT_ENCODER_UNITS_A_SECOND, ECT_ENCODER_RPM, ECT_ENCODER_TENTH_RPM };
 
-/** The shaft, and faults to simulate. They outlast a power cycle of the encoder. Zero is a shaft at rest at 0. */
+/** The shaft, and simulated faults; these outlast a power cycle of the encoder. Zeroed: a shaft at rest at 0. */
 typedef struct ect_encoder_shaft {
     double position;       /**< turns, clockwise; of a linear encoder mm */
     double speed;          /**< 1/min, of a linear encoder mm/s */
-    uint32_t resolution;   /**< units a turn, or a mm, where the dictionary gives none; 0: 65536, of linear ones 1000 */
+    uint32_t resolution;   /**< units per turn or mm, if the dictionary has none; 0: 65536, linear 1000 */
     uint16_t alarms;       /**< 6503h */
     uint16_t warnings;     /**< 6505h */
     uint8_t velocity_unit; /**< ECT_ENCODER_UNITS_A_SECOND, ... */
@@ -105,33 +105,33 @@ bool ect_encoder_knows(uint16_t index);
 /** @return whether the encoder itself writes a value, and a user must not */
 bool ect_encoder_is_actual(ect_encoder_value_t value);
 
-/** Power-on. The entries that the links name have the defaults of the file. */
+/** Power-on. The linked entries have the defaults of the file. */
 void ect_encoder_init(ect_encoder_t *e, const ect_link_t *links, ect_encoder_shaft_t *shaft, void *instance,
                       uint64_t now_ns);
 
-/** Time passes; position, speed and diagnosis into the dictionary. */
+/** Advances the time; writes position, speed and diagnosis to the dictionary. */
 void ect_encoder_advance(ect_encoder_t *e, uint64_t now_ns);
 
-/** A user has set position or speed of the shaft, after ::ect_encoder_advance with the same time. */
+/** Applies a position or speed of the shaft set by a user; due after ::ect_encoder_advance with the same time. */
 void ect_encoder_moved(ect_encoder_t *e, uint64_t now_ns);
 
 /** @return the time of the next call of ::ect_encoder_advance: a millisecond later while the shaft turns, else
  * UINT64_MAX */
 uint64_t ect_encoder_next(const ect_encoder_t *e, uint64_t now_ns);
 
-/** The value of an object of encoder `number`. @return whether there is one */
+/** Finds the value of an object of encoder `number`. @return whether the object has a value */
 bool ect_encoder_value_of(unsigned int number, uint16_t index, uint8_t subindex, ect_encoder_value_t *value);
 
 /** @return ECT_OK, or the reason to refuse `wanted` for `value` */
 ect_reason_t ect_encoder_check(const ect_encoder_t *e, ect_encoder_value_t value, int64_t wanted);
 
-/** An entry was written by SDO: a preset becomes the position. */
+/** Handles a write of an entry by SDO: a preset becomes the position. */
 void ect_encoder_written(ect_encoder_t *e, ect_encoder_value_t value, uint64_t now_ns);
 
 /** Signals over ::ect_encoder_t. */
 extern const ect_signal_t ect_encoder_signals[];
 extern const uint16_t ect_encoder_signal_count;
-/** Signals over ::ect_encoder_shaft_t, of a rotary and of a linear encoder; the same number. */
+/** Signals over ::ect_encoder_shaft_t, of a rotary and of a linear encoder, in equal number. */
 extern const ect_signal_t ect_encoder_rotary_signals[];
 extern const ect_signal_t ect_encoder_linear_signals[];
 extern const uint16_t ect_encoder_shaft_signal_count;

@@ -24,7 +24,7 @@ uint16_t ect_ip_echo_fetch(const ect_eoe_t *eoe, void *instance, uint8_t *frame,
 {
     ect_ip_echo_t *n = network_of(eoe, instance);
     uint16_t length = n->reply_length;
-    *port = 0; /* none in particular */
+    *port = 0; /* any reply */
     memcpy(frame, n->reply, length);
     n->reply_length = 0;
     return length;

@@ -68,7 +68,7 @@ static bool echo_icmp(uint8_t *message, unsigned int length)
     return true;
 }
 
-/* Exchanged ports and addresses leave the checksum as it is. */
+/* An exchange of ports and addresses does not change the checksum. */
 static bool echo_udp(uint8_t *message, unsigned int length)
 {
     if (length < UDP_HEADER || ect_load_be16(message + 2) != PORT_ECHO || ect_load_be16(message) == PORT_ECHO)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The least that makes an address answer: ARP (RFC 826), echo of ICMP (RFC 792, "ping") and of UDP port 7 (RFC 862), in
- * IPv4. For a device with EoE (seams/eoe.h) that has no network stack.
+ * A minimal IPv4 host: ARP (RFC 826), echo of ICMP (RFC 792, "ping") and of UDP port 7 (RFC 862). For a device with EoE
+ * (seams/eoe.h) and without a network stack.
  *
  *     static bool received(const ect_eoe_t *eoe, void *instance, uint8_t port, const uint8_t *frame, uint16_t length)
  *     {
@@ -21,19 +21,19 @@ ECT_C_BEGIN
 /**
  * Builds the reply to a frame.
  *
- * Without ECT_EOE_HAS_IP in `own->known` nothing is replied to; without ECT_EOE_HAS_MAC the device has the MAC address
- * that ::ect_ip_mac gives. A fragment of an IP packet, one with a wrong header checksum or a wrong length, and a frame
- * with a VLAN tag have no reply. The checksum of a reply is right if that of the request was.
+ * Without ECT_EOE_HAS_IP in `own->known` no frame gets a reply; without ECT_EOE_HAS_MAC the MAC address is that of
+ * ::ect_ip_mac. A fragment of an IP packet, a packet with a wrong header checksum or length, and a frame with a VLAN
+ * tag get no reply. The checksum of a reply is correct if that of the request is correct.
  *
  * Context: any. Cost: one pass over the frame.
  *
  * @param frame   from the destination address on, without FCS, `length` bytes
  * @param reply   room for ECT_EOE_FRAME bytes; must not overlap `frame`
- * @return length of the reply; 0: there is none, and the content of `reply` does not matter
+ * @return length of the reply; 0: none, and the content of `reply` is undefined
  */
 uint16_t ect_ip_reply(const ect_eoe_address_t *own, const uint8_t *frame, uint16_t length, uint8_t *reply);
 
-/** The MAC address of a device: the known one, else a locally administered one made of its IP address. */
+/** @return the MAC address of a device: the known one, else a locally administered one derived from its IP address. */
 void ect_ip_mac(const ect_eoe_address_t *own, uint8_t mac[6]);
 
 ECT_C_END

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A measuring input of CiA 404: the physical value of its sensor as field value and as process value. */
+/* A measuring input of CiA 404: the physical value of its sensor, as field value and as process value. */
 #include "profiles/measuring/measuring.h"
 
 enum { FIRST_OBJECT = 0x6000, AUTOZERO = 0x6125, DIGITS = 0x6132, STATUS = 0x6150, MOST_DIGITS = 9 };
@@ -37,7 +37,7 @@ bool ect_measuring_links_find(const ect_od_t *od, unsigned int number, ect_measu
     return has(links, ECT_MEASURING_PROCESS);
 }
 
-/* @return whether the index is that of a quantity; *q, *f */
+/* @return whether the index is that of a quantity. @param[out] q, f  quantity and format */
 static bool quantity_of(uint16_t index, unsigned int *q, unsigned int *f)
 {
     for (*q = 0; *q < ECT_MEASURING_QUANTITY_COUNT; (*q)++) {
@@ -49,7 +49,7 @@ static bool quantity_of(uint16_t index, unsigned int *q, unsigned int *f)
     return false;
 }
 
-/* 6131h gives the signals their unit. */
+/* 6131h determines the unit of the signals. */
 bool ect_measuring_knows(uint16_t index)
 {
     unsigned int q, f;
@@ -95,7 +95,7 @@ const ect_link_t *ect_measuring_link(const ect_measuring_links_t *links, unsigne
 
 /* --- quantities --------------------------------------------------------------------------------------------------- */
 
-/* An integer in decimal digits counts parts of the unit. */
+/* An integer with decimal digits counts fractions of the unit. */
 static double parts(const ect_measuring_t *m, unsigned int q, unsigned int f)
 {
     int64_t digits = ect_link_load(m->instance, &m->links->digits);
@@ -107,7 +107,7 @@ static double parts(const ect_measuring_t *m, unsigned int q, unsigned int f)
     return number;
 }
 
-/* The most precise format with a default in the file has the value; without one, the most precise format. */
+/* Selects the format that has the value: the most precise one with a default in the file, else the most precise one. */
 static unsigned int format_of(const ect_measuring_t *m, unsigned int q)
 {
     const ect_link_t *link = m->links->quantity[q];
@@ -131,7 +131,7 @@ static double load(const ect_measuring_t *m, ect_measuring_quantity_t q)
     return load_format(m, q, format_of(m, q));
 }
 
-/* @param except  a format that has the value already; ECT_MEASURING_FORMATS: none */
+/* @param except  a format that already has the value; ECT_MEASURING_FORMATS: none */
 static void store_formats(const ect_measuring_t *m, unsigned int q, double value, unsigned int except)
 {
     for (unsigned int f = 0; f < ECT_MEASURING_FORMATS; f++) {
@@ -154,7 +154,7 @@ static ect_measuring_line_t line_of(const ect_measuring_t *m)
                                   .process = {load(m, ECT_MEASURING_PROCESS_1), load(m, ECT_MEASURING_PROCESS_2)}};
 }
 
-/* The value at `x` of the line through two points; points with one x between them have none, and scale nothing. */
+/* @return the value at `x` of the line through two points; two points with the same x do not scale */
 static double through(const double *from, const double *to, double x)
 {
     const double width = from[1] - from[0];

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A measuring input over a dictionary: CiA 404 for a description that is not made for it, such as an ESI file.
+ * A measuring input over a dictionary: CiA 404 for a foreign description, such as an ESI file.
  *
- * A user sets the physical value at the sensor. The sensor makes the field value of it, as the two points of the linear
- * scaling that the dictionary had at power-on describe; the input makes the process value of the field value, by the
- * points and the offset that the master has written there. Entries of one quantity in several formats agree: 6xxxh is
- * floating point, 7xxxh has 16 bits and 9xxxh 32 bits, both with the decimal digits of 6132h where they are process
- * values. An object without an entry has no effect.
+ * A user sets the physical value at the sensor. The sensor converts it to the field value, by the two points of the
+ * linear scaling in the dictionary at power-on; the input converts the field value to the process value, by the points
+ * and the offset that the master has written. Entries of a quantity in several formats agree: 6xxxh is floating point,
+ * 7xxxh has 16 bits and 9xxxh 32 bits, both with the decimal digits of 6132h for process values. An object without an
+ * entry has no effect.
  *
- * No function allocates, blocks or reads a clock. The caller owns input, sensor, links and instance; they stay where
- * they are. Context: mainline and exchange, one at a time.
+ * No function allocates, blocks or reads a clock. The caller owns input, sensor, links and instance, which must not
+ * move. Context: mainline and exchange, one at a time.
  */
 #ifndef ECT_PROFILES_MEASURING_MEASURING_H
 #define ECT_PROFILES_MEASURING_MEASURING_H
@@ -20,7 +20,7 @@
 
 ECT_C_BEGIN
 
-/** Most inputs of a device: elements of 6130h. */
+/** Limit of inputs of a device: elements of 6130h. */
 enum { ECT_MEASURING_INPUTS = 32 };
 
 /** Q(NAME, last three digits of the index, kind): an array in up to three formats. kind FIELD: of the field value. */
@@ -58,10 +58,10 @@ typedef struct ect_measuring_links {
     ect_link_t status;   /**< 6150h */
 } ect_measuring_links_t;
 
-/** The sensor. It outlasts a power cycle of the input. Zero is a sensor at 0 that works. */
+/** The sensor, which outlasts a power cycle of the input. Zeroed: a working sensor at 0. */
 typedef struct ect_measuring_sensor {
     double value;    /**< physical value, in the unit of the process value at power-on */
-    uint8_t invalid; /**< the input reports that its value is not valid, and keeps it */
+    uint8_t invalid; /**< the input reports an invalid value, and keeps the last one */
 } ect_measuring_sensor_t;
 
 /** Two points of a line. */
@@ -98,27 +98,27 @@ bool ect_measuring_scales(const ect_measuring_links_t *links);
 /** @return whether the input itself writes the value at an offset of the instance, and a user must not */
 bool ect_measuring_writes(const ect_measuring_links_t *links, uint32_t offset);
 
-/** Power-on. The entries that the links name have the defaults of the file. */
+/** Power-on. The linked entries have the defaults of the file. */
 void ect_measuring_init(ect_measuring_t *m, const ect_measuring_links_t *links, const ect_measuring_sensor_t *sensor,
                         void *instance);
 
-/** Field value, process value and status into the dictionary. */
+/** Writes field value, process value and status to the dictionary. */
 void ect_measuring_update(ect_measuring_t *m);
 
-/** The entry of input `number` that an SDO names. @return NULL: the profile writes none of this input there */
+/** @return the entry of input `number` at an address of an SDO; NULL: not an entry of this input */
 const ect_link_t *ect_measuring_link(const ect_measuring_links_t *links, unsigned int number, uint16_t index,
                                      uint8_t subindex);
 
 /** @return ECT_OK, or the reason to refuse `wanted` for an entry of ::ect_measuring_link */
 ect_reason_t ect_measuring_check(const ect_measuring_links_t *links, const ect_link_t *link, int64_t wanted);
 
-/** An entry was written by SDO or by a user; the entries of its quantity in other formats follow. */
+/** Handles a write of an entry by SDO or by a user; the entries of its quantity in other formats follow. */
 void ect_measuring_written(ect_measuring_t *m, uint32_t offset);
 
-/** Signals over ::ect_measuring_t, without a unit; the first one has that of the process value. */
+/** Signals over ::ect_measuring_t, without a unit; the first one has the unit of the process value. */
 enum { ECT_MEASURING_SIGNALS = 2 };
 extern const ect_signal_t ect_measuring_signals[ECT_MEASURING_SIGNALS];
-/** Signals over ::ect_measuring_sensor_t, as above. */
+/** Signals over ::ect_measuring_sensor_t, likewise. */
 enum { ECT_MEASURING_SENSOR_SIGNALS = 2 };
 extern const ect_signal_t ect_measuring_sensor_signals[ECT_MEASURING_SENSOR_SIGNALS];
 

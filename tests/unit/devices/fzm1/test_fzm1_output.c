@@ -316,7 +316,7 @@ static void timeout(void **state)
         sensor_expect(&s, "just before the timeout", FZM1_ERR, 0);
         sensor_wait(&s, 1);
         sensor_expect(&s, "timeout", FZM1_ERR | FZM1_GATE, FZM1_ERR);
-        expect_cause("DSA did not come");
+        expect_cause("no DSA");
         assert_int_equal(signal_number(&s.w, "discarded"), discarded + 1);
         assert_int_equal(signal_number(&s.w, "pending"), 0);
         measure(2);
@@ -506,15 +506,15 @@ static void causes_together(void **state)
     signal_set(&s.w, "err", "1");
     for (int n = 1; n <= 17; n++)
         measure(n);
-    expect_cause("results lost: 16 wait already; set by hand");
+    expect_cause("results lost: 16 wait already; set manually");
     (void)sensor_wait(&s, 10000 * MS);
-    expect_cause("DSA did not come; results lost: 16 wait already; set by hand");
+    expect_cause("no DSA; results lost: 16 wait already; set manually");
     for (int n = 2; n <= 16; n++) {
         sensor_set(&s, FZM1_DSA, true);
         assert_int_equal(sensor_data(&s, 1), n * 1000);
         sensor_set(&s, FZM1_DSA, false);
     }
-    expect_cause("set by hand");
+    expect_cause("set manually");
     signal_set(&s.w, "err", "0");
     expect_cause("");
 }
@@ -573,7 +573,7 @@ static void errors_apart(void **state)
     measure(1);
     sensor_set(&s, FZM1_DSA, true);
     sensor_set(&s, FZM1_DSA, false);
-    sensor_expect(&s, "set by hand", FZM1_ERR, FZM1_ERR);
+    sensor_expect(&s, "set manually", FZM1_ERR, FZM1_ERR);
     signal_set(&s.w, "err", "0");
     signal_set(&s.w, "exe_timeout", "10");
     sensor_prepare(&s, FZM1_GET_SCENE, 0, 0, 0);

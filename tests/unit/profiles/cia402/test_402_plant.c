@@ -358,7 +358,7 @@ int main(int argc, char **argv)
         {"DRV-230 DRV-232: counts are rounded, and wrap where positions do", whole_counts, NULL, NULL, NULL},
         {"DRV-233: positions of 32 bits count from the nearest one", positions, NULL, NULL, NULL},
         {"DRV-311: levels of marks and limit switches, by position", levels, NULL, NULL, NULL},
-        {"An input that is set by hand has its edge here", by_hand, NULL, NULL, NULL},
+        {"An input that is set manually has its edge here", by_hand, NULL, NULL, NULL},
         {"DRV-308 DRV-293: edges lie at their marks and pulses, both ways", passages, NULL, NULL, NULL},
         {"DRV-309: inputs that are on, and marks that are absent, have no edges", no_edges, NULL, NULL, NULL},
     };
