@@ -27,7 +27,7 @@ typedef struct reader {
     const ect_bus_options_t *options;
     ect_mistake_t mistake;
     ect_yaml_t yaml;
-    const entry_t *entry; /* of the twin whose keys are taken; NULL: the bus */
+    const entry_t *entry; /* of the twin whose keys are read; NULL: the bus */
     entry_t *entries;
     size_t entry_count;
     bool whole; /* the last twin is the bus of a network file */
@@ -55,7 +55,8 @@ __attribute__((format(printf, 2, 3))) static char *print(reader_t *r, const char
     return text;
 }
 
-/* @return the array with room for one element more: it grows at the powers of two; NULL: it stays, no memory */
+/* @return the array with room for one more element, reallocated at powers of two; NULL: no memory, the array is
+ * unchanged */
 static void *grow(reader_t *r, void *array, size_t count, size_t size)
 {
     if ((count & (count - 1)) != 0)
@@ -66,7 +67,7 @@ static void *grow(reader_t *r, void *array, size_t count, size_t size)
     return grown;
 }
 
-/* Takes over `word`, of `node`. */
+/* Appends `word`, of `node`, whose ownership it takes. */
 static void add_word(reader_t *r, const yaml_node_t *node, char *word)
 {
     ect_bus_file_t *file = r->file;
@@ -129,7 +130,7 @@ static bool is_name(const char *text)
     return *text >= 'a' && *text <= 'z' && text[length] == '\0' && length <= ECT_BUS_FILE_NAME;
 }
 
-/* The number of the entry's twin whose name is the first `length` characters; 0: none. */
+/* @return the number of the entry's twin whose name is the first `length` characters; 0: none */
 static size_t number_in(const entry_t *entry, const char *text, size_t length)
 {
     size_t own = entry->name ? strlen(entry->name) : 0;
@@ -150,7 +151,7 @@ static size_t number_of(const reader_t *r, const char *text, size_t length)
     return number;
 }
 
-/* Checks that `text` begins with the name or the number of a twin; *rest is what follows. */
+/* Checks that `text` begins with the name or the number of a twin. @param[out] rest  the text after it */
 static void check_twin(reader_t *r, const yaml_node_t *node, const char *text, const char *end, const char **rest)
 {
     size_t length = strcspn(text, end);
@@ -159,7 +160,7 @@ static void check_twin(reader_t *r, const yaml_node_t *node, const char *text, c
         ect_yaml_fail(&r->yaml, node, "there is no twin with the name '%.*s'", (int)(length < 60 ? length : 60), text);
 }
 
-/* "axis.home=distance.data1,factor=2"; without '=' the option reports it. */
+/* Replaces the names in "axis.home=distance.data1,factor=2"; a missing '=' is reported by the option. */
 static void check_connection(reader_t *r, const yaml_node_t *node, const char *text)
 {
     const char *rest;
@@ -169,7 +170,7 @@ static void check_connection(reader_t *r, const yaml_node_t *node, const char *t
         check_twin(r, node, equals + 1, ".,", &rest);
 }
 
-/* "at 2.5s hang slave gripper" */
+/* Replaces the names in "at 2.5s hang slave gripper". */
 static void check_fault(reader_t *r, const yaml_node_t *node, const char *text)
 {
     static const char place[] = "slave ";
@@ -205,13 +206,14 @@ static char *device_of(reader_t *r, const yaml_node_t *node, const char *device)
     static const char *const prefixes[] = {"esi:", "sii:", "eni:", "yaml:"};
     if (ect_bus_file_is(device) && !strchr(device, ':'))
         ect_yaml_fail(&r->yaml, node,
-                      "'device: %.60s' is a file: write 'device: yaml:%.60s' for a device file; a bus file has no "
-                      "other bus files in it: copy their twins",
+                      "'device: %.60s' is a file: write 'device: yaml:%.60s' for a device file; a bus file contains no "
+                      "other bus files: copy their twins",
                       device, device);
     if (*device == '\0' || strchr(device, ',') || (strchr(device, '*') && !strchr(device, ':')))
-        ect_yaml_fail(
-            &r->yaml, node,
-            "'device: %.60s' names one device: a further one is a '- device:' of its own, several are 'count'", device);
+        ect_yaml_fail(&r->yaml, node,
+                      "'device: %.60s' names one device: write a further one as a separate '- device:', several equal "
+                      "ones as 'count'",
+                      device);
     for (size_t i = 0; i < sizeof prefixes / sizeof prefixes[0]; i++) {
         if (strncmp(device, prefixes[i], strlen(prefixes[i])) == 0)
             return path_of(r, prefixes[i], device + strlen(prefixes[i]));
@@ -221,7 +223,7 @@ static char *device_of(reader_t *r, const yaml_node_t *node, const char *device)
 
 /* --- options ------------------------------------------------------------------------------------------------------ */
 
-/* The characters of "N:" or "NAME:" before a value of the bus. */
+/* @return the length of "N:" or "NAME:" before a value of the bus */
 static size_t twin_before(const reader_t *r, const char *text)
 {
     size_t length = strcspn(text, ":");
@@ -229,7 +231,7 @@ static size_t twin_before(const reader_t *r, const char *text)
     return text[length] == ':' && (number || number_of(r, text, length) > 0) ? length + 1 : 0;
 }
 
-/* `n`: of the twin that the option is for; 0: of the bus. */
+/* @param n  number of the twin of the option; 0: an option of the bus */
 static char *path_value(reader_t *r, const yaml_node_t *node, const char *key, unsigned int option, size_t n)
 {
     const char *text = scalar(r, node, key);
@@ -265,7 +267,7 @@ static char *value_of(reader_t *r, const yaml_node_t *node, const char *key, uns
                                                                          : print(r, "%s", text);
 }
 
-/* `n`: of the twin that the option is for; 0: of the bus. */
+/* @param n  number of the twin of the option; 0: an option of the bus */
 static void add_option(reader_t *r, const yaml_node_t *node, const char *key, unsigned int option, size_t n)
 {
     char *value = value_of(r, node, key, option, n);
@@ -283,7 +285,7 @@ static void add_flag(reader_t *r, const yaml_node_t *node, const char *key)
         add_word(r, node, print(r, "--%s", key));
 }
 
-/* A value, or a list of values. */
+/* Reads a value, or a list of values. */
 static void add_options(reader_t *r, const yaml_node_t *node, const char *key, unsigned int option, size_t n)
 {
     if (node->type != YAML_SEQUENCE_NODE) {
@@ -294,7 +296,7 @@ static void add_options(reader_t *r, const yaml_node_t *node, const char *key, u
         add_option(r, node_of(r, *i), key, option, n);
 }
 
-/* Appends twins, separated by commas, to a word, and takes the word over. */
+/* Appends twins, separated by commas, to a word, whose ownership it takes. */
 static char *append_twins(reader_t *r, char *word, const yaml_node_t *node, const char *key, const char *between)
 {
     const char *text = scalar(r, node, key);
@@ -307,7 +309,7 @@ static char *append_twins(reader_t *r, char *word, const yaml_node_t *node, cons
     return longer;
 }
 
-/* Twins, or a list of them, as one value. */
+/* Reads one or several twins as one value. */
 static void add_twins(reader_t *r, const yaml_node_t *node, const char *key)
 {
     char *word = print(r, "--%s=", key);
@@ -321,7 +323,7 @@ static void add_twins(reader_t *r, const yaml_node_t *node, const char *key)
     add_word(r, node, word);
 }
 
-/* Alias and serial number count up from one twin to the next, as on the command line. */
+/* Increments alias and serial number from one twin to the next, as on the command line. */
 static void add_counted(reader_t *r, const yaml_node_t *node, const char *key, const entry_t *entry)
 {
     uint64_t first = 0;
@@ -402,7 +404,7 @@ static size_t count_of(reader_t *r, const yaml_node_t *twin)
     return (size_t)count;
 }
 
-/* A name is one of its own, and none of the numbered names of another entry. */
+/* Checks that a name is unique, and differs from the numbered names of other entries. */
 static void take_name(reader_t *r, const yaml_node_t *name, entry_t *entry)
 {
     entry->name = scalar(r, name, "name");
@@ -417,11 +419,11 @@ static void take_name(reader_t *r, const yaml_node_t *name, entry_t *entry)
     }
 }
 
-/* A bus of a network file has any length, so that it is the last entry, once. */
+/* Checks that the bus of a network file is the last entry, and the only one, because it may have any length. */
 static void check_whole(reader_t *r, const yaml_node_t *twin, const char *word, size_t count)
 {
     if (r->whole)
-        ect_yaml_fail(&r->yaml, twin, "no twin follows behind 'device: eni:FILE', a bus of any length: put that last");
+        ect_yaml_fail(&r->yaml, twin, "'device: eni:FILE' must be the last entry: its bus has any length");
     r->whole = word && strncmp(word, "eni:", 4) == 0 && !strchr(word, '#');
     if (r->whole && count > 1)
         ect_yaml_fail(&r->yaml, twin, "'count' is for one device; 'device: eni:FILE' is a bus");
@@ -439,7 +441,7 @@ static void add_twin_line(reader_t *r, size_t line)
 static void add_entry(reader_t *r, const yaml_node_t *twin)
 {
     if (twin->type != YAML_MAPPING_NODE) {
-        ect_yaml_fail(&r->yaml, twin, "a twin is '- device: DEVICE', with its other keys below");
+        ect_yaml_fail(&r->yaml, twin, "a twin is '- device: DEVICE', followed by its other keys");
         return;
     }
     const yaml_node_t *name = find(r, twin, "name");

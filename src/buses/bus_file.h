@@ -19,12 +19,12 @@
  * ```
  *
  * The keys are the long options of the command, so that a file can describe every bus that the command line can. Paths
- * are relative to the file. A name of a twin stands for its number; of several twins by `count` the names are
- * gripper1, gripper2, gripper3. The list of devices has the names, and the words refer to them.
+ * are relative to the file. A name of a twin stands for its number; several twins by `count` have the names gripper1,
+ * gripper2, gripper3. The list of devices contains the names, to which the words refer.
  *
- * A file is refused with one line `FILE:LINE: ERROR`. Neither a file that it names nor a network is opened. Anchors,
- * aliases, tags and a second document are refused: no content of a file grows beyond its own size, but for `count`. A
- * file names only paths below its folder for what a run writes, so that running a foreign file changes nothing else.
+ * A file is refused with one line `FILE:LINE: ERROR`. Neither a referenced file nor a network is opened. Anchors,
+ * aliases, tags and a second document are refused, so that the content never exceeds the size of the file, except by
+ * `count`. A run writes only below the folder of the file, so that running a foreign file changes no other files.
  *
  * Host only. Context: mainline. Cost: linear in the bytes of the file and in the twins, quadratic in the names of
  * twins.
@@ -47,13 +47,13 @@ enum {
 
 /** The argument of an option; bits. */
 typedef enum ect_bus_option {
-    ECT_BUS_OPTION_NONE = 0,    /**< there is no such option */
+    ECT_BUS_OPTION_NONE = 0,    /**< unknown option */
     ECT_BUS_OPTION_FLAG = 1,    /**< no argument: true or false in a file */
-    ECT_BUS_OPTION_VALUE = 2,   /**< an argument, or a list of them where the option is repeated */
-    ECT_BUS_OPTION_PATH = 4,    /**< with ECT_BUS_OPTION_VALUE: a path, of OF_TWIN behind the twin */
+    ECT_BUS_OPTION_VALUE = 2,   /**< an argument, or a list if the option may be repeated */
+    ECT_BUS_OPTION_PATH = 4,    /**< with ECT_BUS_OPTION_VALUE: a path, with OF_TWIN after the twin */
     ECT_BUS_OPTION_SOCKET = 16, /**< with ECT_BUS_OPTION_VALUE: a value may be a path behind `unix:` */
     ECT_BUS_OPTION_OF_TWIN = 8, /**< with ECT_BUS_OPTION_VALUE: may begin with the number of a twin and a colon */
-    ECT_BUS_OPTION_OUTPUT = 32, /**< with ECT_BUS_OPTION_PATH or _SOCKET: a run writes there */
+    ECT_BUS_OPTION_OUTPUT = 32, /**< with ECT_BUS_OPTION_PATH or _SOCKET: a run writes to the path */
 } ect_bus_option_t;
 
 /** The options of the command. */
@@ -63,7 +63,7 @@ typedef struct ect_bus_options {
     void *ctx;
 } ect_bus_options_t;
 
-/** A file that was read. */
+/** A file after reading. */
 typedef struct ect_bus_file {
     char **words;       /**< options, "--seed=7" */
     size_t *lines;      /**< of the words, from 1 */
@@ -91,11 +91,11 @@ bool ect_bus_file_below(const char *path);
 bool ect_bus_file_read(ect_bus_file_t *file, const char *path, const ect_bus_options_t *options, char *text,
                        size_t room);
 
-/** The same from memory. @param path  prefix of messages; paths in the file are relative to its folder */
+/** Reads a file from memory. @param path  prefix of messages; paths in the file are relative to its folder */
 bool ect_bus_file_parse(ect_bus_file_t *file, const char *path, const void *data, size_t length,
                         const ect_bus_options_t *options, char *text, size_t room);
 
-/** Frees what a file holds; all is zero then. */
+/** Frees the content of a file, and zeroes the structure. */
 void ect_bus_file_free(ect_bus_file_t *file);
 
 ECT_C_END

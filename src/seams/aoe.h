@@ -29,12 +29,12 @@
  * | others | any | `read` and `write` of the entry, else result 0702h |
  *
  * The dictionary is accessed with the rules of the SDO server. A reply that is longer than the mailbox, or than the
- * length in the request, is refused with 0705h: AoE has no fragments here. A CoE transfer in segments continues
- * unharmed beside AoE. While a download in segments is under way, a write to the dictionary gets 0708h, as does a read
+ * length in the request, is refused with 0705h, because this AoE has no fragments. A CoE transfer in segments is not
+ * affected by AoE. While a download in segments is under way, a write to the dictionary gets 0708h, as does a read
  * while an upload in segments sends bytes of the device (::ect_device_t::sdo_read).
  *
- * After the NetId has been set, a request for another one, except 0.0.0.0.0.0, gets error 0007h in the AMS header; one
- * that sets the NetId is executed. Every port is accepted.
+ * After the NetId has been set, a request for another NetId, except 0.0.0.0.0.0, gets error 0007h in the AMS header; a
+ * request that sets the NetId is executed. Every port is accepted.
  *
  * Mailbox errors: 6 without a complete AMS header, 8 when the AMS length exceeds the mail. Responses and notifications
  * of a master are ignored.
@@ -88,7 +88,7 @@ enum {
 
 /** State of AoE, in the device's instance, zero at power-on. */
 typedef struct ect_aoe_state {
-    uint8_t net_id[ECT_AOE_NET_ID]; /**< as set by a master, which outlasts the mailbox; 0: none yet */
+    uint8_t net_id[ECT_AOE_NET_ID]; /**< as set by a master; outlasts the mailbox; 0: none yet */
 } ect_aoe_state_t;
 
 /** AoE of a device. Each function gets the entry, which may be the first member of a larger constant structure, and the

@@ -3,11 +3,11 @@
  * @file
  * Device: one constant description of a product, and the functions that implement its behaviour.
  *
- * Everything that a master can learn about a device comes from this description: the running slave, the SII image, the
- * ESI file and the dictionary document are all read from it, and nothing is written twice. The behaviour works on an
- * instance structure that the caller owns; the description and everything that it points to are constant and shared.
+ * This description is the single source of all data that a master can read: the running slave, the SII image, the ESI
+ * file and the dictionary document are derived from it. The behaviour works on an instance structure that the caller
+ * owns; the description and all data that it points to are constant and shared.
  *
- * A device knows neither the ESC nor the stack nor a clock: process data reach it through the data of its dictionary
+ * A device is independent of the ESC, of the stack and of any clock: process data are the data of its dictionary
  * entries, time is an argument (nanoseconds of any monotonic clock, 64 bit), and all requests to its surroundings go
  * through ::ect_host_t.
  *
@@ -69,8 +69,8 @@ enum {
 };
 
 /**
- * Flags of byte 11 of the SII category General. ECT_GENERAL_GIVEN is none of the SII: without it the flags are those of
- * the stack, which are device identification by AL status and, with a mailbox, repetition of lost mails.
+ * Flags of byte 11 of the SII category General. ECT_GENERAL_GIVEN is not part of the SII: without it the flags are
+ * those of the stack, which are device identification by AL status and, with a mailbox, repetition of lost mails.
  */
 enum {
     ECT_GENERAL_SAFEOP = 0x01,      /**< SAFEOP is supported (older images) */
@@ -87,16 +87,16 @@ enum { ECT_FMMU_UNUSED = 0, ECT_FMMU_OUTPUTS = 1, ECT_FMMU_INPUTS = 2, ECT_FMMU_
 /** Events of ::ect_device_t::cyclic: the master has written outputs; SYNC0 has occurred. */
 enum { ECT_CYCLIC_OUTPUTS = 0x01, ECT_CYCLIC_SYNC0 = 0x02 };
 
-/** A deadline that never comes: ::ect_device_t::tick returns it when only the bus can wake the device. */
+/** A deadline that is never reached: ::ect_device_t::tick returns it when only the bus can wake the device. */
 #define ECT_NEVER UINT64_MAX
 
-/** The earlier of two times. */
+/** @return the earlier of two times. */
 static inline uint64_t ect_earlier(uint64_t a_ns, uint64_t b_ns)
 {
     return a_ns < b_ns ? a_ns : b_ns;
 }
 
-/** The later of two times. */
+/** @return the later of two times. */
 static inline uint64_t ect_later(uint64_t a_ns, uint64_t b_ns)
 {
     return a_ns > b_ns ? a_ns : b_ns;
@@ -123,8 +123,8 @@ typedef struct ect_sm {
     uint16_t start;   /**< ESC address */
     uint16_t length;  /**< bytes of a mailbox; process data: 0, the PDOs determine it (::ect_device_sm_bytes) */
     uint16_t minimum; /**< mailboxes: smallest length that a master may choose; 0: exactly `length` */
-    uint16_t maximum; /**< largest length that a master may choose, or that a changeable mapping may reach; 0: no larger
-                         than by default */
+    uint16_t maximum; /**< largest length that a master may choose, or that a changeable mapping may reach; 0: the
+                         default length */
     uint8_t control;  /**< control register: 0x26, 0x22, 0x64 (watchdog), 0x20 ... */
     uint8_t type;     /**< ECT_SM_... */
     uint8_t flags;    /**< ECT_SM_FLAG_... */
@@ -163,7 +163,9 @@ typedef struct ect_pdo {
     const uint16_t *excludes; /**< PDOs that cannot be assigned together with this one, ended by 0; NULL: none */
 } ect_pdo_t;
 
-/** A PDO of a SoE drive: SII and ESI have a number that no mapping object has, and IDNs as the indices of its elements.
+/**
+ * A PDO of a SoE drive: SII and ESI have a number other than the index of the mapping object, and IDNs as the indices
+ * of the elements.
  */
 typedef struct ect_telegram {
     uint16_t index;       /**< of the mapping object */
@@ -172,15 +174,15 @@ typedef struct ect_telegram {
 } ect_telegram_t;
 
 /**
- * Parts that an SII image leaves out when the EEPROM has no room for all, each together with those before it. Only a
+ * Parts that an SII image omits if the EEPROM has no room for all, each together with the preceding ones. Only a
  * device with CoE can do without ECT_OMIT_PDOS: its dictionary has the PDOs.
  */
 enum { ECT_OMIT_ENTRY_NAMES = 1, ECT_OMIT_PDO_NAMES, ECT_OMIT_MODE_TEXTS, ECT_OMIT_FREE_PDOS, ECT_OMIT_PDOS };
 
-/** A category of the SII that the description brings along as it is (ESI `<Category>`). */
+/** A category of the SII that the description contains unchanged (ESI `<Category>`). */
 typedef struct ect_category {
     uint16_t number;
-    uint16_t length; /**< bytes; an odd length gets a zero byte more */
+    uint16_t length; /**< bytes; an odd length is padded with a zero byte */
     const uint8_t *data;
 } ect_category_t;
 
@@ -196,8 +198,8 @@ typedef struct ect_dc_mode {
     const char *description;
     uint16_t assign_activate; /**< 0: free run or SM-synchronous; 0x0300: SYNC0 */
     uint32_t cycle_sync0_ns;  /**< 0: `factor_sync0` times the bus cycle */
-    int16_t factor_sync0;     /**< 0: one SYNC0 in a bus cycle; negative: that many of them in a bus cycle */
-    int16_t factor_sync1;     /**< SYNC1 occurs once in that many SYNC0; 0: no SYNC1 of its own */
+    int16_t factor_sync0;     /**< 0: one SYNC0 in each bus cycle; negative: its absolute number in each bus cycle */
+    int16_t factor_sync1;     /**< SYNC1 occurs once in this number of SYNC0; 0: no separate SYNC1 */
     int32_t shift_sync0_ns;
     int32_t shift_sync1_ns;
 } ect_dc_mode_t;
@@ -208,9 +210,9 @@ typedef struct ect_init_command {
     uint16_t index;
     uint8_t subindex;
     bool complete;       /**< by Complete Access */
-    bool adapts;         /**< the configuration tool replaces the data, e.g. a cycle time by that of its bus */
-    bool disabled;       /**< kept, and not sent: `<Disabled>` of a network file */
-    bool upload;         /**< the master reads, as some network files want; no data */
+    bool adapts;         /**< the configuration tool replaces the data, e.g. a cycle time by that of the bus */
+    bool disabled;       /**< stored and not sent: `<Disabled>` of a network file */
+    bool upload;         /**< the master reads, as some network files specify; no data */
     uint16_t size;       /**< bytes of `data`, at least 1 */
     const uint8_t *data; /**< wire form */
     const char *comment; /**< or NULL */
@@ -230,7 +232,7 @@ typedef struct ect_init_mail {
     uint16_t idn;     /**< of SoE */
     bool disabled;    /**< as ect_init_command_t::disabled */
     uint16_t size;
-    const uint8_t *data; /**< behind the header of the mailbox, of EoE and SoE behind that of the protocol */
+    const uint8_t *data; /**< begins after the header of the mailbox, for EoE and SoE after that of the protocol */
 } ect_init_mail_t;
 
 /** Longest time that the device takes for a transition or a mail, milliseconds (ESI `<Timeout>`); 0: the master's
@@ -244,8 +246,9 @@ typedef struct ect_timeouts {
     uint16_t mailbox_response_ms; /**< until the reply is available */
 } ect_timeouts_t;
 
-/** Memory that later descriptions of the same device need (ect_host_t::describe), where it is more. All 0: none
- * follows.
+/**
+ * Memory for later descriptions of the same device (ect_host_t::describe), where these need more. All 0: no later
+ * description.
  */
 typedef struct ect_growth {
     uint16_t image; /**< bytes of the longest process image */
@@ -290,7 +293,7 @@ typedef struct ect_host {
      * Replaces the description of the device, whose dictionary has changed: a module was inserted. Below SAFEOP only.
      * The new description equals the old one in identity, layout of the SyncManagers, mailbox and `instance_size`, and
      * needs no more memory than the first one announces (ect_device_t::growth). It outlives the slave. The instance is
-     * unchanged but for ect_standard_t::device: the device sets the data of new entries.
+     * unchanged, except ect_standard_t::device: the device sets the data of new entries.
      */
     void (*describe)(void *ctx, const struct ect_device *device);
 
@@ -324,7 +327,7 @@ typedef struct ect_host {
     void *buffer;
 } ect_host_t;
 
-/** Bytes that belong to someone else; the structure only points to them. */
+/** Bytes of another owner; the structure only refers to them. */
 typedef struct ect_span {
     const void *data;
     uint16_t size;
@@ -360,9 +363,9 @@ typedef struct ect_device {
     const char *esc;        /**< personality of the ESC: "np40", "et1100" … (esc/personality.h) */
     uint8_t esc_config[14]; /**< SII words 0..6, ESI ConfigData */
     uint16_t sii_size;      /**< bytes of the EEPROM: a multiple of 128 */
-    uint8_t sii_omit;       /**< most that an image may leave out for want of room: ECT_OMIT_...; 0: names of entries */
-    const uint8_t *sii;     /**< content of the EEPROM, `sii_size` bytes; NULL: written from this description */
-    const ect_category_t *categories; /**< written behind those that follow from the description */
+    uint8_t sii_omit;   /**< the last part that an image may omit for lack of room: ECT_OMIT_...; 0: names of entries */
+    const uint8_t *sii; /**< content of the EEPROM, `sii_size` bytes; NULL: written from this description */
+    const ect_category_t *categories; /**< written after those that follow from the description */
     uint8_t category_count;
     ect_sm_t sm[ECT_SMS];
     uint8_t sm_count;
@@ -375,7 +378,7 @@ typedef struct ect_device {
         *protocols;        /**< protocols that the stack serves, ended by NULL (mailbox.h); NULL: none */
     uint8_t coe_details;   /**< ECT_COE_... */
     uint8_t general_flags; /**< ECT_GENERAL_...; 0: those of the stack */
-    uint8_t soe_channels;  /**< SII General: drives that SoE reaches */
+    uint8_t soe_channels;  /**< SII General: drives accessible by SoE */
     uint16_t id_address;   /**< ECT_GENERAL_ID_MEMORY: ESC address of the identification, else 0 */
     const char *physics;   /**< ESI `Physics`, one letter for each port: "YY" */
     int16_t ebus_ma;       /**< current drawn from the E-bus, mA; negative: current fed into it */
@@ -428,13 +431,13 @@ typedef struct ect_device {
      */
     void (*cyclic)(void *instance, uint8_t events, uint64_t now_ns);
 
-    /** The master has renewed the output data in the dictionary. OP only. */
+    /** Called when the master has written new output data to the dictionary. OP only. */
     void (*outputs)(void *instance, uint64_t now_ns);
 
     /** Sets the outputs to their safe values: the slave has left OP, whatever the cause. */
     void (*safe_outputs)(void *instance, uint64_t now_ns);
 
-    /** Brings the input data in the dictionary up to date, before the stack sends them. SAFEOP and OP. */
+    /** Updates the input data in the dictionary before the stack sends them. SAFEOP and OP. */
     void (*inputs)(void *instance, uint64_t now_ns);
 
     /**
@@ -444,31 +447,31 @@ typedef struct ect_device {
      */
     void (*inputs_packed)(void *instance, unsigned int sm, uint8_t *image, uint16_t size);
 
-    /** The master has read the input data since the last call. SAFEOP and OP. */
+    /** Called when the master has read the input data since the last call. SAFEOP and OP. */
     void (*inputs_read)(void *instance, uint64_t now_ns);
 
     /**
-     * Lets the device's own time pass. The stack calls this once after init, then at or after the returned time, soon
+     * Advances the device's own time. The stack calls this once after init, then at or after the returned time, soon
      * after outputs, a lower state, an SDO write or a change of a signal, and at times in between.
      * @return the time of the next call (> now_ns), or ECT_NEVER
      */
     uint64_t (*tick)(void *instance, uint64_t now_ns);
 
     /**
-     * A request of the master is about to be executed: a change of the AL state (index 0), SDO information (index 0),
+     * Called before a request of the master is executed: a change of the AL state (index 0), SDO information (index 0),
      * an SDO. The device may replace its description here.
      */
     void (*requested)(void *instance, uint16_t index);
 
     /**
-     * A request for an SDO upload or download has arrived; the stack has checked nothing of it yet.
+     * Called when a request for an SDO upload or download has arrived, before any check by the stack.
      * @return ECT_OK to continue, or the reason to refuse the request
      */
     ect_reason_t (*sdo_request)(void *instance, uint16_t index, uint8_t subindex);
 
     /**
      * A master reads an entry by SDO, or a whole object (ECT_WHOLE_OBJECT); the access rights are already checked. The
-     * device brings the data up to date that it keeps for such reads.
+     * device updates the data of the entry.
      * @param[in,out] instead  empty on entry. When the device sets it, the stack sends these bytes (wire form) in place
      * of the entry's; they must not change until the next read, or until the transfer has ended. NULL for a whole
      * object.
@@ -489,7 +492,7 @@ typedef struct ect_device {
     void (*sdo_written)(void *instance, uint16_t index, uint8_t subindex, uint64_t now_ns);
 
     /**
-     * AL status has got its error flag, with this code, or has lost it (code 0).
+     * Called when AL status gets its error flag, with this code, or loses it (code 0).
      * @return the code that the master reads: `code`, or the product's own where the product is known to differ from
      * the standard; 0 if and only if `code` is 0
      */

@@ -4,8 +4,8 @@
  * EoE, Ethernet over EtherCAT: a device has a network address, and its Ethernet frames travel in mails.
  *
  * A device that offers EoE has a constant `ect_eoe_t` and lists its `protocol` member as the last of its protocols
- * (::ect_device_t::protocols), because its frames may occupy the mailbox whenever no protocol before it has a mail;
- * otherwise nothing of EoE is linked. Two functions take and give whole frames; the protocol itself handles fragments,
+ * (::ect_device_t::protocols), because its frames may occupy the mailbox whenever no preceding protocol has a mail;
+ * otherwise nothing of EoE is linked. Two functions transfer complete frames; the protocol itself handles fragments,
  * frame numbers, the IP parameters and their results. One frame is under way in each direction.
  *
  *     typedef struct drive { ect_standard_t standard; ect_eoe_state_t eoe; ... } drive_t;
@@ -93,19 +93,19 @@ struct ect_eoe {
     ect_protocol_t protocol; /**< ECT_EOE_PROTOCOL; the first member */
     size_t offset;           /**< of an ::ect_eoe_state_t in the instance, aligned */
     uint8_t ports;           /**< 0 and 1: one port, which mails name 0 or 1; else ports 0 to this number */
-    bool dhcp;               /**< set IP with a MAC alone is passed to `set`; false: its result is 0202h */
+    bool dhcp;               /**< set IP with only a MAC is passed to `set`; false: its result is 0202h */
 
     /**
-     * Takes a frame that a master has sent.
+     * Gets a frame sent by a master.
      * @param port    of the last fragment
      * @param frame   from the destination address on, without FCS; valid during the call
      * @param length  ECT_EOE_FRAME_LEAST..ECT_EOE_FRAME; short frames are not padded
-     * @return false: there is no room, and the frame is counted as dropped
+     * @return false: no room; the frame is counted as dropped
      */
     bool (*received)(const ect_eoe_t *eoe, void *instance, uint8_t port, const uint8_t *frame, uint16_t length);
 
     /**
-     * Gives the next frame for the master. Called when no frame is under way: after a received frame and after
+     * Returns the next frame for the master. Called when no frame is under way: after a received frame and after
      * ::ect_mailbox_wake, until it returns 0.
      * @param frame  room for ECT_EOE_FRAME bytes
      * @param port   0 when called
@@ -115,17 +115,17 @@ struct ect_eoe {
     uint16_t (*fetch)(const ect_eoe_t *eoe, void *instance, uint8_t *frame, uint8_t *port);
 
     /**
-     * A master sets the address; ::ect_eoe_state_t::address has the old one until this returns. NULL: any address is
-     * taken.
-     * @param address  the new address: parameters that the master did not give have their old values
-     * @return the result for the master; the new address counts with ECT_EOE_OK only
+     * Called when a master sets the address; ::ect_eoe_state_t::address has the previous one until the return. NULL:
+     * any address is accepted.
+     * @param address  the new address: parameters omitted by the master have their previous values
+     * @return the result for the master; the new address is stored only with ECT_EOE_OK
      */
     uint16_t (*set)(const ect_eoe_t *eoe, void *instance, uint8_t port, const ect_eoe_address_t *address);
 
-    /** A master asks for the address: the device may refresh ::ect_eoe_state_t::address. May be NULL. */
+    /** Called when a master reads the address: the device may update ::ect_eoe_state_t::address. May be NULL. */
     void (*load)(const ect_eoe_t *eoe, void *instance, uint8_t port);
 
-    /** The mailbox starts: frames that wait for `fetch` are to be discarded. May be NULL. */
+    /** Called when the mailbox starts: discards frames that wait for `fetch`. May be NULL. */
     void (*reset)(const ect_eoe_t *eoe, void *instance);
 };
 

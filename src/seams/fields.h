@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Fields: the bits of an entry that have a name of their own, and the names of its values, as the product's manual has
- * them. A table beside the object list: the running slave reads none of it, so a firmware links none of it. The plant
- * (seams/plant.h) names the table; `ectwin doc`, `ectwin esi` and `ectwin list-signals` read it.
+ * Fields: named bits of an entry, and the names of its values, from the product's manual. The table is separate from
+ * the object list: the running slave does not read it, so a firmware does not link it. The plant (seams/plant.h) names
+ * the table; `ectwin doc`, `ectwin esi` and `ectwin list-signals` read it.
  */
 #ifndef ECT_SEAMS_FIELDS_H
 #define ECT_SEAMS_FIELDS_H
@@ -27,10 +27,10 @@ typedef struct ect_field {
     uint8_t bit;                    /**< the lowest one, 0 to 63 */
     uint8_t width;                  /**< bits, 1 to 64; 0: the whole entry */
     bool open;                      /**< values without a name are numbers, e.g. error codes in place of a distance */
-    const char *name;               /**< as in the manual; NULL: the entry's name */
+    const char *name;               /**< of the manual; NULL: the entry's name */
     const char *meaning;            /**< one line; NULL: the name is enough */
-    const ect_value_name_t *values; /**< the constant list; NULL: a number, or a bit that is on or off */
-    const char *signal;             /**< the signal that shows it, an array's without number ("ru.state"); NULL: none */
+    const ect_value_name_t *values; /**< constant list; NULL: a number, or a bit that is on or off */
+    const char *signal; /**< the signal with the value, of an array without number ("ru.state"); NULL: none */
 } ect_field_t;
 
 /** A bit of an entry: ECT_FIELD_BIT(0x2200, 1, 2, "READY", "the next STEP is taken", "ready") */

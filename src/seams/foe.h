@@ -5,9 +5,9 @@
  * write.
  *
  * A device that offers files has a constant `ect_foe_t` and lists its `protocol` member among its protocols
- * (::ect_device_t::protocols); otherwise nothing of FoE is linked. Only the device knows what a file is: five functions
- * open, read, write and close one, piece by piece. Files may therefore have any size up to 4 GiB, and no buffer of a
- * file's size exists. One file is open at a time.
+ * (::ect_device_t::protocols); otherwise nothing of FoE is linked. The device defines the content of a file: five
+ * functions open, read, write and close it, piece by piece. Files may therefore have any size up to 4 GiB, without a
+ * buffer of the file's size. One file is open at a time.
  *
  *     typedef struct board { ect_standard_t standard; ect_foe_transfer_t transfer; ... } board_t;
  *     static const ect_foe_t files = {ECT_FOE_PROTOCOL, offsetof(board_t, transfer), .write_states = ECT_IN(3),
@@ -19,8 +19,8 @@
  *
  * Time: a function must not block the slave. It starts a long operation (erasing, programming, checking) and returns
  * ECT_FOE_LATER; the reply to the master then waits until `ready` reports the end of the operation. A master waits as
- * long as for any reply (the caller of SOEM chooses the timeout, usually 0.7 s). With `busy_ms`, a master that
- * understands BUSY gets one. Not every master does: SOEM 1.4 takes a BUSY for the end of the file.
+ * long as for any reply (the caller of SOEM chooses the timeout, usually 0.7 s). With `busy_ms`, the master gets a
+ * BUSY. Not every master supports BUSY: SOEM 1.4 regards a BUSY as the end of the file.
  *
  * The protocol itself handles packet numbers, the end of a file (a packet shorter than the mailbox), repeated packets
  * and acknowledges, errors with their code, timeouts and BUSY.
@@ -129,8 +129,8 @@ struct ect_foe {
     /**
      * Ends a transfer. May be NULL.
      * @param whole  true: the master has read the whole file; or it has written the whole file, whose last acknowledge
-     * is about to be sent, and the file takes effect. false: the master gave up, fell silent, or broke the protocol;
-     * the device discards what was written
+     * is about to be sent, and the file takes effect. false: the master gave up, stopped sending, or violated the
+     * protocol; the device discards the written data
      */
     void (*close)(const ect_foe_t *foe, void *instance, bool whole);
 };

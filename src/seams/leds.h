@@ -11,7 +11,7 @@
 
 /** The pins. Either function may be NULL: the board has no such LED, or the chip drives it. */
 typedef struct ect_leds {
-    void *ctx; /**< handed to each function; owned by the board */
+    void *ctx; /**< passed to each function; owned by the board */
     void (*run)(void *ctx, bool lit);
     void (*err)(void *ctx, bool lit);
 } ect_leds_t;

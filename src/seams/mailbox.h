@@ -4,10 +4,10 @@
  * Mailbox protocols: CoE, FoE, EoE, VoE … as entries that a device names.
  *
  * A description lists the protocols that it offers (::ect_device_t::protocols); a protocol that no description lists is
- * not linked. The mailbox itself knows none of them: it manages buffers, counters and repetitions, passes a request to
- * the entry of its type, and replies with a mailbox error when no entry accepts the request. A new protocol is one file
- * with one entry; a protocol of a single product (VoE) belongs into the folder of that product and includes only this
- * header.
+ * not linked. The mailbox does not depend on any protocol: it manages buffers, counters and repetitions, passes a
+ * request to the entry of its type, and replies with a mailbox error if no entry accepts the request. A new protocol is
+ * one file with one entry; a protocol of a single product (VoE) belongs in the folder of that product and includes only
+ * this header.
  *
  * A protocol keeps its state in the device's instance (::ect_mailbox_instance), or where its own entry points: an entry
  * may be the first member of a larger constant structure, and each function gets the entry that the description names.
@@ -71,9 +71,9 @@ struct ect_protocol {
 
     /**
      * Handles a request of this type. The function builds and sends the reply, if there is one, in at most one mail;
-     * further mails follow through `next`. A repeated request (same counter) does not arrive here: the mailbox repeats
-     * the reply.
-     * @param data    `length` (1 or more) bytes behind the mailbox header; valid only during the call
+     * further mails follow through `next`. A repeated request (same counter) is not passed: the mailbox repeats the
+     * reply.
+     * @param data    `length` (1 or more) bytes after the mailbox header; valid only during the call
      * @return ECT_MAILBOX_OK · the detail of the error reply that the mailbox sends, in which case the function must
      * not have built a mail. ECT_MAILBOX_ERROR_SERVICE passes the request on to the next entry of the same type.
      */

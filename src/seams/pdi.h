@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * PDI: how the slave stack reaches an EtherCAT slave controller (ESC), real or virtual.
+ * PDI: the access of the slave stack to an EtherCAT slave controller (ESC), real or virtual.
  *
- * A port is one table of two operations and a context. The software ESC, a LAN9252 on SPI, an ET1100 on a parallel bus
- * and an existing SOES hardware file (`ESC_read`/`ESC_write`) all fit behind it. The obligations of a port:
+ * A port is a table of two operations and a context. The software ESC, a LAN9252 on SPI, an ET1100 on a parallel bus
+ * and an existing SOES hardware file (`ESC_read`/`ESC_write`) all fit this interface. The obligations of a port:
  *
  * - **Addresses** are ESC addresses: registers from 0x0000 to 0x0FFF, process RAM from 0x1000. Any start address and
  * any length from 1 to 65535 may occur; the port handles alignment and splits an access into the widths of the chip, in
@@ -35,7 +35,7 @@
 
 /** The operations of a port, and their context. */
 typedef struct ect_pdi {
-    /** Handed to each operation; owned by the port, must outlive the stack that uses it. */
+    /** Passed to each operation; owned by the port, must outlive the stack that uses it. */
     void *ctx;
 
     /**

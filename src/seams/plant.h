@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Plant: the surroundings of a device, and the operator's access to it. It is a structure of its own beside the
- * description, so that a firmware, whose plant is the real one, links none of its names, texts and switches.
+ * Plant: the surroundings of a device, and the operator's access to it. The structure is separate from the description,
+ * so that a firmware, whose plant is real, does not link names, texts and switches.
  *
  * A plant works on the instance of its device. Context: mainline, between two polls of the stack; no function blocks.
  * Any function pointer may be NULL: the plant then has nothing to do there.
@@ -15,7 +15,7 @@
 #include "seams/modbus.h"
 #include "seams/signals.h"
 
-/** Data of a device that are too large for a signal, in their present state. */
+/** Present data of a device that are too large for a signal. */
 typedef struct ect_bulk {
     const uint8_t *data; /**< the device's, valid until its next call; NULL: none */
     uint32_t size;
@@ -25,8 +25,8 @@ typedef struct ect_bulk {
 /** The surroundings of a device. Constant. */
 typedef struct ect_plant {
     /**
-     * The plant whose signals the device has now, where its description can change (ect_host_t::describe); valid as
-     * long as this one. All other members count of the plant that a program was given. NULL: always this one.
+     * Returns the plant with the present signals, for a device whose description can change (ect_host_t::describe);
+     * valid as long as this plant. Only the signals of the returned plant are used. NULL: always this plant.
      */
     const struct ect_plant *(*present)(const void *instance);
 
@@ -62,23 +62,23 @@ typedef struct ect_plant {
     const char *(*signal_write)(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
                                 uint64_t now_ns);
 
-    /** Acts on a value that a user has set; it is already stored. */
+    /** Applies a value set by a user, which is already stored. */
     void (*signal_written)(void *instance, const ect_signal_t *signal, uint16_t number, uint64_t now_ns);
 
     /**
-     * Describes a value of a DESCRIBED signal in words: the device keeps numbers, the plant their texts. NULL: no
-     * signal is DESCRIBED.
+     * Describes a value of a DESCRIBED signal as text: the device has numbers, the plant the texts. NULL: no signal is
+     * DESCRIBED.
      * @param[out] text  signal->maximum + 1 bytes; the plant terminates the text by zero
      */
     void (*signal_describe)(const ect_signal_t *signal, uint16_t value, char *text);
 
-    /** Data that a user may read as a whole, e.g. the last set of periodic data. NULL: none. */
+    /** Returns data that a user may read as a whole, e.g. the last set of periodic data. NULL: none. */
     ect_bulk_t (*bulk)(const void *instance);
 
-    /** Modbus TCP interface of the device, beside EtherCAT or in its place. NULL: none. */
+    /** Modbus TCP interface of the device, in addition to EtherCAT or instead. NULL: none. */
     const ect_modbus_t *modbus;
 
-    /** Named bits and values of its entries, an element with index 0 at the end. NULL: none are known. */
+    /** Named bits and values of its entries, an element with index 0 at the end. NULL: none. */
     const ect_field_t *fields;
 } ect_plant_t;
 

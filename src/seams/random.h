@@ -8,7 +8,7 @@
 
 #include <stdint.h>
 
-/** The next number, 1 to 2^32 - 1. @param[in,out] state  the seed, later the previous number; 0 counts as 1 */
+/** @return the next number, 1 to 2^32 - 1. @param[in,out] state  the seed, later the previous number; 0 counts as 1 */
 static inline uint32_t ect_random_next(uint32_t *state)
 {
     uint32_t x = *state != 0 ? *state : 1;
@@ -19,15 +19,15 @@ static inline uint32_t ect_random_next(uint32_t *state)
     return x;
 }
 
-/** The next number of a uniform distribution from -1 to 1. @param[in,out] state  as for ::ect_random_next */
+/** @return the next number of a uniform distribution from -1 to 1. @param[in,out] state  as for ::ect_random_next */
 static inline double ect_random_even(uint32_t *state)
 {
     return (double)ect_random_next(state) / 2147483648.0 - 1.0;
 }
 
 /**
- * The next number of a normal distribution with mean 0 and standard deviation 1: the sum of twelve uniform ones, which
- * stays within -6 and 6 and needs no libm. @param[in,out] state  as for ::ect_random_next
+ * @return the next number of a normal distribution with mean 0 and standard deviation 1: the sum of twelve uniform
+ * numbers, which is within -6 and 6 and needs no libm. @param[in,out] state as for ::ect_random_next
  */
 static inline double ect_random_normal(uint32_t *state)
 {

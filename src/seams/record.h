@@ -4,9 +4,9 @@
  * Record: a format for data in an ::ect_storage_t such that a power failure at any moment leaves the previous record.
  *
  * A bank holds one record: a header of 16 bytes (magic number, sequence number, length, CRC-32 over data, sequence and
- * length) and its data. A new record goes into the bank that does not hold the newest one. Its header is written last,
- * when the data are safe, and makes the record valid. The user of a record chooses the magic number, which identifies
- * the meaning of the data.
+ * length) and its data. A new record is written to the bank without the newest record. Its header is written last, when
+ * the data are safe, and makes the record valid. The user of a record chooses the magic number, which identifies the
+ * meaning of the data.
  *
  * Reading: ::ect_record_find, then ::ect_record_get at any offset.
  * Writing: ::ect_record_find, ::ect_record_begin, ::ect_record_put until all data are written, ::ect_record_commit.
@@ -26,11 +26,11 @@
 
 enum { ECT_RECORD_HEADER = 16, ECT_RECORD_PIECE = 32 };
 
-/** A record that was found, or that is being written. The caller's. */
+/** A record found, or under construction. Owned by the caller. */
 typedef struct ect_record {
     const ect_storage_t *medium;
     uint32_t sequence;
-    uint32_t length; /**< of the data, bytes; writing: so far */
+    uint32_t length; /**< of the data, bytes; writing: bytes so far */
     uint32_t check;  /**< writing: of the data so far */
     unsigned int bank;
 } ect_record_t;
@@ -50,7 +50,7 @@ static inline bool ect_record_get(const ect_record_t *r, uint32_t offset, void *
     return r->medium->read(r->medium->ctx, r->bank, ECT_RECORD_HEADER + offset, data, length) >= 0;
 }
 
-/** Whether the data of a record match its check value. @return 1 · 0 · -1: the medium failed */
+/** Checks the data of a record against its check value. @return 1: equal · 0: different · -1: the medium failed */
 static inline int ect_record_data_good(const ect_record_t *r)
 {
     uint8_t piece[ECT_RECORD_PIECE];
@@ -82,8 +82,8 @@ static inline int ect_record_header(const ect_storage_t *m, unsigned int bank, u
  * Finds the newest valid record. A failure of the medium does not count as a missing record.
  * @param m       the medium
  * @param magic   identifies the kind of record
- * @param[out] r  the record; when there is none, its `bank` is the one that the first record does not use
- * @return 1 found · 0 there is none · -1 the medium failed, or a bank is too small for a header
+ * @param[out] r  the record; without a record its `bank` is the one that the first record does not use
+ * @return 1 found · 0 none · -1 the medium failed, or a bank is too small for a header
  */
 static inline int ect_record_find(const ect_storage_t *m, uint32_t magic, ect_record_t *r)
 {
@@ -131,7 +131,7 @@ static inline bool ect_record_put(ect_record_t *r, const void *data, uint32_t le
     return true;
 }
 
-/** Makes the data or the header safe that were written before. @return as ect_storage_t::flush */
+/** Makes the previously written data or header safe. @return as ect_storage_t::flush */
 static inline int ect_record_flush(const ect_record_t *r, bool wait)
 {
     return r->medium->flush ? r->medium->flush(r->medium->ctx, r->bank, wait) : 0;

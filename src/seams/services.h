@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Object services: standard objects with a behaviour of their own, which a device names and the stack provides.
+ * Object services: standard objects with behaviour, which a device names and the stack provides.
  *
  * A description lists the services that its objects need; a service that no description lists is not linked. The data
  * of a service lie in the device's instance, in the structure defined here, and the dictionary entries of its objects
@@ -34,7 +34,7 @@ extern const ect_service_t ect_service_diagnosis;
 extern const ect_service_t ect_service_store;
 
 /** 1C32h, 1C33h, 10F1h (ETG.1020 §13) over ::ect_sync_data_t: checks of mode and cycle on the way to SAFEOP, and missed
- * events. Too many of them in a row end OP with 0x001A, a SYNC0 that no longer occurs with 0x002C. */
+ * events. Too many successive missed events end OP with 0x001A, a SYNC0 that no longer occurs with 0x002C. */
 extern const ect_service_t ect_service_sync;
 
 /** Calls ::ect_device_t::cyclic, which needs this service. It has no objects. It recognises outputs by the events of
@@ -107,8 +107,8 @@ typedef struct ect_sync_data {
     uint16_t cycle_exceeded; /**< :12 second write of outputs within one SYNC0 cycle */
     uint8_t sync_error;      /**< :32 the last cycle had an error */
     uint32_t error_reaction; /**< 10F1h:1 */
-    uint16_t error_limit;    /**< 10F1h:2 tolerated missed events in a row, one more is a sync error; 0: no limit */
-    uint16_t errors;         /**< missed events in a row; no object */
+    uint16_t error_limit;    /**< 10F1h:2 tolerated successive missed events, one more is a sync error; 0: no limit */
+    uint16_t errors;         /**< successive missed events; no object */
     uint8_t outputs_new;     /**< outputs were written since the last SYNC0; no object */
     uint8_t dc;              /**< SYNC0 is active, regardless of `type`; no object */
     uint8_t sync0;           /**< previous level of the SYNC0 event; no object */

@@ -43,7 +43,7 @@ enum { ECT_SIGNAL_LONGEST_TEXT = 127, ECT_SIGNAL_LONGEST_BYTES = 64 };
 
 /** A signal of a group. */
 typedef struct ect_signal {
-    const char *name;    /**< lower case, digits, `_`; the part behind the group's prefix and dot */
+    const char *name;    /**< lower case, digits, `_`; the part after the group's prefix and dot */
     const char *meaning; /**< one line for a reader of the device's manual */
     const char *unit;    /**< "%", "ms", ... or NULL */
     ect_signal_type_t type;
@@ -51,8 +51,8 @@ typedef struct ect_signal {
     uint32_t offset; /**< of the value inside the group's structure */
     int64_t minimum; /**< inclusive; 0 for TEXT, BYTES and DESCRIBED */
     int64_t maximum; /**< inclusive; for TEXT, BYTES and DESCRIBED the greatest length */
-    uint8_t turn; /**< 0: any order. 1, 2: a write replaces values of other signals (the number of a scene): of several
-                     signals that are set or have changed together, those with 1 come first, then those with 2 */
+    uint8_t turn;    /**< 0: any order. 1, 2: a write replaces values of other signals (the number of a scene): among
+                        signals that are set or have changed together, 1 precedes 2, and 2 precedes 0 */
 } ect_signal_t;
 
 /**
@@ -67,7 +67,10 @@ typedef struct ect_signal {
 #define ECT_SIGNAL(structure, member, name, kind, rights, minimum, maximum, unit, meaning)                             \
     {name, meaning, unit, ECT_SIGNAL_##kind, ECT_SIGNAL_##rights, offsetof(structure, member), minimum, maximum, 0}
 
-/** A row for a signal of 8 bits that chooses what other signals show: written before them, as its turn is, 1 or 2. */
+/**
+ * A row for a signal of 8 bits that selects the values of other signals, and is written before these, by its turn, 1 or
+ * 2.
+ */
 #define ECT_SIGNAL_CHOICE(structure, member, name, minimum, maximum, its_turn, meaning)                                \
     {name, meaning, NULL, ECT_SIGNAL_U8, ECT_SIGNAL_WRITE, offsetof(structure, member), minimum, maximum, its_turn}
 

@@ -43,7 +43,7 @@
  *
  * **Writes** are checked in this order: drive (800A), IDN (1001), elements (800C, 800B, x004), read only (7004), AL
  * state (7005), process data (700A: an IDN of the MDT in SAFEOP and OP), length (7002, 7003), limits (7006, 7007), the
- * rules of the standard IDNs below, and the device (its own code). A value is stored whole or not at all.
+ * rules of the standard IDNs below, and the device (its own code). A value is stored entirely or not at all.
  *
  * | IDN, where the table has it | treatment by the stack |
  * |---|---|
@@ -51,7 +51,7 @@
  * | S-0-0016, S-0-0024 | IDNs with ECT_SOE_IN_AT, ECT_SOE_IN_MDT only, else 7008; process data follow |
  * | S-0-0017 | made from the table: all IDNs |
  * | S-0-0187, S-0-0188 | made from the table: IDNs with ECT_SOE_IN_AT, with ECT_SOE_IN_MDT |
- * | S-0-0021, S-0-0022 | IDNs that the check of the transition to SAFEOP, to OP has refused last |
+ * | S-0-0021, S-0-0022 | IDNs refused by the last check of the transition to SAFEOP, to OP |
  * | S-0-0127, S-0-0128 | commands: the check for SAFEOP, in PREOP; for OP, in SAFEOP; else 7012 |
  *
  * **Process data.** The assignments 1C12h and 1C13h of the dictionary name one mapping object for each drive, in the
@@ -82,7 +82,7 @@
 enum {
     ECT_SOE_MAILBOX_LEAST = 24, /**< headers, two length words and the longest number, so that fragments are useful */
     ECT_SOE_DRIVES = 8,
-    ECT_SOE_EMERGENCIES = 4, /**< emergencies that wait for the mailbox; a power of two */
+    ECT_SOE_EMERGENCIES = 4, /**< capacity for emergencies that wait for the mailbox; a power of two */
 };
 
 /** Numbers of IDNs: S-0-n and P-0-n, 0..4095. */
@@ -94,7 +94,7 @@ enum {
 #define ECT_SOE_16          0x00010000u
 #define ECT_SOE_32          0x00020000u
 #define ECT_SOE_64          0x00030000u
-#define ECT_SOE_LIST        0x00040000u /**< of values of that width; a text is a list of 8 bits */
+#define ECT_SOE_LIST        0x00040000u /**< of values of this width; a text is a list of 8 bits */
 #define ECT_SOE_COMMAND     0x00080000u
 #define ECT_SOE_BINARY      0x00000000u
 #define ECT_SOE_UNSIGNED    0x00100000u
@@ -222,11 +222,11 @@ typedef struct ect_soe_drive {
     uint16_t count;
     uint16_t mdt;        /**< index of the mapping object of its MDT; 0: none, S-0-0024 changes no process data */
     uint16_t at;         /**< of its AT; 0: none */
-    bool command_change; /**< the stack keeps bit 5 of S-0-0135 (command change): 1 while a command has ended and is
-                            not cleared */
+    bool command_change; /**< the stack sets bit 5 of S-0-0135 (command change): 1 while a command has ended and is not
+                            cleared */
 } ect_soe_drive_t;
 
-/** An emergency that waits. Private. */
+/** A waiting emergency. Private. */
 typedef struct ect_soe_emergency {
     uint16_t code;
     uint8_t drive;
@@ -234,7 +234,7 @@ typedef struct ect_soe_emergency {
     uint8_t data[5];
 } ect_soe_emergency_t;
 
-/** State of SoE, in the device's instance, zero at power-on. Private but for the first two. */
+/** State of SoE, in the device's instance, zero at power-on. Private, except the first two members. */
 typedef struct ect_soe_state {
     uint32_t emergencies_lost; /**< the queue was full; wraps */
     bool notifies;             /**< the device may set it: notifications as with ect_soe_t::notifies */
@@ -263,40 +263,40 @@ struct ect_soe {
     uint16_t buffer_size;    /**< at least ect_soe_longest() */
     uint8_t drive_count;     /**< 1..ECT_SOE_DRIVES */
     const ect_soe_drive_t *drives;
-    bool notifies; /**< sends a notification when a command has ended. Not every master expects mails of SoE that it has
-                      not requested */
+    bool notifies; /**< sends a notification when a command has ended. Not every master expects unrequested mails of SoE
+                    */
 
     /**
-     * A master reads a value: the device brings its memory up to date. Not for values that the stack makes.
+     * Called when a master reads a value: the device updates its memory. Not for values made by the stack.
      * @return ECT_SOE_OK, or the code for the master
      */
     uint16_t (*read)(const ect_soe_t *soe, void *instance, uint8_t drive, const ect_soe_idn_t *idn);
 
     /**
-     * Checks a value that a master wants to write; everything else is already checked. Not for commands.
+     * Checks a value for a write of a master; all other checks are done. Not for commands.
      * @param data  `size` bytes as on the wire; of a list without its two length words
      * @return ECT_SOE_OK to store the value, or the code for the master
      */
     uint16_t (*write)(const ect_soe_t *soe, void *instance, uint8_t drive, const ect_soe_idn_t *idn,
                       const uint8_t *data, uint16_t size);
 
-    /** A value has been written and stored. Not for commands. */
+    /** Called after a value has been written and stored. Not for commands. */
     void (*written)(const ect_soe_t *soe, void *instance, uint8_t drive, const ect_soe_idn_t *idn, uint64_t now_ns);
 
     /**
-     * A master starts or cancels a command. A command that the device has started ends with ::ect_soe_finish, from here
-     * too. NULL: a command ends at once, without an error.
+     * Called when a master starts or cancels a command. A started command ends with ::ect_soe_finish, which may be
+     * called within this function. NULL: a command ends at once, without an error.
      * @param start  false: a running command is to be cancelled
      * @return ECT_SOE_OK, or the code for the master: ECT_SOE_COMMAND_NOT_NOW, ECT_SOE_COMMAND_GOES_ON …
      */
     uint16_t (*command)(const ect_soe_t *soe, void *instance, uint8_t drive, const ect_soe_idn_t *idn, bool start,
                         uint64_t now_ns);
 
-    /** Whether an IDN with ECT_SOE_CHECK_... that is within its limits is valid for the AL state `target`. */
+    /** Returns whether an IDN with ECT_SOE_CHECK_..., within its limits, is valid for the AL state `target`. */
     bool (*valid)(const ect_soe_t *soe, void *instance, uint8_t drive, const ect_soe_idn_t *idn, uint8_t target);
 };
 
-/** The checks of SoE on the way to SAFEOP and OP; a device with SoE names it. */
+/** The service that checks SoE on the way to SAFEOP and OP; required for a device with SoE. */
 extern const ect_service_t ect_service_soe;
 
 ECT_C_BEGIN

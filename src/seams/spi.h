@@ -2,10 +2,10 @@
 /**
  * @file
  * SPI: the interface of a port to a chip behind a serial bus. Four functions around a board's own driver: a few lines
- * each on bare metal; ports/linux has them for Linux.
+ * each on bare metal; ports/linux has the functions for Linux.
  *
- * **Context**: as the port that uses it: mainline, and the interrupt in which ::ect_slave_cycle runs, never both at
- * once (seams/pdi.h). A driver whose bus serves further chips locks against those.
+ * **Context**: that of the port: mainline, and the interrupt in which ::ect_slave_cycle runs, never both at once
+ * (seams/pdi.h). A driver whose bus serves further chips locks against those.
  */
 #ifndef ECT_SEAMS_SPI_H
 #define ECT_SEAMS_SPI_H
@@ -15,7 +15,7 @@
 
 /** The functions of a driver, and their context. */
 typedef struct ect_spi {
-    /** Handed to each function; owned by the board, must outlive the port that uses it. */
+    /** Passed to each function; owned by the board, must outlive the port that uses it. */
     void *ctx;
 
     /**
@@ -29,7 +29,7 @@ typedef struct ect_spi {
     /** Sets the chip's reset pin to its active level, or releases it. NULL: the pin is not wired. Mainline only. */
     void (*reset)(void *ctx, bool active);
 
-    /** Whether the chip's interrupt pin has its active level now: the level, not an edge. NULL: it is not wired. */
+    /** Returns whether the chip's interrupt pin has its active level: the level, not an edge. NULL: not wired. */
     bool (*line)(void *ctx);
 
     /** Waits at least `us` microseconds. Only used to start a chip. Required; mainline only. */

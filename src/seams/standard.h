@@ -14,7 +14,7 @@
 
 #include "seams/device.h"
 
-/** Vendor id of all twins: a placeholder, because the project is none of the vendors. A build may define its own. */
+/** Vendor id of all twins: a placeholder, because the project is not a vendor. A build may define another one. */
 #ifndef ECTWIN_VENDOR_ID
 #define ECTWIN_VENDOR_ID 0x00000E57u
 #endif

@@ -7,12 +7,12 @@
  * interrupt an operation after any byte; the bank then holds a mixture. The medium has no further obligations: two
  * flash sectors, two halves of an EEPROM and two files all qualify. The layer above (record.h) writes the data of a
  * record to the older bank and the header last, and reads the newest record whose check value is right, so an
- * interruption at any moment leaves the previous record.
+ * interruption at any moment preserves the previous record.
  *
  * Written data are safe, that is, they survive a power failure, when `flush` reports so; before that, the medium may
  * hold any part of them. The layer above therefore flushes the data before it writes the header, and again before it
  * reports success. On a host, a flush takes long (a disk's cache), so a thread waits for it; a loop that must not block
- * asks again later.
+ * repeats the call later.
  *
  * Context: mainline only. `read`, `erase` and `write` may block for the medium's own time, never for a flush.
  */
@@ -27,7 +27,7 @@ enum { ECT_STORAGE_BUSY = 1 };
 
 /** The operations of a medium, and their context. */
 typedef struct ect_storage {
-    void *ctx;          /**< handed to each operation; owned by the port */
+    void *ctx;          /**< passed to each operation; owned by the port */
     uint32_t bank_size; /**< bytes in each of the two banks */
 
     /**
@@ -51,9 +51,9 @@ typedef struct ect_storage {
 
     /**
      * Starts or continues to make all previous writes to bank 0 or 1 safe. NULL: a write is safe when it returns.
-     * @param wait  block until they are safe
-     * @return 0 all writes are safe · ECT_STORAGE_BUSY not yet, call again (never with `wait`) · negative: they will
-     * not be; the bank's content is then undefined, the other bank's unchanged
+     * @param wait  block until the writes are safe
+     * @return 0 all writes are safe · ECT_STORAGE_BUSY not yet, call again (never with `wait`) · negative: failed; the
+     * bank's content is then undefined, the other bank's unchanged
      */
     int (*flush)(void *ctx, unsigned int bank, bool wait);
 } ect_storage_t;

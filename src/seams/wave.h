@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Waves for models of a device's surroundings. Pure; without libm, which a bare board does not have.
+ * Waves for models of a device's surroundings. Pure; without libm, which a bare board lacks.
  */
 #ifndef ECT_SEAMS_WAVE_H
 #define ECT_SEAMS_WAVE_H
 
-/** sin(2 pi x), by its series around 0; the error is below 1e-9. @param x  0 to 1, 1 excluded */
+/** @return sin(2 pi x), by its series around 0; the error is below 1e-9. @param x  0 to 1, 1 excluded */
 static inline double ect_wave_sine(double x)
 {
     double sign = x >= 0.5 ? -1.0 : 1.0;

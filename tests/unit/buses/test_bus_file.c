@@ -140,11 +140,11 @@ static void a_wrong_file_is_refused_with_its_line(void **state)
         {"ectwin-device: 1\n", "/m/bus.yaml:1: a device, not a bus: write yaml:/m/bus.yaml"},
         {BUS(""), "/m/bus.yaml:1: 'twins:' with a list of '- device: DEVICE' is missing"},
         {BUS("twins: []\n"), "/m/bus.yaml:2: 'twins:' with a list of '- device: DEVICE' is missing"},
-        {BUS("twins: [fzm1]\n"), "/m/bus.yaml:2: a twin is '- device: DEVICE', with its other keys below"},
+        {BUS("twins: [fzm1]\n"), "/m/bus.yaml:2: a twin is '- device: DEVICE', followed by its other keys"},
         {BUS("twins:\n- name: a\n"), "/m/bus.yaml:3: a twin without 'device'; 'ectwin list' lists the devices"},
         {BUS("twins:\n- device: fzm1,fzm1\n"),
-         "/m/bus.yaml:3: 'device: fzm1,fzm1' names one device: a further one is a '- device:' of its own, several are "
-         "'count'"},
+         "/m/bus.yaml:3: 'device: fzm1,fzm1' names one device: write a further one as a separate '- device:', several "
+         "equal ones as 'count'"},
         {BUS("colour: red\n" ONE),
          "/m/bus.yaml:2: 'colour' is no key of a bus: ectwin, twins, or a long option of 'ectwin run' without its --"},
         {BUS(ONE "  store: x\n"),
@@ -158,7 +158,7 @@ static void a_wrong_file_is_refused_with_its_line(void **state)
         {BUS("twins:\n- {device: a, name: x, count: 2}\n- {device: a, name: x2}\n"),
          "/m/bus.yaml:4: two twins have the name 'x2'"},
         {BUS("twins:\n- device: eni:m.xml\n- device: fzm1\n"),
-         "/m/bus.yaml:4: no twin follows behind 'device: eni:FILE', a bus of any length: put that last"},
+         "/m/bus.yaml:4: 'device: eni:FILE' must be the last entry: its bus has any length"},
         {BUS("twins:\n- device: eni:m.xml\n  count: 2\n"),
          "/m/bus.yaml:3: 'count' is for one device; 'device: eni:FILE' is a bus"},
         {BUS(ONE "  count: 0\n"), "/m/bus.yaml:4: 'count' takes a number from 1 to 65535"},
@@ -191,8 +191,8 @@ static void a_wrong_file_is_refused_with_its_line(void **state)
          "/m/bus.yaml:2: 'eoe: 1:unix:/s' is written outside the folder of the bus file: take a path below that "
          "folder, or give --eoe on the command line"},
         {BUS("twins:\n- device: bus.yaml\n"),
-         "/m/bus.yaml:3: 'device: bus.yaml' is a file: write 'device: yaml:bus.yaml' for a device file; a bus file has "
-         "no other bus files in it: copy their twins"},
+         "/m/bus.yaml:3: 'device: bus.yaml' is a file: write 'device: yaml:bus.yaml' for a device file; "
+         "a bus file contains no other bus files: copy their twins"},
         {BUS("a: &x b\n" ONE), "/m/bus.yaml:2: an anchor of YAML: bus files have none"},
         {BUS("a: &x [b]\nc: *x\n" ONE), "/m/bus.yaml:2: an anchor of YAML: bus files have none"},
         {BUS("a: *x\n" ONE), "/m/bus.yaml:2: an alias of YAML: bus files have none"},
