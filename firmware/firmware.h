@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The device that this firmware was built for, towards its main loop: on_ectwin/ by our stack, on_soes/ by SOES's.
+ * The device of this firmware for the main loop: on_ectwin/ with ectwin's stack, on_soes/ with SOES's.
  */
 #ifndef FIRMWARE_FIRMWARE_H
 #define FIRMWARE_FIRMWARE_H
@@ -11,22 +11,25 @@
 #include "ecat_slv.h"
 #include "seams/device.h"
 
-/** The device as it is described (plain.c), or with updates (update.c). Constant from the first call on. */
+/** @return the device unchanged (plain.c), or with updates (update.c). Constant from the first call on. */
 const ect_device_t *firmware_described(void);
 
-/** The device of the firmware: firmware_described, with a network address (network.c) or without one (no_network.c).
- * Constant from the first call on. */
+/**
+ * @return the device of the firmware: firmware_described, with a network address (network.c) or without (no_network.c).
+ * Constant from the first call on.
+ */
 const ect_device_t *firmware_device(void);
 
-/** A number of the firmware's configuration does not fit its device: ::board_fault. */
+/** Reports a number of the firmware's configuration that does not fit the device, by ::board_fault. */
 _Noreturn void firmware_stop(void);
 
-/** The configuration of the stack, for ecat_slv_init. After board_init. */
+/** @return the configuration of the stack, for ecat_slv_init. Due after board_init. */
 esc_cfg_t *firmware_config(void);
 
 /**
- * Once a turn, after ecat_slv: lamps, and what the device asks of the board.
- * @return when the next turn is due, unless the ESC has something before
+ * Called in each iteration of the main loop, after ecat_slv: updates the lamps, and executes requests of the device to
+ * the board.
+ * @return time of the next iteration, unless an event of the ESC occurs before
  */
 uint64_t firmware_turn(void);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A hardware file of SOES over the PDI of a board, for the stack that has no other way, and for the calls of its API.
+/* A hardware file of SOES over the PDI of a board, for SOES's stack, and for the calls of its API.
  */
 #include <string.h>
 
@@ -8,8 +8,8 @@
 #include "wire/bytes.h"
 #include "wire/registers.h"
 
-/* SOES's API knows no access that fails: what was not read is 0, what was not written is written again by those whom it
- * concerns, for they find the event still there. */
+/* SOES's API has no failed accesses: a failed read returns 0; a failed write is repeated by its caller, because the
+ * event remains pending. */
 static void take_event(const ect_pdi_t *pdi)
 {
     uint8_t bytes[4] = {0};

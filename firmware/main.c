@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* An ordinary SOES application. CMake has selected its device. */
+/* A normal SOES application, whose device is selected by CMake. */
 #include "board.h"
 #include "firmware.h"
 

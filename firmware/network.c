@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* The device with a network address: EoE whose address answers ARP, ping and UDP echo. */
+/* The device with a network address: EoE with replies to ARP, ping and UDP echo. */
 #include "profiles/ip/echo.h"
 
 #include "firmware.h"
 
 enum { PROTOCOLS = 8 };
 
-/* The same at each call; the firmware and the EEPROM call it once each. */
+/* Returns the same device at each call; called once for the firmware and once for the EEPROM. */
 const ect_device_t *firmware_device(void)
 {
     static ect_device_t device;

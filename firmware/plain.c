@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The device as it is described, in a firmware that takes no updates. */
+/* The unchanged device, in a firmware without updates. */
 #include FIRMWARE_DEVICE_HEADER
 #include "firmware.h"
 

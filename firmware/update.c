@@ -15,9 +15,9 @@ static ect_device_t device;
 static const ect_protocol_t *protocols[PROTOCOLS + 1];
 static ect_foe_t files;
 static const ect_host_t *host;
-static uint8_t header[UPDATE_HEADER]; /* of the file that is being written */
+static uint8_t header[UPDATE_HEADER]; /* of the file under way */
 static uint32_t written;
-static bool complete; /* the second slot holds a new firmware, and the master has the acknowledge */
+static bool complete; /* the second slot has a new firmware, and the master has received the acknowledge */
 
 /* --- the file ----------------------------------------------------------------------------------------------------- */
 
@@ -33,7 +33,7 @@ static uint32_t open_file(const ect_foe_t *foe, void *instance, const ect_foe_fi
     return ECT_FOE_OK;
 }
 
-/* The slot is erased for a file that belongs here only. */
+/* Checks the header before the slot is erased. */
 static uint32_t take_header(const char **text)
 {
     const update_slots_t *slots = board_slots();
@@ -60,7 +60,7 @@ static uint32_t write_image(const uint8_t *data, uint32_t length)
     return ECT_FOE_OK;
 }
 
-/* A short mailbox brings the header in several pieces. */
+/* Collects the header, which a short mailbox transfers in several pieces. */
 static uint32_t write_piece(const uint8_t *data, uint16_t length, const char **text)
 {
     uint32_t missing = written < UPDATE_HEADER ? UPDATE_HEADER - written : 0;
@@ -118,8 +118,8 @@ static uint16_t state_change(void *instance, uint8_t from, uint8_t to, uint64_t 
 }
 
 /*
- * The mailboxes of BOOT are the usual ones, however short: SOEM's firm_update writes SM0 and SM1 while they are
- * enabled, and an ESC ignores another address or length then.
+ * BOOT has the mailboxes of the other states, even if these are short: SOEM's firm_update writes SM0 and SM1 while they
+ * are enabled, and an ESC then ignores another address or length.
  */
 static void lay_out_boot(void)
 {
@@ -128,7 +128,7 @@ static void lay_out_boot(void)
     device.boot_in = (ect_boot_mailbox_t){in->start, in->length};
 }
 
-/* The same at each call; the firmware and the EEPROM call it once each. */
+/* Returns the same device at each call; called once for the firmware and once for the EEPROM. */
 const ect_device_t *firmware_described(void)
 {
     const size_t aligned = sizeof(max_align_t);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A firmware update over FoE. The master writes a file in BOOT; it goes into the second slot and is verified there.
- * When the master leaves BOOT, the board restarts, and its loader (loader/main.c) copies the image to the address that
- * it runs from.
+ * A firmware update over FoE. In BOOT the master writes a file, which is stored and verified in the second slot. When
+ * the master leaves BOOT, the board restarts, and its loader (loader/main.c) copies the image to the address that it
+ * runs from.
  *
  * A file, which tools/firmware-file.py makes, is a header of eight words, little-endian, and the image:
  *
@@ -18,7 +18,7 @@
  * | 24 | version, a number of the vendor's choice; not compared, so that an older firmware may replace a newer one |
  * | 28 | 0 |
  *
- * A cut at any moment leaves a firmware that runs: an incomplete slot is not taken, and an image that is copied in part
+ * After an interruption at any moment a firmware still runs: an incomplete slot is ignored, and a partly copied image
  * is copied again at the next start.
  */
 #ifndef FIRMWARE_UPDATE_H
@@ -40,16 +40,18 @@ typedef struct update_slots {
     uint32_t run;          /**< address that the firmware runs from */
     const uint8_t *second; /**< start of the second slot */
     uint32_t size;         /**< bytes of the second slot, more than UPDATE_HEADER */
-    /** Makes the second slot writable from end to end; its content is gone. @return false: the memory failed */
+    /** Erases the entire second slot. @return false: the memory has failed */
     bool (*erase)(void);
-    /** Writes behind the previous write. offset + length <= size. @return false: the memory failed */
+    /** Writes after the previous write. offset + length <= size. @return false: the memory has failed */
     bool (*write)(uint32_t offset, const void *data, uint32_t length);
 } update_slots_t;
 
 /** The board's slots. */
 const update_slots_t *board_slots(void);
 
-/** Whether a header, UPDATE_HEADER bytes, is that of a file for this board: magic number, address, a length that fits.
+/**
+ * @return whether a header, UPDATE_HEADER bytes, is that of a file for this board: magic number, address, a length that
+ * fits.
  */
 static inline bool update_header_good(const update_slots_t *slots, const uint8_t *header)
 {
@@ -57,8 +59,10 @@ static inline bool update_header_good(const update_slots_t *slots, const uint8_t
            ect_load_le32(header + 12) == slots->run;
 }
 
-/** @return bytes of the image in the second slot, UPDATE_HEADER behind its start; 0: there is no complete one for this
- * board */
+/**
+ * @return bytes of the image in the second slot, which begins UPDATE_HEADER bytes after its start; 0: no complete image
+ * for this board
+ */
 static inline uint32_t update_image(const update_slots_t *slots)
 {
     const uint8_t *header = slots->second;

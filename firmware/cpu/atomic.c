@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Functions that the compiler calls on a processor without an atomic instruction (Cortex-M0+; bytes on RISC-V). There
- * is one processor, so a piece without interrupts is atomic. */
+/* Functions that the compiler calls on a processor without an atomic instruction (Cortex-M0+; bytes on RISC-V). With
+ * one processor, code without interrupts is atomic. */
 #include "cpu.h"
 
-/* Names and types are the compiler's. */
+/* Names and types are defined by the compiler. */
 uint8_t __atomic_fetch_and_1(volatile void *at, uint8_t value, int order);
 uint8_t __atomic_fetch_or_1(volatile void *at, uint8_t value, int order);
 unsigned int __atomic_fetch_sub_4(volatile void *at, unsigned int value, int order);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The arithmetic of a clock that is made of a processor's counters. Pure functions, for any context.
+ * The arithmetic of a clock over a processor's counters. Pure functions. Context: any.
  */
 #ifndef FIRMWARE_CLOCK_H
 #define FIRMWARE_CLOCK_H
@@ -9,8 +9,9 @@
 #include <stdint.h>
 
 /**
- * Cycles as nanoseconds, in fixed point of 32.32 bits: the rate is within 10^-9 of the clock's, whatever its frequency.
- * @param hz  of the clock, 1 or more; a constant, so that no division is left
+ * Converts cycles to nanoseconds, in fixed point of 32.32 bits: the rate is within 10^-9 of the clock's, at any
+ * frequency.
+ * @param hz  of the clock, 1 or more; a constant, so that the compiler removes the division
  */
 static inline uint64_t clock_ns(uint64_t cycles, uint32_t hz)
 {
@@ -22,19 +23,19 @@ static inline uint64_t clock_ns(uint64_t cycles, uint32_t hz)
 }
 
 /**
- * Cycles between two reads of a counter of 24 bits that counts down, as SysTick. It wraps unseen while flash is erased
- * and the processor stops; a second counter of 32 bits shows how often, and may itself stop while the processor sleeps.
+ * Computes the cycles between two reads of a counter of 24 bits that counts down, like SysTick. The counter wraps
+ * undetected while flash is erased and the processor stops; a second counter of 32 bits gives the number of wraps, and
+ * may itself stop while the processor sleeps.
  * @param before, now  of the first counter, 0..0xFFFFFF
- * @param counted      cycles that the second one has counted meanwhile; 0: there is none, and the first one wraps at
- * most once
+ * @param counted      cycles counted by the second counter between the reads; 0: no second counter, and the first one
+ * wraps at most once
  */
 static inline uint32_t clock_elapsed(uint32_t before, uint32_t now, uint32_t counted)
 {
     const uint32_t wrap = 1u << 24;
     uint32_t elapsed = (before - now) & (wrap - 1);
     uint32_t missed = counted > elapsed ? counted - elapsed + wrap / 2 : 0;
-    return elapsed +
-           (missed & ~(wrap - 1)); /* the two are not read at the same instant: the nearest whole number of wraps */
+    return elapsed + (missed & ~(wrap - 1)); /* the nearest integer: the counters are not read at the same time */
 }
 
 #endif

@@ -14,7 +14,7 @@ extern uint32_t cpu_stack_top[]; /* from flash.ld */
 #define MPU_REGION     REGISTER(0xE000ED98)
 #define MPU_BASE       REGISTER(0xE000ED9C)
 #define MPU_ATTRIBUTES REGISTER(0xE000EDA0)
-#define MPU_ON         5u          /* and the default map for privileged code, beside the regions */
+#define MPU_ON         5u          /* and the default map for privileged code outside the regions */
 #define MPU_DEVICE     0x13050001u /* no code, full access, TEX 0 S 1 C 0 B 1, enabled */
 
 #define DEBUG_CONTROL REGISTER(0xE000EDFC)
@@ -24,7 +24,7 @@ extern uint32_t cpu_stack_top[]; /* from flash.ld */
 #define TRACE_ON      0x01000000u
 #define UNLOCK        0xC5ACCE55u
 
-/* A counter of 32 bits, which stays 0 on a processor that has none. */
+/* A counter of 32 bits; 0 on a processor without this counter. */
 #if __ARM_ARCH >= 7
 static void count_cycles(void)
 {
@@ -65,8 +65,7 @@ typedef union vector {
     cpu_handler_t handler;
 } vector_t;
 
-/* The processor takes its stack from the first word and goes to where the second one points; the others are its
- * exceptions. */
+/* The first word is the initial stack pointer, the second the entry point; the others are the vectors of exceptions. */
 __attribute__((section(".vectors.processor"), used)) static const vector_t vectors[16] = {
     [0] = {.stack = cpu_stack_top}, [1] = {.handler = cpu_start},    [2] = {.handler = cpu_fault},
     [3] = {.handler = cpu_fault},   [4] = {.handler = cpu_fault},    [5] = {.handler = cpu_fault},

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Memory as C expects it, then main. */
+/* Initialises memory for C, then calls main. */
 #include "cpu.h"
 
 /* From flash.ld. */

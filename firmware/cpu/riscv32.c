@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Interrupts are in direct mode: all of them come to cpu_trap, which a board with interrupts defines. */
+/* Interrupts are in direct mode: all call cpu_trap, which a board with interrupts defines. */
 #include "cpu.h"
 
 __asm(".option arch, +zicsr");
@@ -17,7 +17,7 @@ __attribute__((weak, interrupt, aligned(4))) void cpu_trap(void)
     cpu_fault();
 }
 
-/* The first instruction of the image: no interrupts, the stack, the global pointer, where traps go. */
+/* The first instructions of the image: disable interrupts, set the stack, the global pointer and the trap vector. */
 __attribute__((section(".vectors.processor"), naked, used)) void cpu_entry(void)
 {
     __asm volatile("csrci mstatus, 8\n\t"
@@ -65,7 +65,7 @@ void cpu_device_memory(uint32_t base, unsigned int bits)
     (void)bits;
 }
 
-/* There is no reset that all chips have: from the beginning, with interrupts off. */
+/* Restarts the image with interrupts disabled, because RISC-V defines no common reset. */
 _Noreturn void cpu_reset(void)
 {
     __asm volatile("j cpu_entry" ::: "memory");

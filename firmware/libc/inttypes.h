@@ -1,4 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-/** @file C11 §7.8 as far as it is needed: the types of stdint.h, which the compiler has. A board prints nothing.
+/** @file The necessary part of C11 §7.8: the types of stdint.h, which the compiler provides. A board prints no numbers.
  */
 #include <stdint.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Compiled with -ffreestanding, or a compiler would make calls of these functions out of their own loops. */
+/* Compiled with -ffreestanding, because a compiler would otherwise replace the loops by calls of these functions. */
 #include <string.h>
 
 #include <stdint.h>

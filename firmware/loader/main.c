@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The first thing that runs on a board with two slots: an image that came over FoE and is whole goes to where it runs
- * from, unless it exists already; then the firmware begins.
+ * The loader of a board with two slots: copies a complete image received by FoE to the address that it runs from,
+ * unless it is already there, and starts the firmware.
  */
 #include <string.h>
 

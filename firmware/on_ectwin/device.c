@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The device on our stack: its description is served as it is, in place of an object list (soes/internal.h). */
+/* The device on ectwin's stack, which uses the description directly, in place of an object list (soes/internal.h). */
 #include <stddef.h>
 #include <string.h>
 
@@ -13,7 +13,7 @@
 
 static ect_identity_t identity;
 
-/* All that the slave needs, as its description asks for it; FIRMWARE_MEMORY is enough for it, or nothing starts. */
+/* The memory of the slave, by its description. The firmware does not start if FIRMWARE_MEMORY is too small. */
 static max_align_t memory[(FIRMWARE_MEMORY + sizeof(max_align_t) - 1) / sizeof(max_align_t)];
 static size_t used;
 
@@ -27,7 +27,7 @@ static void *take(void *ctx, size_t bytes)
     void *taken = &memory[used];
     (void)ctx;
     if (!fits(bytes))
-        firmware_stop(); /* FIRMWARE_MEMORY is too small: a mistake of who configured it */
+        firmware_stop(); /* FIRMWARE_MEMORY is too small: a mistake in the configuration */
     used += (bytes + sizeof memory[0] - 1) / sizeof memory[0];
     return taken;
 }
@@ -44,13 +44,13 @@ ect_slave_config_t ect_soes_slave_config(void)
         .storage = board_storage(),
         .switches = board_switches(),
     };
-    (void)ect_slave_take(&config, take, NULL); /* it stops where there is too little */
+    (void)ect_slave_take(&config, take, NULL); /* stops if the memory is too small */
     if (device->buffer_size > 0 && fits(device->buffer_size))
-        config.buffer = take(NULL, device->buffer_size); /* which it can do without */
+        config.buffer = take(NULL, device->buffer_size); /* which is optional */
     return config;
 }
 
-/* Both ways in one, as the stack has it. */
+/* Outputs and inputs in one call of the stack. */
 void ect_soes_outputs(void)
 {
     ect_slave_cycle(&ect_soes.slave, ect_soes_now());
@@ -60,7 +60,7 @@ void ect_soes_inputs(void)
 {
 }
 
-/* A hardware file with a software ESC makes the EEPROM from this. */
+/* A hardware file with a software ESC makes the EEPROM from this description. */
 void ect_soes_describe(ect_device_t *to)
 {
     *to = *firmware_device();

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* For our stack, which takes the layout from the device's description: what SOES's API alone would keep memory for is
- * as small as it can be. */
+/* For ectwin's stack, which takes the layout from the device's description: memory used only by SOES's API is minimal.
+ */
 #ifndef FIRMWARE_ECAT_OPTIONS_H
 #define FIRMWARE_ECAT_OPTIONS_H
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The device on SOES's own stack: its functions behind SOES's hooks, its dictionary as an object list. What SOES's API
- * has no words for is left out (docs/SOES.md): emergencies, object services, a transition that takes its time.
+ * The device on SOES's own stack: its functions behind SOES's hooks, its dictionary as an object list. Functions
+ * missing from SOES's API are omitted (docs/SOES.md): emergencies, object services, delayed transitions.
  */
 #include FIRMWARE_DEVICE_HEADER
 
@@ -21,7 +21,7 @@ static ect_od_t od;
 static uint64_t tick_ns;
 static bool restart;
 
-/* --- what the device asks for ------------------------------------------------------------------------------------- */
+/* --- requests of the device --------------------------------------------------------------------------------------- */
 
 static void emergency(void *ctx, uint16_t code, uint8_t error_register, const uint8_t data[5])
 {
@@ -135,7 +135,7 @@ static ect_reason_t may_write(uint16_t index, uint8_t subindex, const void *data
     return reason;
 }
 
-/* By Complete Access SOES calls its hook once, not for each entry. */
+/* Handles Complete Access, for which SOES calls its hook once, not for each entry. */
 static uint32_t before_download(uint16_t index, uint8_t subindex, void *data, size_t size, uint16_t flags)
 {
     return (flags & COMPLETE_ACCESS_FLAG) != 0 ? 0 : abort_code(may_write(index, subindex, data, size));
@@ -180,7 +180,7 @@ static void power_on(void)
     host.storage = board_storage();
     od = ect_device_od(device, instance);
     if (device->instance_size > sizeof memory || !objects_make(device, instance))
-        firmware_stop(); /* FIRMWARE_MEMORY, or what objects.c has room for, is too small for this device */
+        firmware_stop(); /* FIRMWARE_MEMORY, or the room in objects.c, is too small for this device */
     standard->device = device;
     standard->identity = device->identity;
     standard->identity.serial = board_serial() != 0 ? board_serial() : device->identity.serial;
@@ -189,7 +189,7 @@ static void power_on(void)
         device->init(instance, &host, board_now_ns());
 }
 
-/* A hardware file with a software ESC makes the EEPROM from this. */
+/* A hardware file with a software ESC makes the EEPROM from this description. */
 void ect_soes_describe(ect_device_t *to)
 {
     *to = *device;
@@ -209,7 +209,7 @@ esc_cfg_t *firmware_config(void)
     return &config;
 }
 
-/* SOES has no time at which it is due again. */
+/* SOES reports no time of its next call. */
 uint64_t firmware_turn(void)
 {
     const ect_leds_t *leds = board_leds();

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* SOES's headers call the list constant: it is defined here, where they are not seen. */
+/* SOES's headers declare the list as constant, so this file defines it without these headers. */
 #include "on_soes/objects.h"
 
 enum { OBJECTS = 128, ENTRIES = 1024 };
 
 ect_object_t SDOobjects[OBJECTS + 1];
 static ect_entry_t entries[ENTRIES];
-static uint32_t commands; /* what is written to a command is stored here, and nowhere else */
+static uint32_t commands; /* memory for values written to commands */
 
-/* SOES moves process data of up to 64 bits as numbers, and asserts that they are; bytes of such a length may be one. */
+/* Declares byte strings of up to 64 bits as numbers, because SOES transfers process data of this length as numbers, and
+ * asserts their types. */
 static uint16_t mappable_type(const ect_entry_t *entry)
 {
     bool mapped = (entry->access & (ECT_ACCESS_RXPDO | ECT_ACCESS_TXPDO)) != 0;
@@ -38,7 +39,7 @@ static ect_entry_t converted(const ect_od_t *od, const ect_entry_t *from)
     return entry;
 }
 
-/* @return how many there are, 0: there is no room for them */
+/* @return the number of entries; 0: no room */
 static size_t convert_entries(const ect_od_t *od, const ect_object_t *object, size_t used)
 {
     size_t count = 0;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The dictionary of a device as SOES's stack wants it: `SDOobjects`, made at the start, for its entries lie in the
- * device's instance.
+ * The dictionary of a device for SOES's stack: `SDOobjects`, made at the start, because its entries are in the device's
+ * instance.
  */
 #ifndef FIRMWARE_ON_SOES_OBJECTS_H
 #define FIRMWARE_ON_SOES_OBJECTS_H
@@ -11,7 +11,9 @@
 
 #include "seams/device.h"
 
-/** Fills SDOobjects. `instance` lives as long as the program. @return false: it has more objects or entries than fit */
+/**
+ * Fills SDOobjects. `instance` must stay valid until the end of the program. @return false: too many objects or entries
+ */
 bool objects_make(const ect_device_t *device, void *instance);
 
 #endif

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* A chip with an ESC in its memory, at the places of the CMake variables MMIO_... */
+/* A chip with a memory-mapped ESC, at the addresses of the CMake variables MMIO_... */
 #include "board.h"
 
 #include "clock.h"
 #include "cpu.h"
 #include "ports/mmio/mmio.h"
 
-enum { ESC_BITS = 16 /* of its addresses */ };
+enum { ESC_BITS = 16 /* size of its address range */ };
 _Static_assert((MMIO_ESC & ((1ull << ESC_BITS) - 1)) == 0,
                "MMIO_ESC: a multiple of 64 KB, the size of its region in the MPU");
 _Static_assert(MMIO_CLOCK_HZ > 0 && MMIO_CLOCK_HZ <= UINT32_MAX, "MMIO_CLOCK_HZ: 1 to 4294967295");
@@ -20,7 +20,7 @@ void board_init(int argc, char **argv)
     (void)argv;
     cpu_device_memory(MMIO_ESC, ESC_BITS);
     while (!ect_mmio_ready(&esc)) {
-        /* the ESC loads its EEPROM; without an ESC there is nothing to do */
+        /* waits until the ESC has loaded its EEPROM; without an ESC the firmware has no work */
     }
     pdi = ect_mmio_pdi(&esc);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A board that keeps nothing, for MMIO_FLASH_DRIVER names no file that would. */
+/* A board without storage: MMIO_FLASH_DRIVER is not set. */
 #include <stddef.h>
 
 #include "board.h"

@@ -71,7 +71,7 @@ void board_reset(void)
     cpu_reset();
 }
 
-/* There is no flash on this board: memory that a reset leaves alone, and power-off does not. */
+/* This board has no flash: the storage is memory that outlasts a reset, not a power-off. */
 const ect_storage_t *board_storage(void)
 {
     static uint8_t kept[2 * STORAGE] CPU_KEPT;

@@ -9,15 +9,16 @@
 
 static lan9118_t mac;
 static ect_esc_t esc;
-static ect_pdi_t inner; /* the PDI of `esc`, for who holds the interrupts off */
+static ect_pdi_t inner; /* the PDI of `esc`, for callers that have disabled interrupts */
 static uint8_t memory[ECT_ESC_MEMORY_SIZE(CONTROLLER_RAM_KB)];
 static uint8_t sii[CONTROLLER_SII];
 static uint32_t frame[LAN9118_BUFFER / sizeof(uint32_t)];
-static uint64_t wake_ns; /* what mainline sleeps for */
+static uint64_t wake_ns; /* end of the sleep of mainline */
 
 /* --- in interrupts, or with interrupts off ------------------------------------------------------------------------ */
 
-/* Lets the controller's own time pass, and asks to be called when it goes on. Mainline that is due is awake by now. */
+/* Advances the controller's own time, and sets the alarm for its next deadline. Mainline is already awake if it is due.
+ */
 static void pass_time(void)
 {
     uint64_t now_ns = mps2_now_ns();
@@ -107,6 +108,6 @@ void controller_wait(uint64_t until_ns)
         pass_time();
         cpu_sleep();
     }
-    cpu_interrupts_restore(before); /* what has ended the sleep is done here */
+    cpu_interrupts_restore(before); /* the interrupt that has ended the sleep runs here */
     seen = ect_esc_activity(&esc);
 }

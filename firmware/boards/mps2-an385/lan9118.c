@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "lan9118.h"
 
-/* Registers of the window . */
+/* Registers of the window. */
 enum {
     RX_DATA = 0x00,
     TX_DATA = 0x20,
@@ -29,16 +29,16 @@ enum { PHY_CONTROL = 0, PHY_ADVERTISED = 4 };
 #define BYTE_TEST_VALUE 0x87654321u
 
 #define IRQ_ON        0x00000111u /* enabled, active high, push-pull */
-#define INT_RX_STATUS 0x00000008u /* more frames received than FIFO_INT: none */
+#define INT_RX_STATUS 0x00000008u /* interrupt level in received frames: above 0 */
 #define HW_RESET      0x00000001u
-#define HW_STORE      0x00150000u /* 5 KB of FIFO to send from, frames are sent when they are whole */
+#define HW_STORE      0x00150000u /* 5 KB of transmit FIFO; frames are sent when complete */
 #define PMT_READY     0x00000001u
-#define TX_ON         0x00000006u /* the status of sent frames is not read */
+#define TX_ON         0x00000006u /* the status of sent frames is discarded */
 #define RX_SKIP       0x80000000u
 #define CSR_BUSY      0x80000000u
 #define CSR_READ      0x40000000u
 #define MAC_ALL       0x0014000Cu /* full duplex, promiscuous, transmitter, receiver */
-#define MII_PHY       0x00000800u /* the internal one has the address 1 */
+#define MII_PHY       0x00000800u /* the internal PHY has the address 1 */
 #define MII_WRITE     0x00000002u
 #define MII_BUSY      0x00000001u
 #define PHY_NEGOTIATE 0x1200u
@@ -46,8 +46,8 @@ enum { PHY_CONTROL = 0, PHY_ADVERTISED = 4 };
 #define TX_WHOLE      0x00003000u /* first and last buffer of a frame */
 #define RX_ERROR      0x00008000u
 
-/* Reads of a register until a wait ends. A read takes 100 ns or more: 45 for the window, the rest for the processor.
- * The MAC needs some 10 of them, the PHY, which is serial, 30 us, the longest reset, the PHY's, 100 us. */
+/* Reads of a register until a wait gives up. A read takes 100 ns or more: 45 ns for the window, the rest for the
+ * processor. The MAC needs about 10 reads, the serial PHY 30 us, and the longest reset, that of the PHY, 100 us. */
 enum { PATIENCE_MAC = 100, PATIENCE_PHY = 1000, PATIENCE_RESET = 100000 };
 
 enum { CHECK_SUM = 4 };
@@ -57,7 +57,7 @@ static volatile uint32_t *reg(const lan9118_t *mac, unsigned int offset)
     return (volatile uint32_t *)(mac->base + offset);
 }
 
-/* @return whether these bits have come to be like that */
+/* @return whether the bits have got the value in time */
 static bool wait(const lan9118_t *mac, unsigned int offset, uint32_t bits, uint32_t value, unsigned int patience)
 {
     while (patience-- > 0) {
@@ -102,7 +102,7 @@ static bool phy_write(const lan9118_t *mac, unsigned int number, uint32_t value)
 
 static bool reset(const lan9118_t *mac)
 {
-    *reg(mac, BYTE_TEST) = 0; /* a write to it wakes a controller that sleeps */
+    *reg(mac, BYTE_TEST) = 0; /* a write wakes a sleeping controller */
     if (!wait(mac, PMT_CTRL, PMT_READY, PMT_READY, PATIENCE_RESET) || *reg(mac, BYTE_TEST) != BYTE_TEST_VALUE)
         return false;
     *reg(mac, HW_CFG) = HW_RESET;
@@ -115,7 +115,7 @@ bool lan9118_init(lan9118_t *mac, uintptr_t base)
     if (!reset(mac))
         return false;
     *reg(mac, HW_CFG) = HW_STORE;
-    *reg(mac, RX_CFG) = 0; /* frames begin at a word, and take whole words */
+    *reg(mac, RX_CFG) = 0; /* frames begin at a word, and occupy complete words */
     *reg(mac, TX_CFG) = TX_ON;
     *reg(mac, FIFO_INT) = 0;
     *reg(mac, INT_STS) = UINT32_MAX;
@@ -132,10 +132,10 @@ void lan9118_acknowledge(const lan9118_t *mac)
 
 /* --- frames ------------------------------------------------------------------------------------------------------- */
 
-/* Takes the words of a frame out of the FIFO, into nowhere. */
+/* Discards the words of a frame in the FIFO. */
 static void skip(const lan9118_t *mac, size_t words)
 {
-    if (words >= 4) { /* fewer are not skipped by it */
+    if (words >= 4) { /* the fast-forward does not skip fewer words */
         *reg(mac, RX_DP_CTL) = RX_SKIP;
         (void)wait(mac, RX_DP_CTL, RX_SKIP, 0, PATIENCE_MAC);
         return;

@@ -15,13 +15,13 @@ enum { CLOCK_HZ = 25000000, NS_PER_TICK = 40, BAUD = 115200 };
 #define FPGA_COUNTER  REGISTER(0x40028018)
 #define FPGA_PRESCALE REGISTER(0x4002801C)
 
-/* Reads of the state of a serial line for a character at most, so that a line that is stuck does not stop the firmware.
+/* Limit of state reads of a serial line for each character, so that a stuck line does not stop the firmware.
  */
 enum { PATIENCE = 1000000 };
 
 void mps2_init(void)
 {
-    FPGA_PRESCALE = 0; /* it counts with 25 MHz */
+    FPGA_PRESCALE = 0; /* counts at 25 MHz */
     UART_DIVIDER = CLOCK_HZ / BAUD;
     UART_CONTROL = UART_SEND;
 }
@@ -42,7 +42,7 @@ void mps2_alarm(uint64_t at_ns)
     uint64_t ticks = at_ns > now ? (at_ns - now) / NS_PER_TICK : 0;
     if (ticks > CPU_SYSTICK_LONGEST)
         ticks = CPU_SYSTICK_LONGEST;
-    CPU_SYSTICK_RELOAD = ticks < 1 ? 1 : (uint32_t)ticks; /* 0 would stop it */
+    CPU_SYSTICK_RELOAD = ticks < 1 ? 1 : (uint32_t)ticks; /* 0 would stop the timer */
     CPU_SYSTICK_VALUE = 0;
     CPU_SYSTICK_CONTROL = CPU_SYSTICK_ALARMS;
 }

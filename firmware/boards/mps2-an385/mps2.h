@@ -9,29 +9,31 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/** Interrupts of the chip that are used. */
+/** The used interrupts of the chip. */
 enum { MPS2_INTERRUPT_ETHERNET = 13 };
 
 /** Address of the window of the Ethernet controller. */
 #define MPS2_ETHERNET 0x40200000u
 
-/** Clock and serial line. To be called first. */
+/** Sets up clock and serial line. Called first. */
 void mps2_init(void);
 
-/** Nanoseconds since ::mps2_init, in steps of 40. Never goes back; has to be called once in 171 s or more often. Any
- * context. */
+/**
+ * @return nanoseconds since ::mps2_init, in steps of 40; never decreases. Must be called at least once in 171 s.
+ * Context: any.
+ */
 uint64_t mps2_now_ns(void);
 
 /**
- * Raises ::cpu_systick at that time, or after some 600 ms, whatever comes first; the last call counts. UINT64_MAX:
- * after 600 ms. Any context.
+ * Raises ::cpu_systick at a time, or after about 600 ms, whichever is earlier; the last call applies. UINT64_MAX: after
+ * 600 ms. Context: any.
  */
 void mps2_alarm(uint64_t at_ns);
 
 /** The lamps of the FPGA, 0 and 1. Mainline. */
 void mps2_led(unsigned int number, bool lit);
 
-/** Writes text to the first serial line, and waits until it is out (a character takes 87 us at 115200 baud). Mainline.
+/** Writes text to the first serial line, and waits until it is sent (a character takes 87 us at 115200 baud). Mainline.
  */
 void mps2_print(const char *text);
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Two slots in memory, for there is no flash on this board: a reset leaves the second one alone, power-off does not. It
- * lies in the PSRAM, the first one behind the loader. QEMU loads the images of its command line again at each reset,
- * and the loader then the update.
+ * Two slots in memory, because this board has no flash: the second one outlasts a reset, not a power-off. It is in the
+ * PSRAM, the first one after the loader. QEMU loads the images of its command line again at each reset, and the loader
+ * then the update.
  */
 #include <string.h>
 

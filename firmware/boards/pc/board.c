@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A PC as the board: the software ESC of ports/soes_hal, at the interface that -i names; --store DIR: what it keeps. */
+/* A PC as the board: the software ESC of ports/soes_hal, at the interface of -i; --store DIR: its non-volatile memory.
+ */
 #define _POSIX_C_SOURCE 200809L
 #include "board.h"
 
@@ -14,12 +15,12 @@
 static char **arguments;
 static ect_memory_t *memory;
 
-/* NULL: it lasts as long as the process. */
+/* NULL: memory that ends with the process. */
 static void open_memory(const char *folder)
 {
     char path[ECT_MEMORY_PATH], message[ECT_MEMORY_MESSAGE];
     if (folder && (*folder == 0 || snprintf(path, sizeof path, "%s/firmware", folder) >= (int)sizeof path)) {
-        fprintf(stderr, "%s: --store: name a folder, by not too long a name\n", arguments[0]);
+        fprintf(stderr, "%s: --store: the name of the folder is missing or too long\n", arguments[0]);
         exit(1);
     }
     memory = ect_memory_open(folder ? path : NULL, message);
@@ -56,7 +57,7 @@ const ect_pdi_t *board_pdi(void)
 
 void board_turn(uint64_t until_ns)
 {
-    (void)until_ns; /* the software ESC waits where it is read */
+    (void)until_ns; /* the software ESC waits in its reads */
 }
 
 void board_reset(void)
