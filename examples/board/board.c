@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A Cortex-M4 at 100 MHz with the window of the ESC at 0x60000000; addresses of an imagined processor, but for SysTick
- * and SCB. */
+/* A Cortex-M4 at 100 MHz with the window of the ESC at 0x60000000; the addresses are fictitious, except those of
+ * SysTick and SCB. */
 #include "board.h"
 
 enum { NS_PER_TICK = 10, SYSTICK_RELOAD = 0xFFFFFF };
@@ -28,7 +28,7 @@ static void store(void *ctx, unsigned int reg, uint32_t value)
 
 const ect_window_t board_window = {.load = load, .store = store, .patience = 20};
 
-/* SysTick counts down and wraps every 168 ms: to be called more often than that, which the main loop does. */
+/* SysTick counts down and wraps every 168 ms, so the main loop must call this function more often. */
 uint64_t board_now_ns(void)
 {
     static uint64_t ticks;

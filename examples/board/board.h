@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/** @file What main.c needs of the board: a clock, the window of the ESC, a sensor, an output. Yours to write. */
+/**
+ * @file The functions that main.c needs from the board, to be written for yours: a clock, the window of the ESC, a
+ * sensor, an output.
+ */
 #ifndef BOARD_H
 #define BOARD_H
 
@@ -9,7 +12,7 @@
 
 extern const ect_window_t board_window;
 
-/** Nanoseconds since power-on. Never goes back. */
+/** @return nanoseconds since power-on; never decreases. */
 uint64_t board_now_ns(void);
 
 /** 0.1 °C */
@@ -18,7 +21,7 @@ int16_t board_temperature(void);
 /** @param percent  0..100 */
 void board_heat(uint8_t percent);
 
-/** Serves the board's own watchdog, once a turn of the main loop. */
+/** Serves the board's own watchdog; called in each iteration of the main loop. */
 void board_alive(void);
 
 /** Resets the processor. */

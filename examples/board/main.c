@@ -35,7 +35,7 @@ int main(void)
         .staging = staging,
         .staging_size = STAGING,
     };
-    if (!enough()) /* the description has grown and the arrays above have not */
+    if (!enough()) /* the arrays above are too small for the description */
         return 1;
     while (ect_slave_init(&slave, &config, board_now_ns()) != 0)
         board_alive(); /* the ESC is still loading its EEPROM */

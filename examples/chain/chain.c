@@ -40,13 +40,13 @@ static void make_frame(uint8_t frame[LENGTH])
         2,
         0,
         0,
-        0 /* that reads 2 bytes */
+        0 /* which reads 2 bytes */
     };
     memset(frame, 0, LENGTH);
     memcpy(frame, head, sizeof head);
 }
 
-/* @return the working counter of the reply; -1: none has come */
+/* @return the working counter of the reply; -1: no reply */
 static int ask(ectwin_bus_t *bus, uint64_t now_ns, uint8_t *state)
 {
     uint8_t frame[LENGTH];

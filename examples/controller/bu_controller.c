@@ -88,8 +88,8 @@ static void write_block(bu_controller_t *c, uint8_t *out)
     }
 }
 
-/* Writes the next block when PAI has acknowledged the last one. PCO counts in any case, or the base unit reports an
- * error. */
+/* Writes the next block when PAI has acknowledged the last one. PCO counts in any case, because the base unit otherwise
+ * reports an error. */
 static void send_periodic(bu_controller_t *c, const uint8_t *in, uint8_t *out, uint64_t now_ns)
 {
     bool taken = in[IN_PAI] == c->pco;

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A machine controller for one base unit, over SOEM: TS-0007 chapter 6.1 from the first step to the last.
+ * A machine controller for one base unit, over SOEM: all steps of TS-0007 chapter 6.1.
  *
  *   ectwin-controller IFACE [--seconds N] [--restart-every N] [--commands N] [--periodic BYTES] [--seed N] [--counters
  * FILE]
  *
- * Prints one line of JSON an event; the reply to commands from remotes is CAO alone. --commands sends numbered commands
- * to all remotes; --restart-every closes the bus at random, N seconds apart in the mean, and starts it again with the
- * counters kept. A controller whose process may die keeps them in a file (--counters): without them no controller knows
- * whether the last command was done. SIGINT ends the program.
+ * Prints one line of JSON for each event; commands from remotes are acknowledged by CAO only. --commands sends numbered
+ * commands to all remotes; --restart-every closes the bus at random, every N seconds on average, and starts the bus
+ * again with the same counters. A controller whose process may end stores the counters in a file (--counters): without
+ * them it is unknown whether the last command was executed. SIGINT ends the program.
  *
  * This file is MIT; the program is linked with SOEM and thereby covered by SOEM's licence.
  */
@@ -21,8 +21,8 @@
 #include "bu_controller.h"
 #include "master.h"
 
-#define GIVE_UP_NS 2000000000ull /* without a reply: the slave is gone, the bus has to be started again */
-enum { CYCLE_US = 2000, CHECK_CYCLES = 50 /* between two readings of the AL status */ };
+#define GIVE_UP_NS 2000000000ull /* without a reply: the slave is lost, the bus must be started again */
+enum { CYCLE_US = 2000, CHECK_CYCLES = 50 /* between two reads of the AL status */ };
 
 typedef struct settings {
     const char *iface;
@@ -50,7 +50,8 @@ static void on_command(void *ctx, uint16_t ru, const uint8_t *command)
     printf("\"}\n");
 }
 
-/* By its sizes, for an installation may override product codes. No size: a reply was lost, and it is not known yet. */
+/* Identifies a base unit by its sizes, because an installation may override product codes. Without a size a reply was
+ * lost. */
 static bool maybe_base_unit(void)
 {
     uint32 in = ec_slave[1].Ibytes;
@@ -73,7 +74,7 @@ static void recover(void)
     ec_writestate(1);
 }
 
-/* Reads CCO and CAO of the last process, if there are any. */
+/* Reads CCO and CAO of the last process, if the file exists. */
 static void recall(const settings_t *s, bu_controller_t *c)
 {
     FILE *file = s->counters ? fopen(s->counters, "r") : NULL;
@@ -87,7 +88,7 @@ static void recall(const settings_t *s, bu_controller_t *c)
         fclose(file);
 }
 
-/* One write replaces the file: three digits each. */
+/* Replaces the content by one write: three digits for each counter. */
 static void record(const settings_t *s, const bu_controller_t *c)
 {
     static int cco = -1, cao = -1;
@@ -122,7 +123,7 @@ static void report_safe(int *safe, const bu_controller_t *c)
     printf("{\"event\":\"%s\",\"bu_state\":%u}\n", c->safe ? "safe" : "enabled", ec_slave[1].inputs[22]);
 }
 
-/* Cycles until `until_ns`. The controller's timeouts run without a bus, too. */
+/* Runs cycles until `until_ns`. The controller's timeouts also run without a bus. */
 static void run_bus(bu_controller_t *c, uint32_t *sent, const settings_t *s, uint64_t until_ns)
 {
     int safe = -1;
@@ -139,7 +140,7 @@ static void run_bus(bu_controller_t *c, uint32_t *sent, const settings_t *s, uin
         } else {
             lost_cycles++;
         }
-        if (!complete || ++cycle % CHECK_CYCLES == 0) /* a unit in SAFEOP exchanges process data, too */
+        if (!complete || ++cycle % CHECK_CYCLES == 0) /* a unit in SAFEOP also exchanges process data */
             recover();
         report_safe(&safe, c);
         master_pace(&next_ns, CYCLE_US);
@@ -154,7 +155,7 @@ static uint64_t next_restart(const settings_t *s, uint64_t end_ns)
     return at < end_ns ? at : end_ns;
 }
 
-/* Prints why OP was never reached. */
+/* Prints the reason why OP was never reached. */
 static void report_failure(const settings_t *s)
 {
     if (ec_slavecount < 1)
@@ -183,11 +184,11 @@ static int report_end(const settings_t *s, const bu_controller_t *c, uint32_t se
     return MASTER_FAILED;
 }
 
-/* Starts the bus, and again after each end of it, until the time is over. The last end is main's: the bus goes to INIT.
+/* Starts the bus, and restarts it after each end, until the time is over. main() ends the bus in INIT.
  */
 static int control(const settings_t *s)
 {
-    enum { STRANGE_MOST = 3 }; /* starts in a row: a late reply can make sizes wrong once */
+    enum { STRANGE_MOST = 3 }; /* successive starts, because a late reply can cause a wrong size once */
     static const master_start_t start = {.fits = has_inputs};
     bu_controller_t c = {.on_command = on_command, .periodic = screen, .periodic_size = (uint16_t)s->periodic};
     uint32_t sent = 0;
@@ -247,7 +248,7 @@ int main(int argc, char **argv)
         {"commands", 'c', "N", 0, "Number of commands to send to all remotes (default 0)", 0},
         {"periodic", 'p', "BYTES", 0, "Size of the periodic data, 0 to 51200 (default 450)", 0},
         {"seed", 'e', "N", 0, "Seed of the random restarts (default 1)", 0},
-        {"counters", 'k', "FILE", 0, "File that keeps CCO and CAO after the process has ended (default: none)", 0},
+        {"counters", 'k', "FILE", 0, "File that stores CCO and CAO after the end of the process (default: none)", 0},
         {0},
     };
     static const struct argp argp = {

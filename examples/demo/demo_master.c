@@ -68,7 +68,7 @@ static void show_slave(int i)
            i, s->name, s->Ibytes, s->Obytes, s->eep_man, s->eep_id, s->eep_rev, serial, software);
 }
 
-/* Patient: the demo fails at the first lost frame, and a PC may be busy for some milliseconds. */
+/* A long timeout, because the demo fails at the first lost frame, and a PC may be busy for some milliseconds. */
 static int cycle(void)
 {
     static uint64_t next_ns;

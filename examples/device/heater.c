@@ -71,7 +71,7 @@ static void safe_outputs(void *instance, uint64_t now_ns)
     h->set_point = 0;
 }
 
-/* A sensor that breaks is reported by an emergency, and so is its return. */
+/* Reports a broken sensor, and its repair, by an emergency. */
 static void watch_sensor(heater_t *h)
 {
     static const uint8_t nothing[5] = {0};
@@ -96,7 +96,7 @@ static uint64_t tick(void *instance, uint64_t now_ns)
     return now_ns + TICK_NS;
 }
 
-/* --- a mailbox protocol of the vendor's own ----------------------------------------------------------------------- */
+/* --- a mailbox protocol of the vendor ----------------------------------------------------------------------------- */
 
 enum { VENDOR = 4, HEADER = VENDOR + 2, PEAK = 2 };
 

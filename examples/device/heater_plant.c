@@ -6,7 +6,7 @@ static const ect_signal_t signals[] = {
     ECT_SIGNAL(heater_t, broken, "broken", BOOL, WRITE, 0, 1, NULL, "The wire of the sensor is broken"),
     ECT_SIGNAL(heater_t, set_point, "set_point", I16, READ, INT16_MIN, INT16_MAX, "0.1 degC",
                "Temperature that the master sets"),
-    ECT_SIGNAL(heater_t, power, "power", U8, READ, 0, 100, "%", "How hard it heats"),
+    ECT_SIGNAL(heater_t, power, "power", U8, READ, 0, 100, "%", "Heating power"),
 };
 
 static const ect_signal_group_t groups[] = {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The whole `ectwin` command, with one device more. */
+/* The complete `ectwin` command, with one more device. */
 #include "ectwin.h"
 #include "heater.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A complete slave: 16 bits of outputs come back as inputs, inverted. */
+/* A complete slave, which returns 16 bits of outputs as inputs, inverted. */
 #include "ectwin.h"
 #include "seams/standard.h"
 
@@ -40,7 +40,7 @@ static void reflect(void *instance, uint64_t now_ns)
 static const ect_protocol_t *const protocols[] = {&ect_protocol_sdo, &ect_protocol_sdo_info, NULL};
 static const ect_device_t mirror = {
     .name = "mirror",
-    .summary = "16 bits that come back inverted",
+    .summary = "16 bits, returned inverted",
     .vendor_name = "Example",
     .type_name = "MIRROR",
     .group_type = "EXAMPLES",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A device is a few plain functions over a structure: it is tested without a bus, and time is a number. */
+/* A device consists of a few functions over a structure, so the tests need no bus, and time is a number. */
 #undef NDEBUG
 #include <assert.h>
 

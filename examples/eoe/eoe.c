@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A bridge between a slave with EoE and this computer: Ethernet frames of a TAP interface travel to the slave in mails,
- * and those of the slave come out of the TAP. The switch of a master's IP stack, in one file.
+ * A bridge between a slave with EoE and this computer: frames of a TAP interface are sent to the slave in mails, and
+ * frames of the slave to the TAP. A minimal version of the EoE switch of a master's IP stack.
  *
- * One mail each way a turn, fragment by fragment, as IgH does it: a slave accepts a mail when its own one has been
- * fetched, so a master that sends a whole frame without fetching may wait for itself. With --sdo, an SDO upload takes
- * its turn between the fragments, and the end reports how many mails of the slave have come before its reply.
+ * Each turn transfers one mail in each direction, fragment by fragment, like IgH: a slave may accept a mail only after
+ * its own mail has been fetched, so a master that sends a complete frame without fetching may deadlock. With --sdo, an
+ * SDO upload takes turns with the fragments, and the last line reports how many mails of the slave have preceded its
+ * reply.
  *
  * This file is MIT; the program is linked with SOEM and thereby covered by SOEM's licence.
  */
@@ -31,12 +32,12 @@ enum { SDO_REQUEST = 2, UPLOAD = 0x40, SDO_BYTES = 10 };
 typedef struct settings {
     const char *iface;
     const char *tap;
-    const char *address; /* of the slave, NULL: it is not set */
+    const char *address; /* address of the slave; NULL: not set */
     unsigned int slave;
     bool sdo;
 } settings_t;
 
-/* A frame that comes in fragments; the first five members are SOEM's. */
+/* A frame received in fragments; the first five members are those of SOEM. */
 typedef struct incoming {
     uint8 fragment;
     uint16 size, offset, number;
@@ -45,7 +46,7 @@ typedef struct incoming {
 } incoming_t;
 
 typedef struct outgoing {
-    int length, sent; /* equal: none is under way */
+    int length, sent; /* equal: no frame is under way */
     uint8 fragment, number;
     uint8 frame[FRAME];
 } outgoing_t;
@@ -58,14 +59,14 @@ typedef struct bridge {
     outgoing_t out;
     uint64_t to_slave, from_slave, broken, sdos; /* frames, SDO replies */
     uint64_t sdo_due_ns;
-    uint8 counter;                  /* of the slave's last mail; 0: it counts none */
-    unsigned int mails, most_mails; /* of the slave since the SDO request; 0 to the longest wait */
+    uint8 counter;                  /* counter of the slave's last mail; 0: the slave does not count */
+    unsigned int mails, most_mails; /* mails of the slave since the SDO request; 0 to the longest wait */
     bool waits;                     /* for the reply of an SDO request */
     ec_mbxbuft mail;                /* to the slave */
-    bool due;                       /* it has not arrived yet */
+    bool due;                       /* the mail has not yet arrived */
 } bridge_t;
 
-/* The mail to send next, behind its header. */
+/* The next mail to send, after its header. */
 static uint8 *prepare(bridge_t *b, uint8 type, int length)
 {
     ec_mbxheadert *header = (ec_mbxheadert *)&b->mail;
@@ -77,21 +78,21 @@ static uint8 *prepare(bridge_t *b, uint8 type, int length)
     return (uint8 *)&b->mail + sizeof *header;
 }
 
-/* Sends the mail, if the slave has taken the one before it. After a lost frame the mail goes again with the same
- * counter: a slave that has it already ignores the repetition. @return whether it has arrived */
+/* Sends the mail, if the slave has taken the previous one. After a lost frame the mail is repeated with the same
+ * counter: a slave that has received it ignores the repetition. @return whether the mail has arrived */
 static bool send_mail(bridge_t *b)
 {
     if (!b->due)
         return false;
     if ((((const ec_mbxheadert *)&b->mail)->mbxtype & 0x0F) == ECT_MBXT_COE)
-        b->mails = 0; /* also where the frame seems lost: the slave may have the request */
+        b->mails = 0; /* also if the frame seems lost, because the slave may have received the request */
     b->due = ec_mbxsend(b->slave, &b->mail, 0) <= 0;
     return !b->due;
 }
 
 /* --- to the slave ------------------------------------------------------------------------------------------------- */
 
-/* Takes the next frame of the TAP. @return whether one is under way */
+/* Takes the next frame of the TAP. @return whether a frame is under way */
 static bool take_frame(bridge_t *b)
 {
     outgoing_t *o = &b->out;
@@ -125,7 +126,7 @@ static void prepare_fragment(bridge_t *b)
     b->to_slave += last;
 }
 
-/* Asks for the vendor in 1018h:01. */
+/* Requests the vendor id, 1018h:01. */
 static void prepare_sdo(bridge_t *b)
 {
     static const uint8 upload[SDO_BYTES] = {0, SDO_REQUEST << 4, UPLOAD, 0x18, 0x10, 1};
@@ -133,7 +134,7 @@ static void prepare_sdo(bridge_t *b)
     b->waits = true;
 }
 
-/* An SDO has its turn before the next fragment. */
+/* Sends an SDO before the next fragment. */
 static void prepare_next(bridge_t *b)
 {
     if (b->due)
@@ -169,8 +170,8 @@ static bool mail_waits(const bridge_t *b)
     return wkc > 0 && (etohs(status) & MAILBOX_FULL) != 0;
 }
 
-/* A slave whose next mail waits already cannot determine which of the two the master has lost, and repeats the previous
- * one. A repeated mail has the same counter, which SOEM leaves to its caller. */
+/* Ignores repeated mails, which have the same counter; SOEM leaves this check to its caller. A slave whose next mail
+ * already waits cannot determine which of both mails the master has lost, and repeats the previous one. */
 static bool is_repeated(bridge_t *b, const ec_mbxheadert *header)
 {
     const uint8 before = b->counter;
@@ -178,9 +179,9 @@ static bool is_repeated(bridge_t *b, const ec_mbxheadert *header)
     return b->counter != 0 && b->counter == before;
 }
 
-/* Reads the state of the mailbox first, so that ec_mbxreceive may have the time that a lost frame takes: with a timeout
- * of 0 it requests the mail again, but does not wait until the slave has repeated it, and gets the next mail instead.
- * @return whether a mail has come */
+/* Reads the state of the mailbox first, so that ec_mbxreceive can have a timeout sufficient for a lost frame: with a
+ * timeout of 0 it requests a repetition, does not wait for it, and gets the next mail instead. @return whether a mail
+ * was received */
 static bool fetch(bridge_t *b)
 {
     ec_mbxbuft mail;
@@ -214,7 +215,7 @@ static void run(bridge_t *b)
     }
 }
 
-/* The slave's IP address, in a /24; the reply is the first EoE mail, so before any frame. */
+/* Sets the slave's IP address, in a /24, before any frame, because the reply must be the first EoE mail. */
 static bool set_address(const settings_t *s, uint16 slave)
 {
     eoe_param_t wanted = {.ip_set = 1, .subnet_set = 1};
@@ -250,8 +251,8 @@ static int open_tap(const char *name)
     return fd;
 }
 
-/* A busy machine loses frames: SOEM waits 2 ms for each. @return whether the slave is in PREOP with a mailbox for EoE
- */
+/* Tries several times, because SOEM waits only 2 ms for each frame, and a busy machine is late. @return whether the
+ * slave is in PREOP with a mailbox for EoE */
 static bool to_preop(const settings_t *s)
 {
     for (int tries = 0; tries < TRIES && !master_ended; tries++) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Included in front of each source of the master (-include): its calls of the system go to wire.c.
+ * Included before each source of the master (-include): redirects its system calls to wire.c.
  */
 #ifndef FUZZ_MASTER_CALLS_H
 #define FUZZ_MASTER_CALLS_H

@@ -19,10 +19,10 @@ enum {
     STEP_RECOVER = 128,
     HEAD = 2,
     CYCLES = 5,
-    VALUE = 40,     /* room of the caller for a value */
-    ROOM = 1 << 17, /* for a file, and for SoE and EoE */
+    VALUE = 40,     /* size of the caller's buffer for a value */
+    ROOM = 1 << 17, /* for a file, for SoE and EoE */
     WRITTEN = 64,
-    IMAGE = 1 << 20, /* larger than 200 slaves can ask for: SOEM does not know the size of the image */
+    IMAGE = 1 << 20, /* sufficient for 200 slaves, because SOEM does not check the size of the image */
 };
 
 static struct {
@@ -48,7 +48,7 @@ static void *block(size_t size)
     return memory;
 }
 
-/* Each list in a block of its own, so that the sanitizer sees a step beyond its end. */
+/* Allocates each list separately, so that the sanitizer detects an access beyond its end. */
 static void allocate(void)
 {
     ecx_contextt *c = &master.context;
@@ -198,7 +198,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 }
 
 #ifdef FUZZ_MAIN
-/* For AFL, and for replays without libFuzzer: each file named, or standard input. */
+/* For AFL, and for replays without libFuzzer: processes each named file, or standard input. */
 static void run_file(FILE *file)
 {
     static uint8_t data[65536];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A mutator of libFuzzer that knows records (wire.h): it adds, changes, repeats and removes whole ones, with values
- * that lie at the limits of sizes, and with places that a master reads. */
+/* A mutator of libFuzzer for records (wire.h): adds, changes, repeats and removes complete records, with values at the
+ * limits of sizes, and with places that a master reads. */
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
@@ -29,7 +29,7 @@ static unsigned int value_of(unsigned int *seed)
     return below(seed, 4) == 0 ? next(seed) & 0xFFFF : limits[below(seed, sizeof limits / sizeof limits[0])];
 }
 
-/* The word, register, mail or reply that a record of this kind changes. */
+/* Selects the word, register, mail or reply that a record of a kind changes. */
 static unsigned int place_of(unsigned int kind, unsigned int *seed)
 {
     static const uint16_t registers[] = {0x000, 0x004, 0x005, 0x008, 0x012, 0x110, 0x111, 0x130, 0x131, 0x134, 0x502,
@@ -47,7 +47,8 @@ static unsigned int place_of(unsigned int kind, unsigned int *seed)
     }
 }
 
-/* Offsets: in a mail mostly its headers, in a frame mostly the first datagram; at a register the read. */
+/* Selects an offset: in a mail mostly in its headers, in a frame mostly in the first datagram; for a register the
+ * number of the read. */
 static unsigned int offset_of(unsigned int kind, unsigned int *seed)
 {
     return below(seed, 8) == 0 ? next(seed) & 0x7FF : below(seed, kind == 4 ? 64 : kind == 1 ? 8 : 24);

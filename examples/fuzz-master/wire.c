@@ -19,12 +19,12 @@ enum {
     QUEUE = 16,
     FRAME = ECTWIN_FRAME_MAX,
     SOCKET = 1000,
-    FRAMES_MOST = 800,      /* then the wire is dead, and time flies, so that every timeout ends */
-    READING_NS = 1000,      /* cost of reading a clock */
-    WAITING_NS = 200000,    /* a receive without a frame */
-    STRETCH = 100,          /* a sleep lasts so many times longer: few polls until a timeout */
-    HEADER_AT = 14,         /* of EtherCAT, in a frame */
-    DATAGRAM = 10,          /* header of a datagram */
+    FRAMES_MOST = 800,   /* limit, after which the wire is dead, and the clock runs fast, so that every timeout ends */
+    READING_NS = 1000,   /* cost of reading a clock */
+    WAITING_NS = 200000, /* a receive without a frame */
+    STRETCH = 100,       /* factor of the length of a sleep, for few polls until a timeout */
+    HEADER_AT = 14,      /* of EtherCAT, in a frame */
+    DATAGRAM = 10,       /* header of a datagram */
     EEPROM_CONTROL = 0x502, /* registers */
     EEPROM_DATA = 0x508,
     MEMORY = 0x1000, /* mailboxes and process data begin */
@@ -56,7 +56,7 @@ static struct {
     size_t record_count;
     frame_t queue[QUEUE];
     size_t first, count;
-    bool swap; /* the reply in front of the queue waits for the next one */
+    bool swap; /* the first reply of the queue waits for the next one */
     unsigned int sent, mails;
     uint16_t eeprom_address;
     bool verbose;

@@ -1,11 +1,12 @@
 #!/bin/sh
-# A machine of four twins on one bus: an axis, a distance sensor over it, a camera that its position triggers, and a base unit whose
-# first remote unit, switched on, enables it. The motion program is the only master.  usage: machine.sh [FOLDER of ectwin and ectwin-motion]
+# A machine of four twins on one bus: an axis, a distance sensor above it, a camera triggered by the position of the axis, and a
+# base unit whose first remote unit, when switched on, enables the axis. The motion program is the only master. usage: machine.sh
+# [FOLDER of ectwin and ectwin-motion]
 set -eu
 bin=${1:-$(dirname "$0")/../../build/release}
 export ECTWIN="$bin/ectwin" MOTION="$bin/ectwin-motion"
 
-# Twin 1 axis, 2 sensor, 3 camera, 4 base unit. 5 mm a turn, 10 mm at the start; a picture after 5.5 turns.
+# Twin 1 axis, 2 sensor, 3 camera, 4 base unit. 5 mm per turn, 10 mm at the start; a picture after 5.5 turns.
 exec "$ECTWIN" with \
   --set 4:ru1.on=1 \
   --connect 1.enable=4.ru1.on \

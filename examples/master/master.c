@@ -63,7 +63,7 @@ int master_expected(void)
     return ec_group[0].outputsWKC * 2 + ec_group[0].inputsWKC;
 }
 
-/* INIT to SAFEOP: slaves, settings, clocks, process data. */
+/* Takes the bus from INIT to SAFEOP: slaves, settings, clocks, process data. */
 static bool to_safeop(const master_start_t *start)
 {
     if (ec_config_init(FALSE) < 1)
@@ -78,7 +78,7 @@ static bool to_safeop(const master_start_t *start)
     return fits && ec_statecheck(0, EC_STATE_SAFE_OP, EC_TIMEOUTSTATE) == EC_STATE_SAFE_OP;
 }
 
-/* Outputs must run before a slave enters OP. */
+/* Takes the bus to OP, with running outputs, which a slave requires. */
 bool master_to_op(const master_start_t *start)
 {
     enum { TRIES = 1000, WAIT_US = 2000 };

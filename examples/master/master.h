@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The steps that every example master takes, over SOEM: open the interface, bring one bus to OP, keep the cycle, end in
- * INIT. The process data and the order of a machine's tasks stay in the example.
+ * The common steps of the example masters, over SOEM: open the interface, take one bus to OP, keep the cycle, end in
+ * INIT. The process data and the sequence of a machine's tasks are in the example.
  *
  * SOEM's global context (ec_slave, ec_slavecount) is the bus. Context: one thread.
  */
@@ -19,18 +19,18 @@
 /** Exit codes: 0, wrong usage, an interface that cannot be opened, a bus that failed. */
 enum { MASTER_USAGE = 1, MASTER_OPEN = 2, MASTER_FAILED = 3 };
 
-/** The way to OP. Zero members have the meaning in their lines. */
+/** Parameters of the way to OP. Members that are zero have the meaning in their lines. */
 typedef struct master_start {
-    int (*configure)(uint16 slave); /**< writes settings of slave 1 in PREOP, > 0: taken; NULL: it has none */
+    int (*configure)(uint16 slave); /**< writes settings of slave 1 in PREOP, > 0: accepted; NULL: no settings */
     bool clocks;                    /**< synchronise distributed clocks */
     uint32_t sync0_ns;              /**< cycle of SYNC0 in slave 1; 0: no SYNC0 */
-    bool (*fits)(void);             /**< whether the process data of slave 1 have the expected size; NULL: any */
+    bool (*fits)(void); /**< returns whether the process data of slave 1 have the expected size; NULL: any size */
 } master_start_t;
 
-/** SIGINT and SIGTERM have come, after ::master_catch_signals. */
+/** Set by SIGINT and SIGTERM, after ::master_catch_signals. */
 extern volatile sig_atomic_t master_ended;
 
-/** Lets SIGINT and SIGTERM set ::master_ended instead of ending the process. */
+/** Makes SIGINT and SIGTERM set ::master_ended instead of ending the process. */
 void master_catch_signals(void);
 
 /** Monotonic time in nanoseconds. */
@@ -53,26 +53,27 @@ int master_exchange(void);
 int master_expected(void);
 
 /**
- * Takes the bus from INIT to OP, with process data running from SAFEOP on. Takes up to some seconds.
- * @return false: a slave did not follow, `fits` refused, or a signal has come. On a bus that loses frames: try again
+ * Takes the bus from INIT to OP, with running process data from SAFEOP on. Lasts up to some seconds.
+ * @return false: a slave did not follow, `fits` refused, or a signal has arrived. On a bus that loses frames: repeat
+ * the call
  */
 bool master_to_op(const master_start_t *start);
 
 /**
- * Sleeps until the next cycle. A late cycle is not made up for: the rhythm starts again from now.
+ * Sleeps until the next cycle. A late cycle is not repeated: the rhythm restarts at the present time.
  * @param[in,out] next_ns  begin of the cycle, from ::master_now before the first one
  */
 void master_pace(uint64_t *next_ns, uint32_t cycle_us);
 
 /**
  * Parses IFACE, the only argument, for an argp parser.
- * @return 0: taken; ARGP_ERR_UNKNOWN: `key` is another one. A missing or second interface ends the program.
+ * @return 0: parsed; ARGP_ERR_UNKNOWN: another `key`. A missing or second interface ends the program.
  */
 error_t master_parse_iface(int key, char *text, struct argp_state *state, const char **iface);
 
 /**
- * Reads the number of an option, in decimal (010 is ten). No number, or one outside `least` to `most`, ends the program
- * with one line that names the option.
+ * Reads the decimal number of an option (010 is ten). Any other text, or a number outside `least` to `most`, ends the
+ * program with one line that names the option.
  */
 unsigned int master_number(const struct argp_state *state, const char *option, const char *text, unsigned int least,
                            unsigned int most);

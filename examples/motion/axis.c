@@ -39,7 +39,7 @@ static void put32(uint8_t *bytes, int32_t value)
 
 /* --- trapezoid ---------------------------------------------------------------------------------------------------- */
 
-/* A way too short for the ramps is a triangle. */
+/* A distance too short for both ramps results in a triangle. */
 static double top_speed(const axis_t *a)
 {
     double most = sqrt(fabs(a->way) * a->acceleration);
@@ -81,7 +81,7 @@ static void fail(axis_t *a, const char *why)
     enter_phase(a, AXIS_FAILED);
 }
 
-/* The next step of the sequence, by the state of the drive. @return the control word */
+/* Executes the next step of the sequence, by the state of the drive. @return the control word */
 static uint16_t enabling(axis_t *a)
 {
     a->set = a->position;
@@ -96,7 +96,8 @@ static uint16_t enabling(axis_t *a)
     return (a->status & STATE_MASK) == ON || a->phase == AXIS_HOMING ? ENABLE : SHUTDOWN;
 }
 
-/* The run is over when the drive reports its target reached; the first cycles precede its start. */
+/* @return whether the run has ended: the drive reports "target reached", after the first cycles, which precede the
+ * start */
 static uint16_t homing(axis_t *a)
 {
     a->set = a->position;
@@ -151,7 +152,7 @@ static uint16_t disabling(axis_t *a)
     return SHUTDOWN;
 }
 
-/* A fault on the way, or a phase that does not end. */
+/* Detects a fault, or a phase that does not end. */
 static void watch(axis_t *a)
 {
     bool enabled = a->phase > AXIS_ENABLING && a->phase < AXIS_DISABLING;

@@ -5,8 +5,8 @@
  *
  *   ectwin-motion IFACE [--way COUNTS] [--speed COUNTS] [--acceleration COUNTS] [--method N] [--dc] [--cycle-us N]
  *
- * Prints one line of CSV a cycle on standard output, and the result as one line of JSON on standard error. Exit code 0:
- * the axis has completed its motion.
+ * Prints one line of CSV for each cycle on standard output, and the result as one line of JSON on standard error. Exit
+ * code 0: the axis has completed its motion.
  *
  * This file is MIT; the program is linked with SOEM and thereby covered by SOEM's licence.
  */
@@ -19,7 +19,7 @@
 #include "csv.h"
 #include "master.h"
 
-enum { PATIENT = 200 /* SYNC0 events without outputs that the drive tolerates: a PC does not keep time */ };
+enum { PATIENT = 200 /* SYNC0 events without outputs tolerated by the drive, because the timing of a PC varies */ };
 
 #define TURN 1048576.0 /* counts */
 
@@ -64,7 +64,7 @@ static bool is_axis(void)
     return ec_slave[1].Obytes == AXIS_OUT && ec_slave[1].Ibytes == AXIS_IN;
 }
 
-/* Cycles until the axis has finished; a cycle whose frame is lost does not count. */
+/* Runs cycles until the axis has finished; a cycle with a lost frame does not count. */
 static void run(const settings_t *s, axis_t *axis)
 {
     uint64_t start = master_now(), next = start;
@@ -150,12 +150,12 @@ static error_t parse(int key, char *text, struct argp_state *state)
 int main(int argc, char **argv)
 {
     static const struct argp_option options[] = {
-        {"way", 'w', "COUNTS", 0, "Distance from the reference point, 2^20 counts a turn (default 10 turns)", 0},
-        {"speed", 's', "COUNTS", 0, "Speed in counts a second (default 10 turns)", 0},
-        {"acceleration", 'a', "COUNTS", 0, "Acceleration in counts a second squared (default 100 turns)", 0},
+        {"way", 'w', "COUNTS", 0, "Distance from the reference point, 2^20 counts per turn (default 10 turns)", 0},
+        {"speed", 's', "COUNTS", 0, "Speed in counts per second (default 10 turns)", 0},
+        {"acceleration", 'a', "COUNTS", 0, "Acceleration in counts per second squared (default 100 turns)", 0},
         {"method", 'm', "N", 0, "Homing method, 6098h (default 35: the present position)", 0},
         {"cycle-us", 'c', "N", 0, "Cycle time in microseconds: 250 to 2500 in steps of 250 (default 1000)", 0},
-        {"dc", 'd', NULL, 0, "Use SYNC0 at that cycle", 0},
+        {"dc", 'd', NULL, 0, "Use SYNC0 with this cycle time", 0},
         {0},
     };
     static const struct argp argp = {

@@ -29,7 +29,7 @@ bool fzm1_plc_measure(fzm1_plc_t *p)
     return true;
 }
 
-static bool always_taken(uint32_t code) /* BUSY or not */
+static bool always_taken(uint32_t code) /* with or without BUSY */
 {
     return code == PLC_CLEAR || code == PLC_END_CONTINUOUS || code == PLC_RESTART;
 }

@@ -3,20 +3,20 @@
  * @file
  * The PLC's side of an FZM1: the handshakes of its signals (Q179 §4-2, §4-4).
  *
- * To copy from. No bus, no clock: call ::fzm1_plc_cycle once a cycle, between reading the inputs and sending the
- * outputs, with the present time. Three independent handshakes:
+ * A template to copy, without bus and clock: call ::fzm1_plc_cycle once in each cycle, between reading the inputs and
+ * sending the outputs, with the present time. Three independent handshakes:
  *
  *   STEP  on while READY is on; off when READY is off, or after `step_hold_ns` in a cycle too slow to read that
  *   EXE   on a cycle after code and parameters; the response is read when FLG is on; EXE off; done when FLG is off
- *   DSA   on to fetch the next data; they are read when GATE is on; DSA off; on again when GATE is off
+ *   DSA   on to fetch the next data, which are read when GATE is on; DSA off; on again when GATE is off
  *
- * Each wait has an end: EXE that the sensor ignored (BUSY rose at the same moment, by a trigger of its own) falls and
- * rises again, and so does DSA after a timeout of the sensor (ERR).
+ * Each wait is bounded: after an ignored EXE (BUSY rose at the same time, by another trigger), EXE falls and rises
+ * again; so does DSA after a timeout of the sensor (ERR).
  *
  * The sensor ignores EXE that rises while it is BUSY (except for Clear, End continuous and Restart), and STEP while it
  * switches scenes: no command begins while STEP is on, and no STEP during a command.
  *
- * Without handshaking of the data output DSA stays off, and data are read when GATE rises.
+ * Without handshaking of the data output DSA stays off, and data are read at the rising edge of GATE.
  */
 #ifndef ECTWIN_FZM1_PLC_H
 #define ECTWIN_FZM1_PLC_H
@@ -65,7 +65,7 @@ typedef struct fzm1_plc {
 
     /* read only */
     uint32_t signals; /**< control signals of the sensor */
-    bool done;        /**< the command has its response: */
+    bool done;        /**< the response of the command is available: */
     uint32_t result;  /**< 0 OK, 0xFFFFFFFF refused */
     int32_t data;
 
@@ -79,10 +79,10 @@ typedef struct fzm1_plc {
     uint32_t before;
 } fzm1_plc_t;
 
-/** Call when the bus is in OP (again): all handshakes start from the beginning. */
+/** Call it when the bus has reached OP (again): restarts all handshakes. */
 void fzm1_plc_start(fzm1_plc_t *p);
 
-/** One cycle: reads `in`, writes `out`. */
+/** Executes one cycle: reads `in`, writes `out`. */
 void fzm1_plc_cycle(fzm1_plc_t *p, const uint8_t in[FZM1_PLC_IN], uint8_t out[FZM1_PLC_OUT], uint64_t now_ns);
 
 /** Measures once. @return false: READY is off, the last STEP is still on, or a command is under way */

@@ -4,7 +4,7 @@
  *
  *   ectwin-plc IFACE [--measurements N] [--handshaking] [--scene N] [--dc NS] [--cycle-us N]
  *
- * Prints one line of JSON an event; data as fixed point. Exit code 0: all measurements had their data.
+ * Prints one line of JSON for each event; data as fixed point. Exit code 0: all measurements had their data.
  */
 #include <stdbool.h>
 #include <stdio.h>
@@ -29,7 +29,7 @@ static void on_data(void *ctx, const int32_t data[FZM1_PLC_DATA])
     received++;
     printf("{\"event\":\"data\",\"data\":[");
     for (unsigned int i = 0; i < FZM1_PLC_DATA; i++)
-        printf("%s%.3f", i > 0 ? "," : "", data[i] / 1000.0); /* fixed point: thousandths */
+        printf("%s%.3f", i > 0 ? "," : "", data[i] / 1000.0); /* fixed point, in units of 1/1000 */
     printf("]}\n");
 }
 
@@ -54,7 +54,7 @@ static bool is_sensor(void)
     return ec_slave[1].Obytes == FZM1_PLC_OUT && ec_slave[1].Ibytes == FZM1_PLC_IN;
 }
 
-/* Prints why the program ends. */
+/* Prints the reason for the end of the program. */
 static bool fail(const char *why)
 {
     ec_readstate();

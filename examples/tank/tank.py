@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """The water of a tank: flows through two valves change the level, which the sensor measures.
 
-    tank.py [--wait] [TWINS]        beside running twins of tank.yaml (name or socket; default: tank), until they end
+    tank.py [--wait] [TWINS]        with running twins of tank.yaml (name or socket; default: tank), until they end
 
 --wait stops their virtual clock during each step, so that runs are repeatable.
 """

@@ -1,7 +1,7 @@
 #!/bin/sh
-# A tank that a PLC regulates: twins of two valves and a level sensor, the water as a Python plant, the PLC as the master.
+# A tank controlled by a PLC: twins of two valves and a level sensor, the water as a Python plant, the PLC as the master.
 # usage: tank.sh [--virtual] [FOLDER of ectwin and ectwin-tank-plc] [option of ectwin-tank-plc...]
-# --virtual runs on a virtual clock: the same lines each time, faster than the water.
+# --virtual runs on a virtual clock: identical lines in each run, faster than real time.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 virtual=
@@ -10,7 +10,7 @@ bin=${1:-$here/../../build/release}
 [ $# -eq 0 ] || shift
 name=tank$$
 
-# The plant is a program beside the twins; it waits for them, and ends with them.
+# The plant is a separate program, which waits for the twins and ends with them.
 "$here/tank.py" ${virtual:+--wait} "$name" &
 plant=$!
 trap 'kill "$plant" 2>/dev/null || true' EXIT

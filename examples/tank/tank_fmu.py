@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Builds tank.fmu of tank_fmu.c, for this machine, with the C compiler ($CC, default cc).
+"""Builds tank.fmu from tank_fmu.c, for this machine, with the C compiler ($CC, default cc).
 
     tank_fmu.py [--fmi 2|3] FILE.fmu
 """

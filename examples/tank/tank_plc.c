@@ -5,9 +5,9 @@
  *
  *   ectwin-tank-plc IFACE [--low MM] [--high MM] [--seconds N] [--cycle-us N]
  *
- * The inlet opens below --low and closes above --high, the outlet is open while water is needed: always. Prints one
- * line of JSON at each change of the inlet and at the end. Exit code 0: from the first filling on, the level has stayed
- * within 20 mm of the limits.
+ * The inlet opens below --low and closes above --high; the outlet is always open. Prints one line of JSON at each
+ * change of the inlet and at the end. Exit code 0: after the first filling, the level has stayed within 20 mm of the
+ * limits.
  *
  * This file is MIT; the program is linked with SOEM and thereby covered by SOEM's licence.
  */
@@ -40,7 +40,7 @@ static void show(const char *event, unsigned int now, unsigned int mm)
     printf("{\"event\":\"%s\",\"cycle\":%u,\"level\":%u}\n", event, now, mm);
 }
 
-/* One cycle: the level in, the valves out. */
+/* Executes one cycle: reads the level, sets the valves. */
 static void regulate(control_t *c, const settings_t *s, unsigned int cycle)
 {
     const unsigned int mm = level();
@@ -85,7 +85,8 @@ static bool run(const settings_t *s)
     }
     printf("{\"event\":\"end\",\"switched\":%u,\"least\":%u,\"most\":%u}\n", c.switched, c.least, c.most);
     const bool good = c.filled && c.least + TOLERANCE_MM >= s->low && c.most <= s->high + TOLERANCE_MM;
-    return good || fail(c.filled ? "the level has left its limits" : "the tank was never filled: does its plant run?");
+    return good ||
+           fail(c.filled ? "the level has left its limits" : "the tank was never filled: start its plant, tank.py");
 }
 
 static error_t parse(int key, char *text, struct argp_state *state)
