@@ -2,7 +2,7 @@
 """EtherCAT device twins from Python: start some, run masters beside them, get, set and watch their signals.
 
     import ectwin
-    with ectwin.start("fzm1") as twin:                       # a private network of its own: no root
+    with ectwin.start("fzm1") as twin:                       # in a private network, without root
         twin.set({"data1": 1.5})
         twin.run(["./my_master", twin.interface], check=True)
         print(twin.get("ecat.state"), twin.stats()["frames"])

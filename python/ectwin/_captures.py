@@ -11,7 +11,7 @@ _COMMENT = 1  # code of its option
 
 
 def _blocks(data: bytes) -> Iterator[Tuple[int, bytes]]:
-    """(type, body) of each whole block; a file that is still written ends anywhere."""
+    """(type, body) of each complete block; a file under construction may end anywhere."""
     at = 0
     while at + 12 <= len(data):
         kind, length = struct.unpack_from("<II", data, at)

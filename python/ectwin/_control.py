@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The control protocol (docs/CONTROL.md): running twins found, requests and replies, watched signals."""
+"""The control protocol (docs/CONTROL.md): search for running twins, requests and replies, watched signals."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple, Union
 
 from ._errors import Error, Refused
 
-PATIENCE = 5.0  # seconds for a twin to answer
+PATIENCE = 5.0  # seconds until a reply of a twin is due
 _STEP = 0.1  # seconds of a wait
 
 Value = Union[int, float, str]
@@ -68,13 +68,13 @@ def _trusted(folder: str) -> bool:
 
 
 def _peer(connection: socket.socket) -> Tuple[int, int]:
-    """Process and user that listen."""
+    """Process and user of the listener."""
     process, owner, _ = struct.unpack("3i", connection.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, struct.calcsize("3i")))
     return process, owner
 
 
 def _open(path: str) -> Tuple[socket.socket, int, int]:
-    """A connection to a socket, whatever the length of its path; and the user and the process that listen there."""
+    """A connection to a socket, with a path of any length; and user and process of the listener."""
     folder, name = os.path.split(path)
     descriptor = os.open(folder or ".", os.O_PATH | os.O_DIRECTORY)
     connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -91,7 +91,7 @@ def _open(path: str) -> Tuple[socket.socket, int, int]:
 
 
 def open_named(path: str) -> socket.socket:
-    """A connection to a socket that the user has named. Error: nothing answers, or another user does."""
+    """A connection to a socket named by the user. Error: no listener, or a listener of another user."""
     try:
         connection, owner, _ = _open(path)
     except OSError as error:
@@ -139,9 +139,10 @@ def find(process: Optional[int] = None) -> Tuple[str, socket.socket]:
 
 
 def readable(file: Any, timeout: Optional[float]) -> bool:
-    """Whether a file can be read within `timeout` seconds (None: for ever).
+    """Whether a file becomes readable within `timeout` seconds (None: no limit).
 
-    They are counted in short waits: while the machine stands still, the other side cannot write, and no more than one passes.
+    The time is counted in short waits, so that a suspension of the machine, in which the other side cannot write, counts as one
+    wait.
     """
     if timeout is None:
         return bool(select.select([file], [], [])[0])
@@ -165,7 +166,7 @@ class Connection:
         return _peer(self.socket)[0]
 
     def line(self, timeout: Optional[float]) -> Optional[Dict[str, Any]]:
-        """The next line as an object, None when none has come in that time (None: for ever)."""
+        """The next line as an object; None: no line within the timeout (None: no limit)."""
         while b"\n" not in self.received:
             if not readable(self.socket, timeout):
                 return None
@@ -188,7 +189,7 @@ class Connection:
             pass  # the twin may have sent the reason before it closed the connection
 
     def ask(self, request: Dict[str, Any]) -> List[Dict[str, Any]]:
-        """Sends a request. Returns the lines of the reply but the last, the result."""
+        """Sends a request. Returns the lines of the reply, except the last one, which is the result."""
         lines: List[Dict[str, Any]] = []
         self.send(request)
         while True:
@@ -207,14 +208,14 @@ class Connection:
         try:
             self.socket.shutdown(socket.SHUT_RDWR)
         except OSError:
-            pass  # it has ended already
+            pass  # the process has already ended
 
     def close(self) -> None:
         self.socket.close()
 
 
 class Watch:
-    """Changes of signals, one after the other: an iterator. Its first values are in `values`, {(slave, name): value}."""
+    """An iterator of changes of signals. `values` has the initial values, {(slave, name): value}."""
 
     def __init__(self, connection: Connection, request: Dict[str, Any]) -> None:
         self._connection = connection
@@ -223,7 +224,7 @@ class Watch:
         }
 
     def next(self, timeout: Optional[float] = None) -> Optional[Change]:
-        """The next change. None: nothing has changed for `timeout` seconds (None: wait for ever)."""
+        """The next change. None: no change within `timeout` seconds (None: no limit)."""
         line = self._connection.line(timeout)
         if line is None:
             return None
@@ -236,7 +237,7 @@ class Watch:
 
     def __next__(self) -> Change:
         change = self.next()
-        assert change is not None  # without a limit of time there is one
+        assert change is not None  # without a limit of time there is always a change
         return change
 
     def close(self) -> None:

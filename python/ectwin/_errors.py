@@ -3,7 +3,7 @@
 
 
 class Error(Exception):
-    """There is no twin, it does not answer, or it has ended."""
+    """No such twin, no reply of the twin, or the twin has ended."""
 
 
 class Refused(Error):

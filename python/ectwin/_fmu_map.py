@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Maps of ectwin-fmu: which signals of a bus set which variables of a model, and the reverse (docs/PLANTS.md)."""
+"""Maps of ectwin-fmu: the connections between signals of a bus and variables of a model (docs/PLANTS.md)."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from typing import Dict, Iterator, List, NamedTuple, Optional, Tuple, Union
 
 from ._errors import Error
 
-MODEL = "fmu."  # what the names of the model's variables begin with
+MODEL = "fmu."  # prefix of the names of the model's variables
 
 Name = Union[str, Tuple[int, str]]
 
 
 class Wire(NamedTuple):
-    """A connection; its direction is that of the list that it is in."""
+    """A connection, with the direction of its list."""
 
     place: str  # "FILE:LINE", for messages
     variable: str
@@ -26,13 +26,13 @@ class Wire(NamedTuple):
     invert: bool = False
 
     def convert(self, value: float) -> float:
-        """A value of the source for the target, which still has to be rounded and limited."""
+        """A value of the source for the target, before rounding and limits."""
         result = value * self.factor + self.offset
         return float(result == 0) if self.invert else result
 
 
 class Start(NamedTuple):
-    """A variable that has a number from the start on."""
+    """A variable with a start value."""
 
     place: str
     variable: str
@@ -48,7 +48,7 @@ class Map(NamedTuple):
 
 
 def pieces(text: str, separator: str) -> List[str]:
-    """Splits at a separator outside of brackets and quotes, which names of variables have: T[1,2], der(x), 'a=b'."""
+    """Splits at a separator outside brackets and quotes, which occur in names of variables: T[1,2], der(x), 'a=b'."""
     found, piece, depth, quoted, escaped = [], "", 0, False, False
     for char in text:
         if quoted:
@@ -79,7 +79,7 @@ def _number(text: str) -> float:
 
 
 def _constant(text: str) -> Optional[float]:
-    """The value of a source that is a number, true or false; None: it is a name."""
+    """The value of a source that is a number, true or false; None: a name."""
     if text in ("true", "false"):
         return float(text == "true")
     try:
@@ -105,7 +105,7 @@ def _properties(place: str, words: List[str]) -> Dict[str, Union[float, bool]]:
 
 
 def _signal(text: str) -> Name:
-    """A signal as --connect names it: 2.level, gripper.level; level is one of the first twin."""
+    """A signal in the form of --connect: 2.level, gripper.level; level is a signal of the first twin."""
     numbered = re.fullmatch(r"(\d+)[.:](.+)", text)
     return (int(numbered[1]), numbered[2]) if numbered else text
 
@@ -142,7 +142,7 @@ def _targets(found: Map) -> Iterator[Tuple[str, str]]:
 
 
 def parse(name: str, text: str) -> Map:
-    """The map of a file's text. Error: a line is wrong, or there is no connection."""
+    """The map of a file's text. Error: an invalid line, or no connection."""
     result = Map([], [], [])
     for number, line in enumerate(text.splitlines(), 1):
         content = _content(line)

@@ -29,7 +29,7 @@ def _setns(descriptor: int) -> None:
 
 
 def enter(process: int) -> None:
-    """Moves the calling thread into the user and network namespaces of a process. OSError: without the right."""
+    """Moves the calling thread into the user and network namespaces of a process. OSError: missing capabilities."""
     opened = []
     for space in _SPACES:
         theirs, own = f"/proc/{process}/ns/{space}", f"/proc/self/ns/{space}"

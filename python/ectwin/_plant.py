@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Plants: a function of this program that is called in each period with signals of twins, and sets others (docs/PLANTS.md)."""
+"""Plants: functions of this program that are called in each period with signals of twins, and set other signals
+(docs/PLANTS.md)."""
 
 from __future__ import annotations
 
@@ -55,15 +56,16 @@ class Plant:
         ectwin.Plant(tank, reads=["valves.inlet"], writes=["sensor.level"], period=0.001).run("press")
 
     `now` is the time of the bus in seconds, `values` is {name: value} of `reads`, all of one time. The result is {name: value} of
-    `writes`: all are set at once, or none; a signal that is left out keeps its value, None sets nothing. A name is "level",
+    `writes`: all are set at once, or none; an omitted signal keeps its value, None sets no signal. A name is "level",
     "gripper.level", "2:level" or (2, "level"). `period` is in seconds; `name` is the plant's name in `ectwin stats`.
 
     With `on`, the name of a signal, the function is called at each change of this signal in place of each period. A result that comes more
     than `timeout` seconds later is dropped and counted.
 
-    With `fit`, running twins round each value to the type of its signal and limit it to its range; else they refuse one that does not fit.
+    With `fit`, running twins round each value to the type of its signal and limit it to its range; else an unsuitable value is
+    refused.
 
-    The same plant serves a Chain (Chain.attach), where each call is made at its exact time.
+    The same plant works with a Chain (Chain.attach), where each call is made at its exact time.
     """
 
     def __init__(
@@ -155,7 +157,7 @@ class Plant:
             time.sleep(_RETRY)
 
     def serve(self) -> None:
-        """Answers the steps of the twins until they end or `stop` is called. Raises what the function raises, and Refused."""
+        """Executes the steps of the twins until they end or `stop` is called. Raises exceptions of the function, and Refused."""
         connection = self._connection
         if connection is None:
             raise Error(f"plant '{self.name}' is not attached: call attach() first")
@@ -210,7 +212,8 @@ class Plant:
             self._failure = failure
 
     def stop(self) -> None:
-        """Ends the plant. Its signals keep their last values. Raises what the function has raised in the thread of `start`."""
+        """Ends the plant. Its signals keep their last values. Raises an exception that the function has raised in the thread of
+        `start`."""
         self._stopped = True
         connection = self._connection
         if connection is not None:
@@ -248,10 +251,12 @@ class Plant:
 
 
 def camera(function: Callable[[float, int], Tuple[bool, Sequence[Number]]], slave: Union[int, str] = 1, *, timeout: float = 0.005, name: str = "camera") -> Plant:
-    """A plant that decides the content of each image of an FZM1: `function(now, scene)` returns its judgement (True: OK) and its values D1, D2, …
+    """A plant that determines the content of each image of an FZM1: `function(now, scene)` returns its judgement (True: OK) and its
+    values D1, D2, …
 
-    It is called when an image input begins, by STEP or another start; the image has this judgement and these values if they come within the image
-    input (signal `image_input`, 5 ms), else those of the image before. `slave` is a number or the name of a twin.
+    The function is called when an image input begins, by STEP or another start; the image has this judgement and these values if
+    they arrive within the image input (signal `image_input`, 5 ms), else those of the previous image. `slave` is a number or the
+    name of a twin.
     """
 
     def signal(of: str) -> Name:

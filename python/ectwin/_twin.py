@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Twins: those that run already, and those that this program starts."""
+"""Twins: already running ones, and twins started by this program."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ Result = TypeVar("Result")
 Devices = Union[str, Sequence[str]]
 Settings = Mapping[Any, Union[Value, bool, bytes]]
 
-_READY = 20.0  # seconds for a start, on a machine that is very busy
+_READY = 20.0  # seconds until a start is due, on a very busy machine
 _PLUGS = ("ecat.plug_in", "ecat.plug_out", "ecat.plug_2", "ecat.plug_3")
-# The command of a private network: it reports that it runs, and ends with this program.
+# The command in a private network: reports its start, and ends with this program.
 _HOLD = 'printf "%s\\n" "$ECTWIN_SOCKET" "$ECTWIN_IFACE" "$ECTWIN_IFACE2" "$ECTWIN_MODBUS" ""; exec cat >/dev/null'
 
 
@@ -36,11 +36,11 @@ def _option(value: Union[Value, bool, bytes]) -> str:
 
 
 class Twin:
-    """A chain of running twins. `slave` counts from 1, or is the name of a twin; 0 where several may be meant: all of them.
+    """A chain of running twins. `slave` counts from 1, or is the name of a twin; 0, if several are possible: all twins.
     The name of a signal may begin with that of its twin: get("gripper.data1").
 
-    A value is an int, a float, or a str (texts, and bytes as hexadecimal digits). A Twin is a context manager: at the
-    end of its block the connection is closed, and twins that were started here end.
+    A value is an int, a float, or a str (texts, and bytes as hexadecimal digits). A Twin is a context manager: at the end of its
+    block the connection is closed, and twins started by this program end.
     """
 
     def __init__(self, path: Optional[str] = None, process: Optional["subprocess.Popen[Any]"] = None) -> None:
@@ -49,7 +49,7 @@ class Twin:
         self._log: Optional[IO[bytes]] = None
         self._connection: Optional[Connection] = None
         self._program: Optional[str] = None
-        #: Name of the interface that a master uses, None: unknown until `about`.
+        #: Name of the interface for a master, None: unknown until `about`.
         self.interface: str = os.environ.get("ECTWIN_IFACE", "")
         #: The second interface, "": none.
         self.interface2: str = os.environ.get("ECTWIN_IFACE2", "")
@@ -97,7 +97,7 @@ class Twin:
         return [Signal(**{field: line[field] for field in Signal._fields if field in line}) for line in lines]
 
     def set(self, values: Settings, slave: Slave = 1) -> None:
-        """Sets {name: value}: all of them or none. A value that is bytes is sent as hexadecimal digits."""
+        """Sets {name: value}: all or none. A value of type bytes is sent as hexadecimal digits."""
         self._ask({"op": "set", "values": {name: _text(value) for name, value in values.items()}, "slave": slave})
 
     def command(self, remote: str, data: Union[bytes, bytearray], slave: Slave = 1) -> None:
@@ -105,7 +105,7 @@ class Twin:
         self.set({f"{remote}.command": bytes(data)}, slave)
 
     def watch(self, pattern: str = "*", slave: Slave = 1, every: bool = False) -> Watch:
-        """A Watch on what matches, on a connection of its own; `every`: every change, with its time."""
+        """A Watch on the matching signals, on a separate connection; `every`: every change, with its time."""
         return Watch(self._open(), {"op": "watch", "pattern": pattern, "slave": slave, "every": every})
 
     def wait(
@@ -113,7 +113,7 @@ class Twin:
     ) -> Value:
         """Waits until a signal has a value, or fulfils a condition: wait("temperature", lambda t: t > 40).
 
-        Returns the value. Error: the signal has not got there in `timeout` seconds.
+        Returns the value. Error: the condition was not fulfilled within `timeout` seconds.
         """
         end = time.monotonic() + timeout
         wanted = value if callable(value) else lambda current: bool(current == value)
@@ -130,11 +130,11 @@ class Twin:
         return current
 
     def wait_for(self, name: str, value: Value, timeout: float = 10.0, slave: Slave = 1) -> None:
-        """As `wait`; the older name."""
+        """The former name of `wait`."""
         self.wait(name, value, timeout, slave)
 
     def periodic(self, slave: Slave = 1) -> bytes:
-        """The last complete set of periodic data of a base unit; b"": none has come yet."""
+        """The last complete set of periodic data of a base unit; b"": none yet."""
         for _ in range(100):
             data, serial, size = b"", None, 1
             while len(data) < size:
@@ -151,11 +151,11 @@ class Twin:
     # --- faults, plugs, counters -------------------------------------------------------------------------------------
 
     def fault(self, fault: str) -> None:
-        """Sets or carries out a fault (docs/FAULTS.md): fault("drop 5%"), fault("hang slave 2"), fault("off")."""
+        """Sets or executes a fault (docs/FAULTS.md): fault("drop 5%"), fault("hang slave 2"), fault("off")."""
         self._ask({"op": "fault", "fault": fault})
 
     def faults(self) -> List[str]:
-        """The faults of frames that are set."""
+        """The present faults of frames."""
         return [line["fault"] for line in self._ask({"op": "fault"})]
 
     def _plug(self, slave: Slave, ports: Iterable[int], plugged: int) -> None:
@@ -166,7 +166,7 @@ class Twin:
         self._plug(slave, [port], 0)
 
     def mend(self, slave: Slave, port: int) -> None:
-        """Mends a wire that `cut` has cut."""
+        """Reconnects a wire that `cut` has cut."""
         self._plug(slave, [port], 1)
 
     def unplug(self, slave: Slave) -> None:
@@ -188,7 +188,7 @@ class Twin:
         return counters
 
     def about(self) -> Dict[str, Any]:
-        """What `ectwin ps` shows: devices, interface, number of slaves, AL states."""
+        """The data of `ectwin ps`: devices, interface, number of slaves, AL states."""
         (line,) = self._ask({"op": "about"})
         return line
 
@@ -203,7 +203,7 @@ class Twin:
 
     @property
     def namespace(self) -> int:
-        """Number of the network namespace that the twins are in."""
+        """Number of the network namespace of the twins."""
         return int(os.readlink(f"/proc/{self.pid}/ns/net").strip("net:[]"))
 
     def _prefix(self) -> List[str]:
@@ -212,7 +212,7 @@ class Twin:
     def popen(self, args: Sequence[Any], **options: Any) -> "subprocess.Popen[Any]":
         """subprocess.Popen in the twin's network: $ECTWIN_IFACE is the interface, and so is {} in an argument.
 
-        A process that still runs when the Twin is closed is ended then.
+        A process that still runs is ended when the Twin is closed.
         """
         options.setdefault("start_new_session", True)
         child = subprocess.Popen([*self._prefix(), *map(os.fspath, args)], **options)
@@ -226,19 +226,19 @@ class Twin:
     def call(self, function: Callable[..., Result], *args: Any, **kwargs: Any) -> Result:
         """function(*args, **kwargs) in a child of this process in the twin's network; returns its result.
 
-        For masters that are modules of Python, as pysoem. The function changes nothing in this process: result and
-        exceptions come back, pickled.
+        For masters that are modules of Python, such as pysoem. The function has no effect in this process, except its result or
+        exception, which is pickled.
         """
         return _network.call(self.pid, function, args, kwargs)
 
     # --- end -----------------------------------------------------------------------------------------------------------
 
     def messages(self) -> str:
-        """Standard error of twins that were started here in a private network."""
+        """Standard error of twins started by this program in a private network."""
         return _messages(self._log) if self._log else ""
 
     def close(self) -> None:
-        """Closes the connection; twins that were started here end, with all programs that run beside them."""
+        """Closes the connection; twins started by this program end, with all programs that run with them."""
         _end_all(self._children)
         if self._connection:
             self._connection.close()
@@ -294,7 +294,7 @@ class InProcessTwin(Twin):
 
 
 class OwnTwin(InProcessTwin):
-    """The twins inside this very process, which `ectwin with --in-process` has started."""
+    """The twins inside this process, which `ectwin with --in-process` has started."""
 
     def __init__(self, name: str, program: str) -> None:
         super().__init__((), name, program, os.environ["ECTWIN_IFACE"])
@@ -303,11 +303,11 @@ class OwnTwin(InProcessTwin):
         return []
 
     def call(self, function: Callable[..., Result], *args: Any, **kwargs: Any) -> Result:
-        """The function in this process, which has the twins in it."""
+        """Calls the function in this process, which contains the twins."""
         return function(*args, **kwargs)
 
 
-# --- beginnings --------------------------------------------------------------------------------------------------------
+# --- start -------------------------------------------------------------------------------------------------------------
 
 
 def _end(process: "subprocess.Popen[Any]") -> None:
@@ -345,7 +345,7 @@ def _end_all(children: List["subprocess.Popen[Any]"]) -> None:
 
 
 def connect(path: Optional[str] = None) -> Twin:
-    """The twin with this name, process id or path of its socket; or $ECTWIN_SOCKET, or the only one of this user."""
+    """The twin with this name, process id or path of its socket; else $ECTWIN_SOCKET, or the only twin of this user."""
     return Twin(path)
 
 
@@ -358,7 +358,7 @@ def ps() -> List[Dict[str, Any]]:
             (line,) = connection.ask({"op": "about"})
             twins.append({**line, "pid": process, "socket": path})
         except Error:
-            pass  # it has ended meanwhile
+            pass  # the twin has ended meanwhile
         finally:
             connection.close()
     return twins
@@ -476,7 +476,7 @@ def start(
     """Starts twins, which end with the `with` block.
 
     devices       "fzm1", "esi:FILE.xml#TYPE", "A,B" or a list of these
-    interface     answer there, as `ectwin run` does; None: in a private network of their own, which needs no root
+    interface     interface of the twins, as for `ectwin run`; None: in a private network, which needs no root
     options       further options of the command, e.g. ["--esc", "et1100"]
     program       the command; None: $ECTWIN, or `ectwin` in PATH
     set           signals before the start: {"data1": 1.5, (2, "data1"): 5}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Twins in this process: frame in, frame out, time an argument (ectwin.Chain). No network, no thread, no clock."""
+"""Twins in this process: frame in, frame out; time is an argument (ectwin.Chain). No network, no thread, no clock."""
 
 import ctypes
 import os
@@ -26,7 +26,8 @@ class Reply(NamedTuple):
 
 
 def _candidates() -> Iterable[str]:
-    """Places of the library: $ECTWIN_LIBRARY alone; else beside the command of this wheel, of a build or an installation; else the linker's own."""
+    """Places of the library: only $ECTWIN_LIBRARY; else next to the command of this wheel, of a build or an installation; else the
+    linker's default."""
     named = os.environ.get("ECTWIN_LIBRARY")
     if named:
         yield named
@@ -76,10 +77,11 @@ def _load(path: Optional[str]) -> ctypes.CDLL:
 class Chain:
     """A chain of twins that is powered on at `now_ns`, with a cable at its input.
 
-    `devices` are names ("fzm1,vr-bu-ect-map7" or a list); `options` are those of `ectwin with`; `faults` are lines of a fault script;
-    `store` is the folder of the non-volatile memories. Times are nanoseconds of any clock of yours that never goes back; a call with an
-    earlier time than the last one, or without a time, uses the last one. `library` is the path of the library, else $ECTWIN_LIBRARY, else
-    the one of the `ectwin` in $ECTWIN or PATH. One thread at a time for a chain; chains are independent. Raises Refused for wrong words.
+    `devices` are names ("fzm1,vr-bu-ect-map7" or a list); `options` are those of `ectwin with`; `faults` are lines of a fault
+    script; `store` is the folder of the non-volatile memories. Times are nanoseconds of any clock that never decreases; a time
+    before that of the last call, or no time, counts as the time of the last call. `library` is the path of the library, else
+    $ECTWIN_LIBRARY, else the one of the `ectwin` in $ECTWIN or PATH. One thread at a time for each chain; chains are independent.
+    Raises Refused for invalid words.
 
         with ectwin.Chain("fzm1", faults=["drop 5%"]) as chain:
             for reply in chain.frame(request, now_ns=1_000_000):
@@ -118,12 +120,12 @@ class Chain:
 
     @property
     def now_ns(self) -> int:
-        """The latest time that the chain has seen."""
+        """The latest time of the chain."""
         return self._now_ns
 
     @property
     def next_ns(self) -> Optional[int]:
-        """The time at which `run` is due next without a frame; None: never. Right after `frame` and `run`."""
+        """The time at which `run` is due next without a frame; None: never. Valid directly after `frame` and `run`."""
         return self._next_ns
 
     @property
@@ -136,16 +138,17 @@ class Chain:
         return int(self._library.ectwin_bus_slaves(self._open()))
 
     def frame(self, data: bytes, now_ns: Optional[int] = None, end: int = 0) -> List[Reply]:
-        """Passes a frame (from the destination address on, without check sum) and runs the devices. Returns what has left by then.
+        """Passes a frame (from the destination address on, without check sum) and runs the devices. Returns the frames that have
+        left.
 
-        Calls of plants that are due by this time come first.
+        Due calls of plants precede the frame.
         """
         self._run_plants(now_ns)
         self._library.ectwin_bus_frame(self._open(), end, data, len(data), self._advance(now_ns))
         return self.run()
 
     def run(self, now_ns: Optional[int] = None) -> List[Reply]:
-        """Lets time pass: devices, late replies and plants that are due. Returns the frames that have left by then."""
+        """Advances the time: runs due devices, late replies and plants. Returns the frames that have left."""
         self._run_plants(now_ns)
         next_ns = self._library.ectwin_bus_run(self._open(), self._advance(now_ns))
         self._call_triggered()
@@ -155,10 +158,11 @@ class Chain:
         return self._replies()
 
     def attach(self, plant: Plant) -> None:
-        """Calls a plant once in each of its periods from now on, the first time at once, each time at its exact time; or at each change of `on`.
+        """Calls a plant once in each of its periods from now on, at exact times, the first time at once; or at each change of `on`.
 
-        At each of these times the devices run, the plant reads, its values are set, and the devices run again. A frame of the same time
-        passes after that. An exception of the function leaves `frame` and `run`. Raises Refused for a signal that does not exist or does not fit.
+        At each of these times the devices run, the plant reads, its values are set, and the devices run again. A frame of the same
+        time passes afterwards. An exception of the function is raised by `frame` and `run`. Raises Refused for a signal that does
+        not exist or does not fit.
         """
         for name in plant.writes:
             slave, signal = split(name)
@@ -191,7 +195,7 @@ class Chain:
                 self._call(plant, self._now_ns)
 
     def _run_plants(self, now_ns: Optional[int]) -> None:
-        """Calls the plants that are due by a time, in the order of their times."""
+        """Calls the plants due until a time, in the order of their times."""
         while self._plants and self._plants[0][0] <= max(self._now_ns, now_ns or 0):
             due_ns, order, plant = self._plants[0]
             self._plants[0] = (self._call(plant, due_ns), order, plant)
@@ -209,7 +213,7 @@ class Chain:
         return self._room.value.decode()
 
     def set(self, values: Mapping[str, Union[Value, bytes]], slave: int = 1, now_ns: Optional[int] = None) -> None:
-        """Sets {name: value}, one after the other, until one is refused. Bytes are sent as hexadecimal digits."""
+        """Sets {name: value} in succession, until one is refused. Bytes are sent as hexadecimal digits."""
         time = self._advance(now_ns)
         for name, value in values.items():
             text = value.hex() if isinstance(value, (bytes, bytearray)) else str(int(value) if isinstance(value, bool) else value)
@@ -218,7 +222,7 @@ class Chain:
                 raise Refused(message.value.decode())
 
     def fault(self, fault: str, now_ns: Optional[int] = None) -> None:
-        """Sets a fault ("drop 5%", "hang slave 1"), or ends all of them ("off")."""
+        """Sets a fault ("drop 5%", "hang slave 1"), or ends all faults ("off")."""
         message = ctypes.create_string_buffer(MESSAGE)
         if self._library.ectwin_bus_fault(self._open(), fault.encode(), self._advance(now_ns), message, MESSAGE) != 0:
             raise Refused(message.value.decode())
@@ -228,7 +232,7 @@ class Chain:
         self._library.ectwin_bus_power_cycle(self._open(), self._advance(now_ns))
 
     def close(self) -> None:
-        """Switches the twins off, once saves are finished. No other call is possible then."""
+        """Completes saves, and switches the twins off. No further call is possible."""
         bus, self._bus = self._bus, None
         if bus:
             self._library.ectwin_bus_close(bus)

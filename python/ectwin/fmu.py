@@ -23,7 +23,7 @@ from ._plant import Number, Plant
 
 __all__ = ["Model", "main"]
 
-CATCH_UP = 10  # periods that the model runs in one step at most
+CATCH_UP = 10  # limit of periods of the model in one step
 PERIOD = 0.001  # s, of a model that names none
 NAME_MOST = 31  # characters of a plant's name
 NAMED = 8  # variables in a message
@@ -39,7 +39,7 @@ _LIMITS: Dict[str, Tuple[float, float]] = {
     "Float64": (-math.inf, math.inf),
 }
 _REALS = ("Real", "Float32", "Float64")
-_CALLS = {("2", "Enumeration"): "Integer", ("3", "Enumeration"): "Int64"}  # other types are called by their own names
+_CALLS = {("2", "Enumeration"): "Integer", ("3", "Enumeration"): "Int64"}  # other types have functions with their own names
 
 
 def _one_line(error: BaseException) -> str:
@@ -58,7 +58,7 @@ def _fmpy() -> Any:
 
 
 def fitted(value: float, kind: str, lowest: Optional[str] = None, highest: Optional[str] = None) -> Number:
-    """A number for a variable of a type: limited to the range of type and variable, rounded to the nearest integer."""
+    """A number for a variable of a type: limited to the range of type and variable, rounded for an integer."""
     least, most = _LIMITS[kind]
     value = min(max(value, least, float(lowest or -math.inf)), most, float(highest or math.inf))
     if kind in _REALS:
@@ -76,13 +76,13 @@ def _binary(version: str) -> str:
 
 
 class Schedule:
-    """The periods that a model runs: after a delay it catches up, as far as one step allows."""
+    """The periods that a model runs: after a delay the model catches up, within the limit of one step."""
 
     def __init__(self, period: float) -> None:
         self.period = period
         self._begun: Optional[float] = None  # time of the bus at the first step
         self._passed = 0  # periods since then
-        #: Periods that the model does not run, because steps came too late.
+        #: Periods skipped by the model, because steps were too late.
         self.lost = 0
 
     def due(self, now: float) -> int:
@@ -97,7 +97,7 @@ class Schedule:
 
 
 class Model:
-    """An FMU beside a map. Everything that can be wrong with the two is found here, in one line, before the model is loaded."""
+    """An FMU with a map. All mistakes of both are reported here, in one line, before the model is loaded."""
 
     def __init__(self, path: str, wires: Optional[Map] = None) -> None:
         self.path = path
@@ -115,9 +115,9 @@ class Model:
         self._fmu: Any = None
         self._fatal = False
         self.schedule = Schedule(self.period)
-        self._run = 0  # periods that the model has run
+        self._run = 0  # periods run by the model
 
-    # --- what it is ----------------------------------------------------------------------------------------------------
+    # --- properties ----------------------------------------------------------------------------------------------------
 
     def _read(self) -> Any:
         try:
@@ -149,7 +149,7 @@ class Model:
         raise Error(f"{self.file} has no binary for this platform, {wanted}, only for {', '.join(others) or 'none'}: {cure}")
 
     def _own_period(self) -> float:
-        """The period that the model wants, in seconds."""
+        """The period preferred by the model, in seconds."""
         simulation, experiment = self.description.coSimulation, self.description.defaultExperiment
         for text in (getattr(simulation, "fixedInternalStepSize", None), experiment.stepSize if experiment else None):
             if text:
@@ -251,7 +251,7 @@ class Model:
             raise Error(f"{self.file} does not start: {_one_line(error)}") from None
 
     def _callbacks(self) -> Any:
-        """The functions that an FMU of FMI 2.0 calls."""
+        """The callback functions for an FMU of FMI 2.0."""
         fmi2 = self._fmpy.fmi2
         callbacks = fmi2.fmi2CallbackFunctions()
         callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(lambda environment, name, status, category, message: self._say(status, message))
@@ -280,7 +280,7 @@ class Model:
         return result
 
     def step(self, now: float, values: Mapping[Name, Number]) -> Dict[Name, Number]:
-        """Runs the model to `now` with the inputs of the step before, returns its outputs, and gives it the inputs of this step."""
+        """Runs the model to `now` with the inputs of the previous step, returns its outputs, and sets the inputs of this step."""
         time = self._run * self.period
         try:
             for _ in range(self.schedule.due(now)):
@@ -314,7 +314,7 @@ class Model:
 
 
 def seconds(text: str) -> float:
-    """A time as the command ectwin reads it: 10ms."""
+    """A time in the form of the command ectwin: 10ms."""
     found = re.fullmatch(r"(\d+(?:\.\d+)?)(us|ms|s)", text)
     if not found:
         raise argparse.ArgumentTypeError(f"'{text}' is no time: write a number with us, ms or s, as in 10ms")

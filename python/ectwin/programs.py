@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The programs that a wheel carries: `ectwin` and the others as console commands.
+"""The programs in a wheel: `ectwin` and the others as console commands.
 
-    ectwin.programs.path("ectwin-conform")      the program's file, or None when this installation has none
+    ectwin.programs.path("ectwin-conform")      the program's file, or None if this installation lacks it
 """
 
 import os
@@ -14,13 +14,13 @@ _FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "bin")
 
 
 def path(name: str) -> Optional[str]:
-    """The file of a program beside this module; None: the module was installed without it."""
+    """The file of a program next to this module; None: the module was installed without the program."""
     file = os.path.join(_FOLDER, name)
     return file if os.access(file, os.X_OK) else None
 
 
 def main() -> NoReturn:
-    """Becomes the program whose name this process was called by."""
+    """Executes the program with the name of this process."""
     name = os.path.basename(sys.argv[0])
     file = path(name)
     if file is None:

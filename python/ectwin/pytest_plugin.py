@@ -65,7 +65,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def _mark(item: pytest.Item) -> Tuple[Optional[Devices], Dict[str, Any]]:
-    """Devices and options that the marker names; the nearest one counts."""
+    """Devices and options of the marker; the nearest one applies."""
     mark = item.get_closest_marker("ectwin")
     if mark is None:
         return None, {}
@@ -79,7 +79,7 @@ def _split(faults: str) -> Union[str, List[str]]:
 
 
 def _with_faults(options: Dict[str, Any], faults: Optional[str]) -> Dict[str, Any]:
-    """Options with the faults of the matrix, beside those of the test itself."""
+    """Options with the faults of the matrix, in addition to those of the test."""
     if faults is None:
         return options
     more, own = _split(faults), options.get("faults", ())
@@ -92,7 +92,7 @@ def _with_faults(options: Dict[str, Any], faults: Optional[str]) -> Dict[str, An
 
 
 def _capture(config: pytest.Config, folder: str, number: int, options: Sequence[str]) -> List[str]:
-    """The options of a command, with a capture in the folder where they name none."""
+    """The options of a command, with a capture in the folder unless they already have one."""
     size = config.getoption("--ectwin-capture-size")
     if size == "0" or any(option.startswith("--pcap") for option in options):
         return list(options)
@@ -136,7 +136,7 @@ class Factory:
         return twin
 
     def close(self) -> None:
-        """Ends all of them, the newest first."""
+        """Ends all twins, the newest first."""
         while self.twins:
             self.twins.pop().close()
         if _CAPTURES not in os.environ:
@@ -177,7 +177,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 
 def _describe(twin: Twin) -> str:
-    """Signals, faults and counters of the twins as they are."""
+    """The present signals, faults and counters of the twins."""
     lines = []
     try:
         shown = [f"{slave}:{name}={value}" for (slave, name), value in twin._values("*", 0).items() if value not in (0, "")]
@@ -194,7 +194,7 @@ def _describe(twin: Twin) -> str:
 
 
 def _describe_captures(folder: str, number: int) -> List[str]:
-    """The captures of the twins with this number: one, or with in_process one more for each program beside the first."""
+    """The captures of the twins with this number: one, or with in_process one for each program."""
     lines = []
     for name in sorted(name for name in os.listdir(folder) if name.startswith(f"{number}.pcapng")):
         lines += _captures.events(os.path.join(folder, name), _EVENTS)
@@ -301,7 +301,7 @@ class _Reporter:
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """In the process of one test: its reports go to the file that the first process reads."""
+    """In the process of one test: writes its reports to the file that the first process reads."""
     path = session.config.getoption("--ectwin-report")
     if path:
         session.config.pluginmanager.register(_Reporter(session.config, path), "ectwin-reporter")
