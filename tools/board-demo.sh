@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# An EtherCAT slave on a microcontroller with nothing but an Ethernet controller: the firmware for ARM's MPS2, in QEMU, and SOEM
-# takes it to OP and holds it there.  usage: tools/board-demo.sh [SECONDS]     default 60
-# Needs no hardware. Root only for installing packages that are missing.
+# An EtherCAT slave on a microcontroller with only an Ethernet controller: QEMU runs the firmware for ARM's MPS2, and SOEM takes the
+# slave to OP and keeps it there.  usage: tools/board-demo.sh [SECONDS]     default 60
+# Needs no hardware, and root only for the installation of missing packages.
 set -eu
 cd "$(dirname "$0")/.."
 seconds=${1:-60}

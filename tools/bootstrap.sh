@@ -1,19 +1,20 @@
 #!/usr/bin/env bash
-# Installs what a job needs and is missing, and no more.  usage: tools/bootstrap.sh run|kernel|board|bench|package|test
+# Installs the missing packages of a job.  usage: tools/bootstrap.sh run|kernel|board|bench|package|test
 #
 #   run   build ectwin and run the demo: compiler, CMake, libnl, cJSON, libseccomp, libxml2, libyaml, libmodbus, libwebsockets, and SOEM for
 #         the demo's master
-#   kernel run, and what --in-kernel is built with: libbpf, clang, bpftool
-#   board run, and what the firmware of a board needs: compilers for ARM, with their C libraries, and RISC-V; QEMU and iproute2
-#         to see it run
-#   bench run, and what tools/dev/bench/run.py measures with: valgrind, iproute2, util-linux
-#   package run, and what tools/package.sh builds packages with
-#   test  all but what measures, and what the tests need: CMocka, clang for the fuzz targets, gcovr, iperf3, and from PyPI
+#   kernel run, and the packages for --in-kernel: libbpf, clang, bpftool
+#   board run, and the packages for board firmware: compilers for ARM, with their C libraries, and RISC-V; QEMU and
+#         iproute2 to run it
+#   bench run, and the packages for tools/dev/bench/run.py: valgrind, iproute2, util-linux
+#   package run, and the packages for tools/package.sh
+#   test  all except bench, and the packages of the tests: CMocka, clang for the fuzz targets, gcovr, iperf3, and from PyPI
 #         pymodbus, FMPy, and the sources of SOEM for examples/fuzz-master; Chromium with its driver, which the panel's page is tested in
 #
-# Debian and Ubuntu packages, as root or through sudo. SOEM: one that is installed (find_package) is taken when our programs
-# compile with it; else the source package pyecm 0.0.3 from PyPI, which carries SOEM 1.4.0, is fetched by pip against a pinned
-# hash and built below ~/.cache/ectwin, where pymodbus and FMPy are put as well. Safe to run again; does nothing when nothing is missing.
+# Debian and Ubuntu packages, as root or through sudo. SOEM: an installed version (find_package) is used if the programs of this
+# tree compile with it; else pip downloads the source package pyecm 0.0.3 with SOEM 1.4.0 from PyPI, checks its pinned hash, and
+# builds it below ~/.cache/ectwin, where pymodbus and FMPy are stored as well. The script may be run repeatedly; it has no effect if
+# no package is missing.
 set -eu
 
 run_packages="gcc libc6-dev cmake ninja-build pkg-config libnl-route-3-dev libcjson-dev libseccomp-dev libxml2-dev libmodbus-dev libyaml-dev
@@ -25,7 +26,7 @@ kernel_packages="libbpf-dev clang bpftool"
 package_packages="dpkg-dev file git python3 python3-pip python3-venv ca-certificates"
 bench_packages="valgrind iproute2 util-linux python3"
 test_packages="libcmocka-dev clang gcovr libxml2-utils doxygen iperf3"
-browser_packages="chromium chromium-driver" # Ubuntu has them as snaps alone
+browser_packages="chromium chromium-driver" # Ubuntu has these only as snaps
 lint_packages="clang-format-19 clang-tidy-19" # one version everywhere, for each finds something else; not every release has it
 
 soem_prefix="$HOME/.cache/ectwin/soem-1.4.0"
@@ -53,7 +54,7 @@ as_root() {
   fi
 }
 
-# A package counts as there when dpkg lists it, or when the command it is for comes from elsewhere.
+# A package counts as installed if dpkg lists it, or if its command has another source.
 is_there() {
   case "$1" in
     gcc | cmake | clang | clang-format-19 | clang-tidy-19 | doxygen | gcovr | iperf3 | python3) command -v "$1" >/dev/null && return 0 ;;
@@ -89,7 +90,7 @@ install_packages() {
   as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
 }
 
-# The sanitizer and fuzzer runtimes are a package of their own, named after clang's version.
+# The sanitizer and fuzzer runtimes are in a separate package with clang's version in its name.
 install_clang_runtime() {
   local version
   version=$(clang -dumpversion | cut -d. -f1)
@@ -97,7 +98,7 @@ install_clang_runtime() {
   clang -fsanitize=address,undefined "$work/a.c" -o "$work/a" 2>/dev/null || install_packages "libclang-rt-$version-dev"
 }
 
-# Found, and of the required version: cmake/soem.cmake compiles a program with it.
+# Checks for SOEM of the required version: cmake/soem.cmake compiles a program with it.
 soem_is_installed() {
   mkdir -p "$work/find"
   cat >"$work/find/CMakeLists.txt" <<CMAKE
@@ -144,10 +145,10 @@ install_soem() {
     cp "$work/pyecm-0.0.3/ext/SOEM/LICENSE" "$soem_prefix.new/share/soem/"; } >"$work/log" 2>&1 ||
     { cat "$work/log" >&2; die "SOEM did not build"; }
   rm -rf "$soem_prefix"
-  mv "$soem_prefix.new" "$soem_prefix" # whole or not at all
+  mv "$soem_prefix.new" "$soem_prefix" # complete or not at all
 }
 
-# Pure Python: the package stays as it was fetched, and is imported from there.
+# Pure Python: the package is imported from the downloaded file.
 install_pymodbus() {
   [ -e "$HOME/.cache/ectwin/$pymodbus_wheel" ] && return 0
   # shellcheck disable=SC2086
@@ -160,7 +161,7 @@ install_pymodbus() {
   mv "$work/pip/$pymodbus_wheel" "$HOME/.cache/ectwin/"
 }
 
-# FMPy with what a simulation needs of its requirements: 28 MB, for this Python.
+# FMPy with the requirements of a simulation: 28 MB, for this Python.
 install_fmpy() {
   PYTHONPATH="$fmpy_folder" python3 -c 'import fmpy.fmi2, fmpy.fmi3' 2>/dev/null && return 0
   # shellcheck disable=SC2086

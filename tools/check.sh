@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# The checks of a contributor, on top of tools/test.sh. Installs missing packages first. A stage whose tool cannot be installed is
-# skipped, with the reason.  usage: tools/check.sh [STAGE...]      every stage, or those named
+# The checks of a contributor, in addition to tools/test.sh. Installs missing packages first. A stage whose tool cannot be installed
+# is skipped, with the reason.  usage: tools/check.sh [STAGE...]      every stage, or those named
 #
 #   tidy      clang-tidy finds nothing in the sources
 #   coverage  branch coverage of the unit tests is not below the floors in tests/budget/coverage
-#   release   unit tests built as the product is, at -O3
+#   release   unit tests built like the product, at -O3
 #   clang     unit tests built by the second compiler; each fuzz target over its committed seeds and 5 s beyond
 #   conform   each deliberate defect fails its case of the whole catalogue, and no other
 #   sizes     text, RAM and stack of the core and of the firmware are within tests/budget

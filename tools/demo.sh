@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The main job: builds ectwin and lets SOEM take two base units from INIT to OP on a private network.
-# Needs no hardware. Root only for installing packages that are missing.
+# The demo: builds ectwin, and SOEM takes two base units from INIT to OP on a private network. Needs no hardware, and root only for
+# the installation of missing packages.
 set -eu
 cd "$(dirname "$0")/.."
 tools/bootstrap.sh run

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes or shows a file for a firmware update over FoE, as firmware/update.h describes it.
+"""Makes or shows a file for a firmware update over FoE (firmware/update.h).
 
 usage: firmware-file.py IMAGE.bin ADDRESS EEPROM FILE [VERSION]   makes FILE
        firmware-file.py FILE                                      shows its header, and verifies it

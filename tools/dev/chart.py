@@ -2,9 +2,9 @@
 """Draws a timing chart of a recorded exchange.
 usage: chart.py [--svg [--curve FACTOR]] [--zero SIGNAL[:N]] [--from MS] [--to MS] [--width N] [RECORDING]
 
-A recording is what `ectwin watch --every` prints. Without --signals the signals of an FZM1's handshakes are drawn, those that
-change. Signals that are not 0 or 1 are drawn as values, or as curves (numbers times FACTOR). Times count in milliseconds, from the first change or from the one that --zero
-names: exe:2 is the second rise of exe.
+A recording is the output of `ectwin watch --every`. Without --signals the changing signals of an FZM1's handshakes are drawn.
+Signals other than 0 or 1 are drawn as values, or as curves (numbers times FACTOR). Times are in milliseconds, from the first change
+or from that of --zero: exe:2 is the second rising edge of exe.
 """
 import argparse
 import html
@@ -12,12 +12,12 @@ import json
 import math
 import sys
 
-ERRORS = 0x7FFFFFF5  # of an optoNCDT 2300: from here on there is no distance
+ERRORS = 0x7FFFFFF5  # of an optoNCDT 2300: values from here on are errors, not distances
 HANDSHAKES = "exe,flg,step,ready,busy,dsa,gate,output1"
 
 
 def rise(changes, zero):
-    """When a signal rises for the N-th time: SIGNAL or SIGNAL:N."""
+    """Time of the N-th rising edge of a signal: SIGNAL or SIGNAL:N."""
     name, _, count = zero.partition(":")
     if count and not count.isdigit() or count == "0":
         sys.exit(f"chart.py: --zero takes SIGNAL or SIGNAL:N, N from 1, not '{zero}'")
@@ -28,7 +28,7 @@ def rise(changes, zero):
 
 
 def read(lines, wanted, slave, zero):
-    """Per signal its changes, (time, value), the first one its value at the beginning; times in ms."""
+    """For each signal its changes, (time, value), beginning with the initial value; times in ms."""
     changes = {name: [] for name in wanted + ([zero.partition(":")[0]] if zero else [])}
     for number, line in enumerate(lines, 1):
         try:
@@ -36,7 +36,7 @@ def read(lines, wanted, slave, zero):
             entry["time"], entry["value"]
         except (ValueError, TypeError, KeyError):
             if number == len(lines):
-                break  # cut off when the recording ended
+                break  # truncated at the end of the recording
             sys.exit(f"chart.py: line {number} is not one of 'ectwin watch'")
         if entry.get("slave", slave) == slave and entry.get("name") in changes:
             changes[entry["name"]].append((entry["time"] * 1000, str(entry["value"])))
@@ -135,7 +135,7 @@ def svg(changes, start, end, width, factor):
            f'<rect width="{width}" height="{bottom + 26}" fill="white"/>']
     at = -99.0
     ticks = {t for c in changes.values() for t, _ in c[1:]}
-    if factor: # they change all the time
+    if factor:  # these change continuously
         step = 10 ** math.floor(math.log10((end - start) / 4))
         ticks = {n * step for n in range(math.ceil(start / step), math.floor(end / step) + 1)}
     for t in sorted(ticks):

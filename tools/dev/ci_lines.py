@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Prints the shell lines of the container file, the GitHub action or the GitLab jobs.  usage: ci_lines.py FILE
 
-Lines of a container file become commands for sudo: COPY is cp, and RUN is run by sh. YAML files give the lines of `run: COMMAND`, the
-blocks of `run: |` and the lists of `before_script:` and `script:`, in their order.
+Lines of a container file become commands for sudo: COPY as cp, RUN by sh. YAML files: the lines of `run: COMMAND`, the blocks of
+`run: |` and the lists of `before_script:` and `script:` are printed in their order.
 """
 import pathlib
 import re

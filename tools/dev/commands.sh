@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Commands between a controller and a base unit on a bus that loses 10 % of the frames, in process, on the virtual clock: each command
-# must arrive exactly once and in order, both ways.  usage: tools/dev/commands.sh [COUNT [SECONDS]]
+# Commands between a controller and a base unit on a bus that loses 10 % of the frames, in process, on the virtual clock: each
+# command must arrive exactly once and in order, in both directions.  usage: tools/dev/commands.sh [COUNT [SECONDS]]
 # (default a million commands each way, within 3600 s of real time; about two minutes of processor time)
 set -eu
 cd "$(dirname "$0")/../.."

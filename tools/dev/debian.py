@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Writes the files that each Debian package has: copyright, changelogs.  usage: debian.py ROOT OUT MAINTAINER SOEM_LICENCE
+"""Writes the standard files of the Debian packages: copyright, changelogs.  usage: debian.py ROOT OUT MAINTAINER SOEM_LICENCE
 
     copyright             of packaging/debian/copyright.in, LICENSE and SOEM_LICENCE
     changelog.gz          CHANGELOG.md
     changelog.Debian.gz   an entry for its newest version
-    dist-info/            METADATA and entry_points.txt of the Python module, by which pytest finds its plugin
+    dist-info/            METADATA and entry_points.txt of the Python module, for pytest to find its plugin
 
 The entry's date is that of $SOURCE_DATE_EPOCH, or now.
 """

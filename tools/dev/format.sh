@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Lays out all C files by .clang-format.  usage: tools/dev/format.sh [--check]
-# --check changes nothing, names the files and exits with 1. Needs clang-format 19, for each version has a layout of its own; exits
+# --check changes no file, names the files and exits with 1. Needs clang-format 19, because each version has another layout; exits
 # with 77 if it is not installed.
 set -eu
 cd "$(dirname "$0")/../.."

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Tries the README's commands on a machine that has nothing yet: a bare Debian or Ubuntu, an ordinary user with sudo, the files that
-# git knows in this tree as they are now.  usage, as root: tools/dev/fresh.sh [RELEASE [COMMAND]]
+# Runs the README's commands on a fresh machine: a bare Debian or Ubuntu, a normal user with sudo, and the present files of this
+# tree that git tracks.  usage, as root: tools/dev/fresh.sh [RELEASE [COMMAND]]
 # (default bookworm, 'tools/demo.sh && tools/test.sh')
 #
-# Exits with COMMAND's status, or with 77 and a reason where such a machine cannot be made. It needs root, mmdebstrap and a
-# mirror, and for Ubuntu its keyring (/usr/share/keyrings/ubuntu-archive-keyring.gpg); $FRESH_FILES names files beside those, and bare
-# systems are kept in ~/.cache/ectwin. Resolver, certificates and proxy settings are this machine's. Nothing is left behind.
+# Exits with COMMAND's status, or with 77 and a reason if such a machine cannot be made. Needs root, mmdebstrap and a mirror, and
+# for Ubuntu its keyring (/usr/share/keyrings/ubuntu-archive-keyring.gpg); $FRESH_FILES names further files, and bare systems are
+# kept in ~/.cache/ectwin. Resolver, certificates and proxy settings are those of this machine. Other files are removed.
 set -eu
 cd "$(dirname "$0")/../.."
 release=${1:-bookworm}
@@ -24,7 +24,7 @@ bare=$HOME/.cache/ectwin/bare-$release.tar
 if [ ! -s "$bare" ]; then
   mkdir -p "${bare%/*}"
   case "$release" in
-    jammy | noble) components=main,universe ;; # libmodbus and cJSON are in universe there
+    jammy | noble) components=main,universe ;; # Ubuntu has libmodbus and cJSON in universe
     *) components=main ;;
   esac
   mmdebstrap -q --variant=minbase --components=$components --include=apt,ca-certificates,git,sudo "$release" "$work/bare.tar" 2>"$work/log" ||
@@ -46,7 +46,7 @@ git -c safe.directory="$PWD" ls-files -z | tar --null -T - -cf - | tar -C "$proj
 [ -z "${FRESH_FILES:-}" ] || tar -cf - $FRESH_FILES | tar -C "$project" -xf -
 chroot "$machine" chown -R user:user /home/user
 
-# The profile of a login shell there. Programs with certificates of their own are pointed to the machine's.
+# The profile of a login shell. Programs with their own certificates are configured for the machine's.
 {
   for name in http_proxy https_proxy no_proxy; do
     [ -z "${!name:-}" ] || printf 'export %s=%q\n' "$name" "${!name}"
@@ -55,8 +55,7 @@ chroot "$machine" chown -R user:user /home/user
   printf 'cd ~/project\n%s\n' "$command"
 } >"$machine/home/user/commands"
 
-# A root of its own, not a chroot: in one, the kernel refuses user namespaces. When the command ends, or this script, all that it
-# started ends.
+# A separate root, not a chroot, in which the kernel refuses user namespaces. All processes end with the command or this script.
 unshare --mount --pid --fork --kill-child --propagation private bash -euc '
   mount --bind "$1" "$1"
   cd "$1"

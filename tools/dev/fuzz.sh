@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Fuzzes every target for a given time.  usage: tools/dev/fuzz.sh [SECONDS-EACH [TARGET...]]   (default 60, all)
-# New inputs go to build/clang/corpus; a crash stops it and leaves the input in build/clang. The target "master" is SOEM
+# New inputs are stored in build/clang/corpus; a crash ends the run, and its input is in build/clang. The target "master" is SOEM
 # (examples/fuzz-master): its crashes are listed, and their inputs are left in build/fuzz-master.
 set -eu
 cd "$(dirname "$0")/../.."
@@ -20,7 +20,7 @@ fuzz_master() {
   (cd build/fuzz-master && ./fuzz-master -fork=1 -ignore_crashes=1 -ignore_timeouts=1 -ignore_ooms=1 -timeout=10 -max_len=512 \
     -max_total_time="$seconds" corpus ../../examples/fuzz-master/seeds >fuzz.log 2>&1) || true
   tail -n 1 build/fuzz-master/fuzz.log
-  found=$(cd build/fuzz-master && for input in crash-*; do # the parent of the runs keeps their reports for itself
+  found=$(cd build/fuzz-master && for input in crash-*; do # the parent of the runs does not print their reports
     [ ! -e "$input" ] || ./fuzz-master "$input" 2>&1 | sed -n 's/^SUMMARY: //p'
   done | sort | uniq -c)
   echo "${found:-no crash of the master}"

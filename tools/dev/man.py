@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Writes the manual page of a program from its own help and a template.  usage: man.py TEMPLATE PROGRAM VERSION PAGE
+"""Writes the manual page of a program from its help text and a template.  usage: man.py TEMPLATE PROGRAM VERSION PAGE
 
-The template is mdoc(7). Lines of it are replaced:
+The template is mdoc(7), with replaced lines:
 
     @SYNOPSIS@     the usage lines of PROGRAM --help
     @DESCRIPTION@  the text below them
     @OPTIONS@      the options, under the headings of their groups
     @EXIT@         the text that begins with "Exit codes:"
-    @COMMANDS@     the same of each PROGRAM COMMAND --help; options of `run` are described there alone
+    @COMMANDS@     the same parts of each PROGRAM COMMAND --help; options of `run` are described only in `run`
     @DATE@, @VERSION@   in a line of macros; the date is that of $SOURCE_DATE_EPOCH, or today
 """
 import datetime
@@ -62,7 +62,7 @@ def escaped(text):
 
 
 def prose(text):
-    """Text lines of mdoc: a new one for each sentence."""
+    """Text lines of mdoc, one for each sentence."""
     sentences = re.split(r"(?<=[.!?:;]) +(?=[A-Z$-])", escaped(text))
     lines = [line for one in sentences for line in textwrap.wrap(one, 78, break_long_words=False, break_on_hyphens=False)]
     return [("\\&" + line if line[0] in ".'" else line) for line in lines]
@@ -85,7 +85,7 @@ def option(text):
 
 
 def synopsis(usage):
-    """One line of usage: words in capitals are arguments, others are typed as they are."""
+    """One line of usage: words in capitals are arguments, other words are literal."""
     program, *words = usage.split()
     found = [".Nm " + program]
     for word in words:

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""The tests of each requirement on the devices, or the reason for none.  usage: tools/dev/matrix.py
+"""Prints the tests of each requirement on the devices, or the reason for none.  usage: tools/dev/matrix.py
 
-The ids are those in the tests' titles. Exits with 1 when a requirement has neither a test nor a reason, or has both,
-or when no test shows it over the wire and there is no reason.
+The ids are those in the tests' titles. Exits with 1 if a requirement has neither a test nor a reason, or has both, or if it has
+neither a test over the wire nor a reason for none.
 """
 import pathlib
 import re
@@ -11,7 +11,7 @@ import sys
 WIRE = "integration"
 TESTS = pathlib.Path(__file__).resolve().parents[2] / "tests"
 
-# Per product: prefix of its ids, the last one, why some have no test, why some have none over the wire.
+# For each product: prefix of its ids, the last id, reasons for ids without a test, reasons for ids without a test over the wire.
 PRODUCTS = [
     ("ECL", 74, {
         4: "a convention of the document (sizes are bytes)",
@@ -29,7 +29,7 @@ PRODUCTS = [
     ("PLZ", 31, {26: "advice on analogue outputs, which the twin does not have"}, {}),
 ]
 
-# The statements on drives, DRV, and why some have no test; the number that have one may only rise.
+# The statements on drives, DRV, and reasons for statements without a test; the number of tested statements may only increase.
 DRIVE_RANGES = [(1, 7), (9, 16), (18, 18), (20, 20), (22, 27), (30, 30), (32, 32), (34, 42), (44, 44), (46, 49), (51, 51), (53, 53),
                 (55, 58), (60, 60), (62, 62), (64, 68), (70, 76), (78, 84), (90, 113), (115, 180), (201, 207), (210, 224), (230, 241),
                 (245, 248), (250, 252), (255, 263), (265, 295), (301, 309), (311, 312), (401, 431), (501, 507), (509, 519), (521, 521),
@@ -45,7 +45,7 @@ DRIVE_NO_TEST = {
     622: "asks for nothing: the NC of this master finds home and the following error by itself",
 }
 
-# The statements on SoE: services, then commands, IDNs and process data, and why some have no test.
+# The statements on SoE: services, then commands, IDNs and process data, and reasons for statements without a test.
 SOE_RANGES = [(1, 22), (30, 46)]
 SOE_TESTED = 37
 SOE_NO_TEST = {
@@ -70,7 +70,7 @@ def titles(path):
 
 
 def judge(prefix, last, no_test, not_on_the_wire, all_titles):
-    """Prints the matrix of a product. @return how much of it is wrong, and a summary"""
+    """Prints the matrix of a product. @return the number of mistakes, and a summary"""
     found = {}
     for path, title in all_titles:
         for number in ids(prefix, title):
@@ -96,7 +96,7 @@ def judge(prefix, last, no_test, not_on_the_wire, all_titles):
 
 
 def judge_statements(prefix, ranges, least, no_test, all_titles):
-    """Prints the matrix of numbered statements. @return how much of it is wrong, and a summary"""
+    """Prints the matrix of numbered statements. @return the number of mistakes, and a summary"""
     known = {number for first, last in ranges for number in range(first, last + 1)}
     found = {}
     wrong = 0

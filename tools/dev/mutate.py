@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Breaks the core in small ways, one at a time, and checks that the unit tests notice.
+"""Makes small changes in the core, one at a time, and checks that the unit tests fail.
 
 usage: tools/dev/mutate.py [OPTION...] [--near | --tests NAME,...] [ROOM...]   (600 s, seed 1, rooms od esc slave sii)
        tools/dev/mutate.py [OPTION...] conform                                 the judgements of ectwin-conform
@@ -8,16 +8,16 @@ usage: tools/dev/mutate.py [OPTION...] [--near | --tests NAME,...] [ROOM...]   (
        tools/dev/mutate.py [OPTION...] programs/ectwin                         a program, judged by the tests that run it
        tools/dev/mutate.py --help                                              all options and rooms
 
-A mutant is one change in one function: a comparison, an operator, a constant, a condition negated, a statement left out. It is
-compiled alone, and the unit tests that reach the changed line are run, the quickest first, until one fails. A mutant that no test
-notices is printed with its file and line. Mutants are drawn at random until the time or the count ends; a seed and a count name one
-sample on every machine. Mutants without any visible effect are listed, each with the reason, in tests/budget/equivalent and do not
-count.
+A mutant is one change in one function: a comparison, an operator, a constant, a negated condition, an omitted statement. The
+changed file is compiled alone, and the unit tests that reach the changed line are run, the fastest first, until one fails. A mutant
+without a failed test is printed with its file and line. Mutants are selected at random until the time or the count ends; a seed and
+a count determine the same sample on every machine. Mutants without any visible effect are listed, each with the reason, in
+tests/budget/equivalent and do not count.
 
-The tests of a program are those of CTest named in PROGRAMS: unit tests of its library, and scripts that run it. A script notices a
-mutant when it fails twice.
+The tests of a program are those of CTest named in PROGRAMS: unit tests of its library, and scripts that run it. A script must fail
+twice.
 
-Needs what tools/test.sh needs. Works below build/mutate and build/mutate-programs; the tree stays as it is.
+Needs the packages of tools/test.sh. Works below build/mutate and build/mutate-programs; the tree is unchanged.
 """
 import argparse
 import concurrent.futures
@@ -42,11 +42,11 @@ BUILD = ROOT / "build/mutate"
 EQUIVALENT = ROOT / "tests/budget/equivalent"
 LINK = ["--coverage", "-fsanitize=undefined", "-fsanitize=leak"]
 CONFORM = ROOT / "programs/ectwin-conform"
-LONGEST = 120  # s that a test may take
+LONGEST = 120  # seconds; limit of a test
 JUDGEMENTS = ["runner.c", "sha256.c", "report/decode.c", "report/words.c", "steps/expect.c", "steps/record.c", "steps/support.c",
               "steps/undo.c", "steps/verdict.c"]
 
-# The tests of each program, by name in CTest. A script here takes seconds, and writes to no fixed folder.
+# The tests of each program, by name in CTest: scripts that take seconds, and write to no fixed folder.
 PROGRAMS = {
     "programs/ectwin": ["test_library", "test_facts*", "test_verify*", "test_eni_*", "bus_file", "bus_options", "clone",
                         "command", "completion", "control", "eni", "esi_files", "external", "modbus_command", "replay", "save_bus",
@@ -71,7 +71,7 @@ NUMBER = re.compile(r"(?<![\w.])(?:0[xX][0-9a-fA-F]+|\d+)(?=[uUlL]*(?![\w.]))")
 CONDITION = re.compile(r"\b(?:if|while) \((.*)\)(?: \{)?$")
 STATEMENT = re.compile(r"^\s+(?:\(void\))?\*?[a-z]\w*(?:(?:->|\.)\w+|\[[^\]]*\])*(?:\(.*\)|(?: [|&^+-]?= .*)|\+\+|--);$")
 FUNCTION = re.compile(r"^[a-z][\w *]*?(\w+)\(")
-ROOM = re.compile(r"^\s+(?:\w+ )+\w+\[(?:\w+ \+ )?$|alloc\([^;]*$")  # of memory: more of it changes nothing
+ROOM = re.compile(r"^\s+(?:\w+ )+\w+\[(?:\w+ \+ )?$|alloc\([^;]*$")  # of memory: more has no effect
 ELEMENT = re.compile(r"sizeof [\w.>-]+\[$")  # all of an array have one size
 HIDDEN = re.compile(r'/\*[\s\S]*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|^[ \t]*#(?:\\\n|[^\n])*', re.M)
 
@@ -80,7 +80,7 @@ HIDDEN = re.compile(r'/\*[\s\S]*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\
 
 
 def function_lines(text):
-    """The lines (from 0) in the body of a function -> the function's name. The layout is clang-format's."""
+    """The lines (from 0) in the body of a function -> the function's name. The layout is that of clang-format."""
     inside, name, lines = False, "", {}
     before = ""
     for number, line in enumerate(text.split("\n")):
@@ -97,7 +97,7 @@ def function_lines(text):
 
 
 def number_and_format(text):
-    """The value of a number of C, and how a changed one is written: octal numbers remain octal."""
+    """The value of a number of C, and the format of a changed one: octal numbers remain octal."""
     octal = len(text) > 1 and text.isdigit() and text[0] == "0"
     return (int(text, 8), "0{:o}") if octal else (int(text, 0), "{}")
 
@@ -128,14 +128,14 @@ def mutants(source):
     lines = text.split("\n")
     functions = function_lines("\n".join(hidden))
     for number in sorted(functions):
-        if "ECT_ASSERT(" in hidden[number]:  # holds in every right program: no test could notice
+        if "ECT_ASSERT(" in hidden[number]:  # true in every correct program, so no test can detect the change
             continue
         for begin, end, replacement in changes(lines[number], hidden[number]):
             changed = lines[number][:begin] + replacement + lines[number][end:]
             yield {"source": source, "line": number, "function": functions[number], "from": lines[number].strip(), "to": changed.strip(), "text": changed}
 
 
-# --- what is built once ---------------------------------------------------------------------------------------------------
+# --- builds shared by all mutants -----------------------------------------------------------------------------------------
 
 
 def run(*command, **options):
@@ -143,7 +143,7 @@ def run(*command, **options):
 
 
 class Compiled:
-    """A source as CMake compiles it for one target."""
+    """A source with its compilation by CMake for one target."""
 
     def __init__(self, entry):
         command = shlex.split(entry["command"])
@@ -156,7 +156,8 @@ class Compiled:
         self.command = command[:at - 1] + command[at + 1:]
 
     def compile(self, changed, out, before=()):
-        """The changed source in the place of this one, with more options in front. Returns whether it could be compiled."""
+        """Compiles the changed source in place of this one, with further leading options. Returns whether the compilation has
+        succeeded."""
         command = [a if a != str(self.source) else str(changed) for a in self.command if a != "--coverage"]
         command[1:1] = before
         command += ["-Werror=implicit-function-declaration", f"-I{self.source.parent}", "-o", str(out)]
@@ -169,9 +170,9 @@ class Program:
     Sources that a test's target compiles for itself, as a device with ECT_SMALL, precede those of the library. A test that wraps
     calls (-Wl,--wrap) is linked as CMake links it, because a shared library would call past the wrappers."""
 
-    LEAKS = "-fsanitize=leak"  # a block that is not freed is noticed, as under asan
+    LEAKS = "-fsanitize=leak"  # a block that is not freed is detected, as with asan
     FLAGS = "-fPIC -O0 -w --coverage"
-    TIMES = 1  # a test fails before a mutant is noticed
+    TIMES = 1  # failures of a test that count as a detection
     PATIENCE = (2, 10)  # a test ends in so many seconds, and times what it takes without a mutant
 
     def configure(self):
@@ -190,7 +191,7 @@ class Program:
 
     def __init__(self, tests):
         targets = self.build(*tests)
-        # Compiled with each application, for its own variables; calls of the host in the place of those of libc.
+        # Compiled with each application, for its own variables; calls of the host replace those of libc.
         apart = [ROOT / "src/soes", ROOT / "src/ports/soes_hal", ROOT / "src/bus/inprocess"]
         self.library = {s: c for sources in targets.values() for s, c in sources.items()
                         if BUILD / "src" in c.object.parents and s.parent not in apart and c.object.exists()}
@@ -225,7 +226,7 @@ class Program:
                                "-Wl,--allow-shlib-undefined", *self.libraries], capture_output=True, check=False)
 
     def with_mutant(self, name, source, changed, work):
-        """The test that notices it or not: another one, where it compiles that source for itself."""
+        """The test to run for a source: another one, if that test compiles the source itself."""
         own = self.own[name].get(source)
         if name in self.as_built:
             instead = work / ("own.o" if own else "mutant.o")
@@ -246,19 +247,19 @@ class Program:
             return self.tests[name]
 
     def command(self, name, program, folder):
-        """How to run a test: words and environment. `folder` has the library with the mutant."""
+        """The command of a test: words and environment. `folder` has the library with the mutant."""
         return [program], environment(folder)
 
     def tests_beside(self, source):
-        """The tests of a source's own room: a process that one of them starts may have run a line, and left no coverage."""
+        """The tests of a source's own room, because a process started by a test may have executed a line without coverage."""
         folder = ROOT / "tests/unit" / source.relative_to(ROOT).parent.relative_to("src")
         return [name for name in sorted(self.seconds, key=self.seconds.get)
                 if any(s.parent == folder for s in self.own[name])]
 
     def measure(self, sources):
-        """Runs each test once: how long it takes, and which lines of the sources it reaches.
+        """Runs each test once, for its duration and the source lines that it reaches.
 
-        A line without code of its own (a table, a constant) is reached with the next one that has some."""
+        A line without code (a table, a constant) is reached with the next line with code."""
         self.seconds, reached, with_code = {}, {}, {}
         for name, program in self.tests.items():
             for data in BUILD.rglob("*.gcda"):
@@ -298,7 +299,7 @@ class Conform(Program):
         self.tests = {name: BUILD / "tests" / name for name in names}
 
     def link(self, library, instead):
-        """Each test is linked with the mutant when it is its turn."""
+        """Each test is linked with the mutant directly before its run."""
 
     def tests_beside(self, source):
         return []
@@ -308,7 +309,7 @@ class Conform(Program):
 
 
 class Headers(Program):
-    """A room of headers alone: each unit test that includes one is compiled with the changed header, which goes before src/."""
+    """A room of headers only: each unit test that includes one is compiled with the changed header, which precedes src/."""
 
     def __init__(self):
         names = [t.stem for t in sorted((ROOT / "tests/unit").rglob("test_*.c")) if '#include "text/' in t.read_text()]
@@ -318,7 +319,7 @@ class Headers(Program):
         self.tests = {name: BUILD / "tests" / name for name in names}
 
     def compile(self, changed, out):
-        """A header is compiled with each test when it is its turn."""
+        """A header is compiled with each test directly before its run."""
         return True
 
     def link(self, library, instead):
@@ -349,10 +350,10 @@ class Headers(Program):
 
 class InProcess(Program):
     """The libraries between a master and its sockets, judged by the unit tests of their sources and by the masters of the
-    integration tests on both clocks: those that call the C library, and, where a processor has them, those that make system calls of
-    their own."""
+    integration tests on both clocks: masters that call the C library, and, if the processor supports them, masters that make direct
+    system calls."""
 
-    LEAKS = ""  # that library replaces functions of threads, too; its unit tests do not
+    LEAKS = ""  # that library also replaces functions of threads; its unit tests do not
     PARTS = ["calls", "sockets", "waits"]  # lists needs a folder of `ectwin with`
     MASTERS = [f"inprocess_{part}" for part in PARTS]
     if platform.machine() == "x86_64":
@@ -371,7 +372,7 @@ class InProcess(Program):
         self.tests.update({name: BUILD / "tests" / name for name in self.UNITS})
 
     def link(self, library, instead):
-        """Each library is linked with the mutant when it is its turn."""
+        """Each library is linked with the mutant directly before its run."""
 
     def tests_beside(self, source):
         return [name for name in self.own if name in self.seconds and source in self.own[name]]
@@ -383,7 +384,7 @@ class InProcess(Program):
                 raise RuntimeError(f"{source} as {name} has it")
             return link_as_built(f"tests/{name}", work / name, work / "own.o", own, Program.LEAKS)
         library = self.tests[name].name
-        for twins in BUILD.glob("libectwin.so*"):  # is looked for beside the library
+        for twins in BUILD.glob("libectwin.so*"):  # searched next to the library
             if not (work / twins.name).exists():
                 (work / twins.name).symlink_to(twins)
         return link_as_built(library, work / library, work / "mutant.o", self.own[name][source])
@@ -400,15 +401,15 @@ class InProcess(Program):
 
 
 class Installed(Program):
-    """A program, with the tests of CTest that run it. A mutant is linked into a folder that has the other programs and libraries of the
-    build too, because they find each other there; the folder takes the place of the build in the command of a test."""
+    """A program, with the tests of CTest that run it. A mutant is linked into a folder that also has the other programs and
+    libraries of the build, because programs search for each other there; the folder replaces the build in the command of a test."""
 
-    FLAGS = "-fPIC -O0 -w"  # coverage would write to the standard error of programs whose output the scripts compare
+    FLAGS = "-fPIC -O0 -w"  # coverage would write to the standard error of programs, which the scripts compare
     TIMES = 2  # scripts start processes and wait for them
     PATIENCE = (10, 3)
 
     def __init__(self, room):
-        self.LEAKS = Program.LEAKS if room == "programs/ectwin-panel" else ""  # --in-process replaces functions of threads, too
+        self.LEAKS = Program.LEAKS if room == "programs/ectwin-panel" else ""  # --in-process also replaces functions of threads
         global BUILD
         BUILD = ROOT / "build/mutate-programs"
         self.configure()
@@ -425,7 +426,7 @@ class Installed(Program):
         self.links = {name: link_command(name) for name in self.linked if not (BUILD / name).is_symlink()}
 
     def link(self, library, instead):
-        """Links every program and library that has the source, and puts the others of the build beside them."""
+        """Links every program and library that contains the source, and adds the others of the build to the folder."""
         (source, mutant), = instead.items()
         work, own = library.parent, self.core[source]
         for name in self.beside:
@@ -452,7 +453,7 @@ class Installed(Program):
 
 
 def ctest():
-    """name -> (command, environment) of each test. CTest lists no command whose program is yet to be built."""
+    """name -> (command, environment) of each test. CTest lists no command of a program that is not yet built."""
     found = {}
     for path in BUILD.rglob("CTestTestfile.cmake"):
         for name, command in re.findall(r"^add_test\(\[=\[(.*?)\]=\] (.*)\)$", path.read_text(), re.M):
@@ -462,18 +463,18 @@ def ctest():
     return found
 
 
-APART = {"conform": Conform, "bus/inprocess": InProcess, "text": Headers,  # rooms with tests of their own
+APART = {"conform": Conform, "bus/inprocess": InProcess, "text": Headers,  # rooms with their own tests
          **{room: functools.partial(Installed, room) for room in PROGRAMS}}
 
 
 def link_command(target):
-    """The command by which CMake links a target, as words."""
+    """CMake's link command of a target, as words."""
     lines = run_for_text("ninja", "-C", str(BUILD), "-t", "commands", "-s", target).strip().split("\n")
     return [word for word in shlex.split(lines[-1]) if word not in (":", "&&")]
 
 
 def link_as_built(target, program, instead, own, *flags):
-    """Links a target with a changed object: in the place of its own, else before the libraries, whose member then is not taken."""
+    """Links a target with a changed object: in place of its own, else before the libraries, whose member is then not used."""
     command = link_command(target) + list(flags)
     command[command.index("-o") + 1] = str(program)
     if own:
@@ -516,7 +517,7 @@ def environment(library_folder, **more):
 
 
 def lines_with_code(built, source):
-    """(line from 0, how often gcov saw it executed)"""
+    """(line from 0, number of executions by gcov)"""
     data = built.with_suffix(".gcda")
     if not data.exists():
         return []
@@ -530,7 +531,7 @@ def lines_with_code(built, source):
 
 
 def verdict(program, reached, mutant):
-    """The name of the test that notices; None: no test does; "" : the mutant does not compile."""
+    """The name of the failed test; None: no test fails; "": the mutant does not compile."""
     source = mutant["source"]
     with tempfile.TemporaryDirectory(dir=BUILD) as folder:
         work = pathlib.Path(folder)
@@ -557,7 +558,7 @@ def default_signals():
 
 
 def passes(words, variables, seconds):
-    """Runs a test, and ends it with all that it has started."""
+    """Runs a test, and ends all processes that it has started."""
     test = subprocess.Popen(words, cwd=ROOT, env=variables, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                             stderr=subprocess.DEVNULL, start_new_session=True, preexec_fn=default_signals)
     try:
@@ -571,7 +572,7 @@ def passes(words, variables, seconds):
 
 
 def equivalents():
-    """The mutants known to change nothing: (file, function or "", line before, line after)."""
+    """The mutants known to have no effect: (file, function or "", line before, line after)."""
     known, name, function = set(), None, ""
     for line in EQUIVALENT.read_text().splitlines() if EQUIVALENT.exists() else []:
         if line.startswith(("src/", "programs/")):

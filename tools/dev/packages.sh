@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Tries the packages on machines that have nothing yet: bare Debian or Ubuntu systems with an ordinary user.
+# Tests the packages on fresh machines: bare Debian or Ubuntu systems with a normal user.
 # usage, as root: tools/dev/packages.sh RELEASE [PART...]      RELEASE: bookworm, trixie, noble; PART: those below (all)
 #
 #   deb        apt install of build/packages/ectwin_*.deb; a master reaches OP over a wire
@@ -9,7 +9,7 @@
 #   gitlab     the lines of packaging/ci/gitlab.yml, as root
 #   workflow   the lines of .github/workflows/packages.yml, which build both packages there, as root
 #
-# tools/package.sh all comes first. Exits with 77 and a reason where such a machine cannot be made.
+# Run tools/package.sh all first. Exits with 77 and a reason if such a machine cannot be made.
 set -eu
 cd "$(dirname "$0")/../.."
 release=${1:?usage: tools/dev/packages.sh RELEASE [PART...]}

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Attacks `ectwin panel` with hostile requests while a page is open, and reports what it costs. Run it in a namespace:
+"""Attacks `ectwin panel` with hostile requests while a page is open, and reports the cost. Run it in a namespace:
 unshare -Urn sh -c 'ip link set lo up; tools/dev/panel_attack.py build/release/ectwin'
 
 usage: panel_attack.py ECTWIN [SECONDS [REQUESTS_A_SECOND]]     exit status 1: a bound is exceeded
@@ -21,7 +21,7 @@ RATE = float(sys.argv[3]) if len(sys.argv) > 3 else 200
 MOST_MEMORY_MB, MOST_DESCRIPTORS = 60, 160
 
 HEADERS = "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: ectwin-panel\r\n"
-FRAME = b"\x81\xfe\xff\xff\0\0\0\0" + b" " * 65535  # a message that is too long
+FRAME = b"\x81\xfe\xff\xff\0\0\0\0" + b" " * 65535  # too long a message
 
 
 def attacks(port):
@@ -36,7 +36,7 @@ def attacks(port):
 
 
 def attack(port, content, held):
-    """One connection; the last 30 stay open, and are not read."""
+    """Opens a connection; the last 30 stay open, and are not read."""
     one = socket.socket()
     one.setblocking(False)
     with contextlib.suppress(BlockingIOError):

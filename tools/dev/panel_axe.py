@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Checks the page of `ectwin panel` with axe-core, by hand.  usage: panel_axe.py ECTWIN MASTER AXE
+"""Checks the page of `ectwin panel` with axe-core; run manually.  usage: panel_axe.py ECTWIN MASTER AXE
 
   ECTWIN   ectwin of a build
   MASTER   tests/integration/panel_master of the build
-  AXE      axe.min.js of the npm package axe-core: npm pack axe-core@4.14.1 and tar xf; nothing here loads it from a network
+  AXE      axe.min.js of the npm package axe-core: npm pack axe-core@4.14.1 and tar xf; this script does not download it
 
-Opens buses with all kinds of fronts in headless Chromium, light and dark, as wide as a desktop and as a phone, with all lists open, and prints each rule
-that an element breaks. Exits with 1 if there is one. Start it with `unshare -Urn sh -c 'ip link set lo up; …'`.
+Opens buses with all kinds of fronts in headless Chromium, light and dark, with the width of a desktop and of a phone, with all
+lists open, and prints each rule violated by an element. Exits with 1 after a violation. Start it with
+`unshare -Urn sh -c 'ip link set lo up; …'`.
 """
 import pathlib
 import sys

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws what test_clocks has recorded: the differences of all clocks to the reference over time, as an SVG.
+"""Draws a recording of test_clocks, the differences of all clocks to the reference over time, as an SVG.
 
 usage: ectwin with --drift 100 --cable 10 fzm1,fzm1,... -- build/release/tests/integration/test_clocks {} N 20 > clocks.csv
        tools/dev/plot_clocks.py clocks.csv > docs/clocks.svg

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds every package of the commit that is checked out twice, in two folders, the second time with another umask, locale and time
-# zone, and compares the bytes; then leaves packages, bill of materials and check sums in build/release-VERSION.
+# Builds every package of the current commit twice, in two folders, the second time with another umask, locale and time zone, and
+# compares the bytes; then stores packages, bill of materials and check sums in build/release-VERSION.
 # usage: tools/dev/release.sh [KIND]      KIND: deb, wheel, all (default)
 set -eu
 cd "$(dirname "$0")/../.."

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Writes the bill of materials of built packages as SPDX 2.3 JSON.  usage: sbom.py ROOT BUILD SOEM_LICENCE PACKAGE... >FILE
 
-PACKAGE... are the files to describe, with their SHA-256. BUILD is the folder of the build, whose `ectwin` and `ectwin-conform` give
-the shared libraries of a Debian package, with dpkg's versions; a wheel brings the list of its own (tools/dev/wheel.py), with their licences.
-The date is that of $SOURCE_DATE_EPOCH, or now; equal packages give an equal file.
+PACKAGE... are the files to describe, with their SHA-256. BUILD is the folder of the build, whose `ectwin` and `ectwin-conform`
+determine the shared libraries of a Debian package, with dpkg's versions; a wheel contains the list of its libraries
+(tools/dev/wheel.py), with their licences. The date is that of $SOURCE_DATE_EPOCH, or now; equal packages result in an equal file.
 """
 import datetime
 import hashlib
@@ -17,7 +17,7 @@ import time
 import zipfile
 
 NONE = "NOASSERTION"
-SYSTEM = {"libc6", "libgcc-s1", "libstdc++6"}  # of every Debian; not ours to list
+SYSTEM = {"libc6", "libgcc-s1", "libstdc++6"}  # part of every Debian, and not listed
 
 
 def said_by(*words):
@@ -104,7 +104,7 @@ def carried_by(wheel):
 
 
 def of_packages(root, build, soem_licence, files):
-    """The bill beside the packages."""
+    """The bill of materials of the packages."""
     version = re.search(r"project\(ectwin VERSION ([\d.]+)", (root / "CMakeLists.txt").read_text())[1]
     linked = [package("ectwin", version, "MIT"), package("SOEM", "1.4.0", "LicenseRef-SOEM")]
     needed = [package(name, number, NONE, supplier="Organization: Debian") for name, number in libraries(build)]

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# The base unit under a bad wire: frames lost and late at 5 %, the controller restarted at random. Every command must arrive
-# exactly once and in order, both ways, and every set of periodic data whole.  usage: tools/dev/soak.sh [SECONDS [SEED]]
-# (default 600 seconds, seed 1; more than 60: in the last 30 the operator sends nothing more)
+# The base unit on a bad wire: 5 % of the frames lost and 5 % late, the controller restarted at random. Every command must arrive
+# exactly once and in order, in both directions, and every set of periodic data completely.  usage: tools/dev/soak.sh [SECONDS [SEED]]
+# (default 600 seconds, seed 1; more than 60: in the last 30 s the operator sends no commands)
 #
-# Late is 1 ms: SOEM waits for 2. SOEM takes a later reply for the reply to another frame with the same index; at its
-# start that can give a slave the address 0, and SOEM then reads an EEPROM that does not reply, word by word, for hours.
+# The delay is 1 ms, because SOEM waits 2 ms. SOEM regards a later reply as the reply to another frame with the same index; at its
+# start a slave can therefore get the address 0, and SOEM then reads an EEPROM that does not respond, word by word, for hours.
 set -eu
 cd "$(dirname "$0")/../.."
 seconds=${1:-600}
@@ -20,7 +20,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export work seconds seed build
 
-operator() { # UNTIL: a command from remote unit 1 every 0.3 s in the mean, numbered; a full queue is tried again
+operator() { # UNTIL: a numbered command from remote unit 1, every 0.3 s on average; repeated if the queue is full
   n=0
   while [ $SECONDS -lt "$1" ]; do
     if "$build/ectwin" command ru1 "$(printf '6f70657261746f72%016x' $((n + 1)))" 2>>"$work/refused"; then n=$((n + 1)); fi
@@ -38,7 +38,7 @@ session() {
   timeout -s KILL $((seconds + 60)) "$build/ectwin-controller" "$ECTWIN_IFACE" --seconds "$seconds" --restart-every 15 --commands 1000000 --periodic 4321 \
     --seed "$seed" >"$work/controller" &
   controller=$!
-  quiet=$((SECONDS + seconds - 30)) # what is queued by then still goes, though the bus may start once more
+  quiet=$((SECONDS + seconds - 30)) # queued commands are still sent, although the bus may restart once more
   until "$build/ectwin" set ru1.armed=1 2>/dev/null; do sleep 0.1; done # not while the unit is Initial
   operator $quiet
   wait $controller || echo "the controller ended with $?" >&2

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Judges the records of tools/soak.sh.  usage: soak_check.py FOLDER"""
+"""Checks the records of tools/dev/soak.sh.  usage: soak_check.py FOLDER"""
 import json
 import pathlib
 import sys

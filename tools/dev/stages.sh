@@ -1,9 +1,9 @@
-# Stages of a script, each with its name and its time; to be sourced.
+# Stages of a script, each with its name and its time. Source this file.
 #
 #   stage NAME COMMAND...   runs COMMAND with its output in build/logs/NAME.log; prints the log when COMMAND fails, and ends the script
-#   shown NAME COMMAND...   the same with the output on the terminal
+#   shown NAME COMMAND...   likewise, with the output on the terminal
 #
-# Status 77 is "skipped": the last line of the output is the reason. A line every 20 s shows that a stage is alive.
+# Status 77 is "skipped": the last line of the output is the reason. A line every 20 s indicates a running stage.
 
 export CTEST_OUTPUT_ON_FAILURE=1
 jobs=$(nproc)

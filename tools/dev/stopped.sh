@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Process data under --in-kernel while the twins' process is stopped at random (SIGSTOP) beside eight busy loops: no image is torn, none
-# is lost.  usage, as root: tools/dev/stopped.sh [CYCLES [SEED [SECONDS]]]
+# Process data with --in-kernel while the twins' process is stopped at random (SIGSTOP), with eight busy loops: no image is torn,
+# none is lost.  usage, as root: tools/dev/stopped.sh [CYCLES [SEED [SECONDS]]]
 # (default 60000 cycles, seed 1, within 900 s of real time)
 set -eu
 cd "$(dirname "$0")/../.."

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """Completes a wheel that auditwheel has repaired.  usage: wheel.py WHEEL SOEM_LICENCE PROGRAM...
 
-PROGRAM... are the programs of the build, before the repair: their libraries are those that the wheel carries. Each library's Debian
-package gives its licence:
+PROGRAM... are the programs of the build, before the repair, whose libraries the wheel contains. The licence of a library is that of
+its Debian package:
 
-    DIST-INFO/licenses/PACKAGE/copyright       and licenses/common/NAME, each text of /usr/share/common-licenses that one refers to
+    DIST-INFO/licenses/PACKAGE/copyright       and licenses/common/NAME, each referenced text of /usr/share/common-licenses
     DIST-INFO/sboms/ectwin.spdx.json           the libraries with package, version, SHA-256 and licence (SPDX 2.3)
 
-Equal contents give equal bytes: members are sorted, of the date $SOURCE_DATE_EPOCH (or now), modes 644 and 755.
+Equal contents result in equal bytes: members are sorted, of the date $SOURCE_DATE_EPOCH (or now), modes 644 and 755.
 """
 import base64
 import hashlib
@@ -36,7 +36,7 @@ def needed(programs):
 
 
 def origin(member, content_of):
-    """The library that auditwheel has copied to MEMBER: NAME-HASH.REST, REST from the first dot on, HASH of the file as it was."""
+    """The library that auditwheel has copied to MEMBER: NAME-HASH.REST, REST from the first dot on, HASH of the original file."""
     name, digest, rest = re.fullmatch(r"(.+)-([0-9a-f]{8})(\..+)", pathlib.PurePath(member).name).groups()
     for path, content in content_of.items():
         if path.name == name + rest and hashlib.sha256(content).hexdigest().startswith(digest):
@@ -84,7 +84,7 @@ def complete(members, soem_licence, programs):
     """Adds licences and bill of materials to {name: (content, executable)}."""
     info = next(name for name in members if name.endswith(".dist-info/METADATA"))[: -len("/METADATA")]
     for name in [name for name in members if name.startswith(f"{info}/sboms/")]:
-        del members[name]  # auditwheel's, which lacks libraries outside /usr
+        del members[name]  # that of auditwheel, which lacks libraries outside /usr
     content_of = {path: path.read_bytes() for path in needed(programs)}
     texts, libraries = {}, []
     for member in sorted(name for name in members if re.match(r"\w+\.libs/.+", name)):

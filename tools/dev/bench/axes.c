@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Drives over a memory of their own: a millisecond is a frame with outputs and inputs, and four steps of each plant. */
+/* Drives over their own memory: a millisecond consists of a frame with outputs and inputs, and four steps of each
+ * plant. */
 #define _GNU_SOURCE
 #include "axes.h"
 

@@ -4,8 +4,8 @@
 #define TOOLS_BENCH_AXES_H
 
 /**
- * Runs drives in csp, each with new outputs every millisecond, and prints a line of JSON: processor time of an axis and
- * millisecond, axes that a core runs at 1 kHz.
+ * Runs drives in csp, each with new outputs every millisecond, and prints a line of JSON: processor time for an axis
+ * and millisecond, number of axes of a core at 1 kHz.
  * @param argument  AXES, MS: 1 and more each
  * @return exit status
  */

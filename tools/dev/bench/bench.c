@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Measurements of twins, one a call, for tools/dev/bench/run.py, which defines their meaning. Each prints one line
- * of JSON.
+ * Measurements of twins, one for each call, for tools/dev/bench/run.py, which defines their meaning. Each prints one
+ * line of JSON.
  *
  *   ectwin-bench frames DEVICE PRESENT TOUCHED COMMAND FRAMES
  *       in this process, without a wire: for an instruction counter
  *   ectwin-bench axes AXES MS
  *       CiA 402 drives with their plants in this process, for MS milliseconds of their time
  *   ectwin-bench echo IFACE
- *       sends back what comes, in blocking calls; runs until killed
+ *       returns each frame, in blocking calls; runs until killed
  *   ectwin-bench spin IFACE
- *       the same, never waiting
+ *       returns each frame, without waiting
  *   ectwin-bench port IFACE
- *       the same with the sockets and the filter of system calls of a twin
+ *       returns each frame, with the sockets and the filter of system calls of a twin
  *   ectwin-bench round IFACE ECHO DEVICE PRESENT TOUCHED N
  *       N round trips in turns with N of an echo
  *   ectwin-bench echoes IFACE ECHO BYTES N
@@ -64,7 +64,7 @@ static uint64_t now_ns(void)
     return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
 }
 
-/* --- ways of a frame ---------------------------------------------------------------------------------------------- */
+/* --- transports of a frame ---------------------------------------------------------------------------------------- */
 
 static int set_up(int fd, const char *iface)
 {
@@ -84,7 +84,7 @@ static int open_port(const char *iface)
     return set_up(socket(AF_PACKET, SOCK_RAW, 0), iface);
 }
 
-/* A socket of the kernel, also where `ectwin with --in-process` replaces those of the C library. */
+/* Opens a socket of the kernel, even if `ectwin with --in-process` replaces those of the C library. */
 static int open_wire(const char *iface)
 {
     return set_up((int)syscall(SYS_socket, AF_PACKET, SOCK_RAW, 0), iface);
@@ -121,7 +121,7 @@ static const ect_product_t *product_of(const char *name)
     return product;
 }
 
-/* @return bytes of process data; *expected is what an LRW over all of them comes back with */
+/* @return bytes of process data. @param[out] expected  working counter of an LRW over all of them */
 static uint32_t prepare(master_t *m, const ect_device_t *device, size_t present, size_t touched, unsigned int *expected)
 {
     uint32_t logical = 0;
@@ -156,7 +156,7 @@ static void build_command(master_t *m, const char *command, uint32_t bytes)
         end("COMMAND is LRW, BRD, FPRD or FRMW");
 }
 
-/* The counter covers ect_chain_pass and ect_chain_poll; their preparation must stay out of it: one call before. */
+/* The counter covers ect_chain_pass and ect_chain_poll; one call before excludes their preparation. */
 static int frames(char **argument)
 {
     const ect_product_t *product = product_of(argument[0]);
@@ -287,8 +287,8 @@ static void open_pair(pair_t *p, char **argument, const char *count)
         end("not enough memory, or fewer than 100 rounds");
 }
 
-/* In turns, so that whatever else the machine does meets both. The first round of each batch does not count: the other
- * program has used the caches. */
+/* Measures in turns, so that other load of the machine affects both. The first round of each batch does not count,
+ * because the other program has used the caches. */
 static void exchange_in_turns(pair_t *p)
 {
     for (size_t at = 0; at < p->count; at += BATCH) {
@@ -376,7 +376,7 @@ static void sleep_until(uint64_t at_ns)
         ;
 }
 
-/* @return how many of a cycle's frames, of `most` bytes each, did not come back */
+/* @return the number of lost frames of a cycle, of `most` bytes each */
 static unsigned int one_cycle(master_t *m, uint32_t bytes, uint32_t most, unsigned int *counter)
 {
     int fd = *(const int *)m->ctx;
@@ -445,7 +445,7 @@ static int cycles(char **argument)
     return 0;
 }
 
-/* Each measurement: its name, the number of its arguments, what runs it. */
+/* Each measurement: its name, the number of its arguments, its function. */
 static const struct {
     const char *name;
     int least, most;

@@ -69,7 +69,7 @@ bool master_address(master_t *m, size_t count)
     return good;
 }
 
-/* Devices run when the answer has left: the next frame may come before them. */
+/* Devices run after the reply has left: the next frame may precede them. */
 static bool go(master_t *m, size_t position, uint8_t state)
 {
     uint8_t request[2] = {(uint8_t)(state | ECT_AL_ACKNOWLEDGE), 0};

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures the panel beside a master at 1 kHz.  usage: panel.py MASTER [--build DIR] [--pages N] [--seconds S] [--turns T]
+"""Measures the panel with a master at 1 kHz.  usage: panel.py MASTER [--build DIR] [--pages N] [--seconds S] [--turns T]
 
   MASTER        tests/integration/panel_master of a build with tests; it exchanges process data each millisecond
   --build DIR   where ectwin and ectwin-panel are (default build/release)
@@ -7,8 +7,8 @@
   --seconds S   of each turn (default 10)
   --turns T     pairs of turns, without and with pages (default 3)
 
-Prints frames a second, replies later than 1 ms and late polls without and with pages, in turns, and the CPU time and memory of the panel with one
-page and with all. Pages are WebSocket clients that read everything, without a browser.
+Prints frames per second, replies later than 1 ms and late polls without and with pages, in turns, and the CPU time and memory of
+the panel with one page and with all pages. Pages are WebSocket clients that read all messages, without a browser.
 """
 import argparse
 import base64
@@ -29,7 +29,7 @@ PLOTTED = 20
 
 
 class Page:
-    """A page that shows the first bus and plots signals of it; a thread reads its messages."""
+    """A page with the first bus and plots of its signals; a thread reads its messages."""
 
     def __init__(self, url):
         base, token = url.split("/#")
@@ -59,7 +59,7 @@ class Page:
                 self.received += len(piece)
 
     def ask(self):
-        """The requests that the page repeats."""
+        """The repeated requests of the page."""
         number = 0
         with contextlib.suppress(OSError):
             while True:

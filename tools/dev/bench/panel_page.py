@@ -4,11 +4,11 @@
   MASTER        tests/integration/panel_master of a build with tests; it exchanges process data each millisecond
   --build DIR   where ectwin and ectwin-panel are (default build/release)
   --seconds S   of plotting (default 20)
-  --sets N      changes whose way to the page is timed (default 50)
+  --sets N      changes whose delay to the page is measured (default 50)
 
-Prints the time from the start of the navigation to the first picture and to the last signal, the time from the request that changes a signal to
-the frame that shows it, and the intervals of frames and the CPU time of a frame, while 20 curves are plotted that change 1000 times a second: a table that `--play` plays.
-Chromium runs as in the tests, without a GPU.
+Prints the time from the start of the navigation to the first picture and to the last signal, the time from the request that changes
+a signal to the frame that shows it, and the intervals of frames and the CPU time of a frame, while 20 curves are plotted that
+change 1000 times per second by a table of `--play`. Chromium runs as in the tests, without a GPU.
 """
 import argparse
 import json

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Latency of a plant in Python beside a bus at 1 kHz: prints the counters of `ectwin stats` as a table.
+"""Latency of a plant in Python with a bus at 1 kHz: prints the counters of `ectwin stats` as a table.
 
 usage: plant.py FOLDER [SECONDS]      FOLDER of ectwin and ectwin-plc, as build/release; 20 s for each row by default
 """
@@ -17,7 +17,7 @@ TWINS, SIGNALS = 8, 100
 
 
 def measure(folder, count, seconds):
-    """A row: `count` signals read and set, beside the PLC of an FZM1 with a cycle of 1 ms."""
+    """A row: `count` signals read and set, while the PLC of an FZM1 runs with a cycle of 1 ms."""
     names = [(n % TWINS + 1, f"data{n // TWINS + 1}") for n in range(count // 2)]
     plant = ectwin.Plant(lambda now, values: values, names, names, name="bench")
     with ectwin.start(["fzm1"] * TWINS, program=os.path.join(folder, "ectwin")) as twin:

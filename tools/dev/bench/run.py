@@ -7,11 +7,11 @@
   --write       the tables of docs/PERFORMANCE.md, and the pictures docs/performance.svg and docs/busy.svg, from the results
   -o FILE       the results as JSON (default: build/bench.json)
 
-Needs what tools/bootstrap.sh bench installs: ip (iproute2), unshare and taskset (util-linux), and valgrind for the instructions; no
-rights where unprivileged user namespaces are allowed. inprocess measures pysoem too if the Python that runs this file has it (pip install
-pysoem). Takes about three minutes. All processes share one core, so a round trip is the sum of all work; round trips of a twin and
-of a bare echo alternate in one run; of three runs the one with the median ratio counts; the cycles of a thousand twins are
-measured three times too.
+Needs the packages of tools/bootstrap.sh bench: ip (iproute2), unshare and taskset (util-linux), and valgrind for the instructions;
+no root if unprivileged user namespaces are permitted. inprocess also measures pysoem, if installed for the Python of this file (pip
+install pysoem). Takes about three minutes. All processes share one core, so a round trip is the sum of all work; round trips of a
+twin and of a bare echo alternate in one run; the run with the median ratio of three runs counts; the cycles of a thousand twins are
+also measured three times.
 """
 import argparse
 import json
@@ -90,7 +90,7 @@ COUNTED = ["ect_chain_pass", "ect_chain_poll"]
 
 
 def collected(args, present, command, frames):
-    """Instructions inside each function of COUNTED for that number of frames, preparations included."""
+    """Instructions in each function of COUNTED for a number of frames, preparations included."""
     with tempfile.NamedTemporaryFile() as out:
         done = subprocess.run(["valgrind", "--tool=callgrind", f"--callgrind-out-file={out.name}", "--collect-atstart=no",
                                *[f"--toggle-collect={name}" for name in COUNTED], str(args.build / "ectwin-bench"), "frames",
@@ -115,7 +115,7 @@ def instructions(args):
 
 
 def middle(runs, key):
-    """The median run: one run alone may share the core with another program."""
+    """The median run, because a single run may share the core with another program."""
     return sorted(runs, key=key)[len(runs) // 2]
 
 
@@ -143,7 +143,7 @@ def sockets(args):
 
 
 class BusyLoops:
-    """Programs that never wait, on all cores."""
+    """Programs without waits, on all cores."""
 
     def __init__(self, count):
         self.processes = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(count)]
@@ -175,7 +175,7 @@ def kernel(args):
 
 
 def busy(args):
-    """Cycles of 250 us of a real-time master beside busy loops, all programs on any core, both ways in turns, so that both have
+    """Cycles of 250 us of a real-time master with busy loops, all programs on any core, both variants in turns, so that both have
     the same load; None: not as root."""
     if not is_root():
         print("run.py: cycles beside busy loops are measured as root only", file=sys.stderr)
@@ -244,7 +244,7 @@ def pysoem(args, devices):
 
 
 def seconds(*command):
-    """Elapsed time of a program; None: it failed, as a run on a wire may on a busy machine."""
+    """Elapsed time of a program; None: failed, which may happen to a run on a wire on a busy machine."""
     start = time.monotonic()
     done = subprocess.run([str(word) for word in command], capture_output=True, check=False)
     return time.monotonic() - start if done.returncode == 0 else None
@@ -508,7 +508,7 @@ def curve(steps, color, x_of, y_of):
 
 
 def busy_picture(result):
-    """Both histograms of the cycles beside busy loops, one above the other; both axes are logarithmic."""
+    """Both histograms of the cycles with busy loops, one above the other; both axes are logarithmic."""
     rows = sorted(result["cycles"], key=lambda row: row["in_kernel"])
     most = max(max(row["steps"]) for row in rows)
     left, right, bottom, tall = 70, 700, 300, 230
