@@ -1,7 +1,7 @@
 #!/bin/sh
 # A machine of four twins on one bus: an axis, a distance sensor above it, a camera triggered by the position of the axis, and a
-# base unit whose first remote unit, when switched on, enables the axis. The motion program is the only master. usage: machine.sh
-# [FOLDER of ectwin and ectwin-motion]
+# base unit whose first remote unit, when switched on, enables the axis. The motion program is the only master.
+# usage: machine.sh [FOLDER of ectwin and ectwin-motion]
 set -eu
 bin=${1:-$(dirname "$0")/../../build/release}
 export ECTWIN="$bin/ectwin" MOTION="$bin/ectwin-motion"
