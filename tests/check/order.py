@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """Refuses loops among the files of a room, and among the folders of a program.  usage: order.py BUILD [--graph]
 
-A file knows another when its object uses a symbol that the other's defines, or when it includes the other's header. The folders
-of a program know each other by their files; its own folder, which holds the main function, is one of them. The folders of src
-have a table of their own (layers.py). Read from the objects of a build; --graph prints each room, and each program, from the
-lowest to the highest, with what each knows.
+A file refers to another file if its object uses a symbol of the other's object, or if it includes the other's header. References
+between the folders of a program follow from their files; its own folder, which holds the main function, is one of them. The folders
+of src have a table of their own (layers.py). Read from the objects of a build; --graph prints each room, and each program, from the
+lowest to the highest, with the references of each.
 
-The comment of a room's internal.h lists all files of the room from the lowest to the highest: a file knows only files before it.
-"""
+The comment of a room's internal.h lists all files of the room from the lowest to the highest: a file refers only to files before
+it. """
 import json
 import pathlib
 import re

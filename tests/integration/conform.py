@@ -400,7 +400,7 @@ def in_process(_, conform):
 
 
 def equal_runs(_, conform):
-    """--in-process: three runs of the whole catalogue have the same frames at the same times, whatever the machine does beside"""
+    """--in-process: three runs of the whole catalogue have the same frames at the same times, whatever the load of the machine"""
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "run.pcapng"
         hashes = set()
@@ -668,7 +668,7 @@ def interrupted(ectwin, conform):
 
 
 def dead_slave(ectwin, conform):
-    """A slave that dies in the middle of a run: each case left has its verdict, soon, and the run ends with 1"""
+    """A slave that fails in the middle of a run: each case left has its verdict, soon, and the run ends with 1"""
     done = in_the_middle(ectwin, conform, "--format json", "ip link set $ECTWIN_IFACE down; wait $run")
     expect("exit code", 1, done.returncode)
     cases = json.loads(done.stdout)["cases"]

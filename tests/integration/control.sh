@@ -37,7 +37,7 @@ tables() {
   has "set: --csv names the line that is refused" "line 2 of" "$work/err"
 }
 
-# Nothing is cut: a row is taken whole, or refused and nothing of it set.
+# No value is truncated: a row is set as a whole, or refused and not set at all.
 tables_that_are_refused() {
   { printf 'data1'; printf ',ru%d' $(seq 200); echo; } >"$work/columns.csv"
   { printf 'data1\n1'; head -c 20000 /dev/zero | tr '\0' '0'; echo; } >"$work/long.csv"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The example controller and the operator's side, over the wire and in real time.  usage: controller.sh ECTWIN CONTROLLER [CASE]
-# A case lasts until its result is there: a machine that stands still for seconds makes it longer, and takes the unit out of its state
-# for a while.
+# A case lasts until it has its result: a machine that stops for seconds prolongs the case, and interrupts the state of the unit for
+# that time.
 set -u
 export ectwin=$1 controller=$2
 only=${3:-}
@@ -39,7 +39,7 @@ until_gets() { # VALUES NAME...: waits until signals have these values, in lines
 }
 export -f until_gets
 
-# ECL-023, ECL-024, ECL-050, ECL-051, ECL-060, ECL-062: commands both ways, an unarmed remote hears them too
+# ECL-023, ECL-024, ECL-050, ECL-051, ECL-060, ECL-062: commands in both directions, to an unarmed remote too
 commands_go_both_ways() {
   "$ectwin" with vr-bu-ect-map7 -- bash -c '
     "$ectwin" set ru1.on=1 ru2.on=1
@@ -83,7 +83,7 @@ bu.state=1 bu.es_link=0 bu.message=
 bu.state=2 bu.es_link=0 bu.message=EC: No Data" "$(cat "$work/values")"
 }
 
-# ECL-002, ECL-022: no slave answers: safe state after 500 ms without PCI, and back when it answers again
+# ECL-002, ECL-022: no slave replies: safe state after 500 ms without PCI, which ends with the next reply
 the_controller_is_safe_without_a_unit() {
   printf '%s\n' 'at 2s set bu.enabled=0' 'at 4s set bu.enabled=1' >"$work/script"
   "$ectwin" with --in-process --virtual-time --scenario "$work/script" vr-bu-ect-map7 -- "$controller" '{}' --seconds 6 >"$work/log" 2>/dev/null
@@ -91,7 +91,7 @@ the_controller_is_safe_without_a_unit() {
     "$(grep -o 'safe\|enabled' "$work/log" | xargs)"
 }
 
-# ECL-023, ECL-050: the controller dies and comes back with its counters: no command is lost, none comes twice
+# ECL-023, ECL-050: the controller ends and restarts with its counters: no command is lost or repeated
 killed_and_back() {
   "$ectwin" with vr-bu-ect-map7 -- bash -c '
     "$ectwin" set ru1.on=1

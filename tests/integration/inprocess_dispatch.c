@@ -325,7 +325,7 @@ static void threads_are_dispatched(void **state)
     assert_ptr_equal(result, &mark);
 }
 
-/* The code of the vDSO passes a flag that it does not know on to the kernel, by a call outside the C library. */
+/* The code of the vDSO passes an unknown flag on to the kernel, by a call outside the C library. */
 static void *fill_at_random(void *arg)
 {
     enum { NOT_KNOWN = 0x100 };

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Bounds and errors of packet sockets against twins in this process: what a kernel would refuse, cut or leave alone.
- * usage: ectwin with --in-process [--virtual-time] fzm1,fzm1 -- inprocess_sockets {} real|virtual [CASE]
+ * Bounds and errors of packet sockets against twins in this process: the calls that a kernel would refuse, truncate or
+ * leave unchanged. usage: ectwin with --in-process [--virtual-time] fzm1,fzm1 -- inprocess_sockets {} real|virtual
+ * [CASE]
  */
 #define _GNU_SOURCE
 #include "inprocess.h"
@@ -389,7 +390,7 @@ static void full_sockets(void **state)
     close(other);
 }
 
-/* Each call cuts a frame to its room, and leaves the bytes behind that as they are. */
+/* Each call truncates a frame to its buffer, and does not change the bytes behind it. */
 static void cut_frames(void **state)
 {
     int fd = open_socket(0);
@@ -630,8 +631,7 @@ static void copied_to_descriptor_0(void **state)
     }
 }
 
-/* The next file gets the number of a socket that is closed, and frames are none of its business: neither after copies
- * nor after one that failed. */
+/* The next file gets the number of a closed socket, and no frames, neither after copies nor after a failed one. */
 static void closed_with_its_copies(void **state)
 {
     int other = open_socket(0);

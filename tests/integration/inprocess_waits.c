@@ -218,7 +218,7 @@ static void results_of_select(void **state)
     close(fd);
 }
 
-/* Each frame is an event of an edge, and the frames that are there are one level. */
+/* Each frame is an event of an edge, and all waiting frames are one level. */
 static void results_of_epoll(void **state)
 {
     struct epoll_event edge = {.events = EPOLLIN | EPOLLET, .data.u32 = 1}, level = {.events = EPOLLIN, .data.u32 = 2};
@@ -302,7 +302,7 @@ static void masks_of_waits(void **state)
     close(fd);
 }
 
-/* A read of a descriptor that is none of a bus waits, unless it must not. */
+/* A read of a descriptor that does not belong to a bus waits, unless it is non-blocking. */
 static void reads_of_other_descriptors(void **state)
 {
     const struct timeval timeout = {.tv_usec = 4000};
@@ -546,7 +546,7 @@ static void deadlines(void **state)
     assert_ptr_equal(result, &its);
 }
 
-/* Errors of the C library stay what they are. */
+/* Errors of the C library are unchanged. */
 static void misuse_of_locks(void **state)
 {
     pthread_mutexattr_t attributes;
@@ -853,7 +853,7 @@ int main(int argc, char **argv)
         {"On the virtual clock a process has ended before a call that does not wait for it",
          processes_that_are_about_to_end, NULL, NULL, NULL},
         {"A handler of a signal ends each wait for a process", interrupted_waits_for_processes, NULL, NULL, NULL},
-        {"waitpid and waitid see stopped, continued and ended processes", waits_for_processes, NULL, NULL, NULL},
+        {"waitpid and waitid report stopped, continued and ended processes", waits_for_processes, NULL, NULL, NULL},
     };
     if (!is_started(argc, argv))
         return 1;

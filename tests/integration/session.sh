@@ -150,7 +150,7 @@ faults_on_wires() {
   expect_of_fault "delay 50000us frame 3 wire 1 back" "0 3 1 3 2 3 3 3 4 3 5 3 6 3 7 3 8 3 9 3 10 3 11 3"
 }
 
-# Each answers the other's answers: the frame is destroyed, not carried round for ever.
+# Each twin replies to the replies of the other: the frame is destroyed, and does not circulate for ever.
 two_ends_that_answer() {
   in_network '
     ticks() { cut -d" " -f14,15 /proc/$1/stat | tr " " +; }

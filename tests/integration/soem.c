@@ -41,9 +41,9 @@ static uint64_t running_us(void)
     return sum_us;
 }
 
-/* SOEM waits 2 ms for a frame, twice more, and then calls it lost: on a machine that has other things to do the answer
- * is late. Our tests' SOEM has more patience, on a clock of its own (the link option --wrap puts both in place of
- * SOEM's own); what a master makes of a lost frame is tested where frames are lost on purpose. */
+/* SOEM waits 2 ms for a frame, repeats it twice, and then regards it as lost: on a busy machine the reply is late. Our
+ * tests' SOEM has more patience, on a clock of its own (the link option --wrap puts both in place of SOEM's own); what
+ * a master makes of a lost frame is tested where frames are lost on purpose. */
 void __real_osal_timer_start(osal_timert *timer, uint32 timeout_us);
 void __wrap_osal_timer_start(osal_timert *timer, uint32 timeout_us);
 boolean __real_osal_timer_is_expired(osal_timert *timer);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A chain of eight base units, a master that dies, and the next one.  usage: test_chain IFACE COUNT [TEST] */
+/* A chain of eight base units, a master that is killed, and the next master.  usage: test_chain IFACE COUNT [TEST] */
 #define _GNU_SOURCE
 #include <signal.h>
 #include <stdlib.h>
@@ -98,7 +98,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"CF-032: a chain is in OP, every slave counts 3", all_in_op, NULL, NULL, NULL},
         {"CF-010: the links of each slave show its place in the chain", topology, NULL, NULL, NULL},
-        {"CF-042 ECL-073: the master dies in OP, each twin shows SAFEOP with 0x001B, the next master reaches OP",
+        {"CF-042 ECL-073: the master is killed in OP, each twin shows SAFEOP with 0x001B, the next master reaches OP",
          master_dies, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("chain", tests, NULL, NULL);

@@ -3,9 +3,8 @@
  * The requirements of TS-0007, tested by SOEM on the wire and in real time; the test plays the operator through the
  * control socket.  usage: test_eclink IFACE map1|map3|map7|multiarm [TEST]
  *
- * The machine controller is the example's (examples/controller). Nothing here asserts wall-clock time: timeouts have
- * to come, and the unit's own PCI (125 ms) bounds them; that they come to the millisecond is
- * tests/unit/test_eclink_*.c.
+ * The machine controller is the example's (examples/controller). Nothing here asserts wall-clock time: timeouts have to
+ * come, and the unit's own PCI (125 ms) bounds them; tests/unit/devices/eclink checks their times to the millisecond.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -172,7 +171,7 @@ static void pci_wraps(void **state)
     uint8 last = in[0];
     while (wraps == 0 && updates < 300) {
         AWAIT(in[0] != last);
-        assert_in_range((uint8)(in[0] - last), 1, 16); /* a busy machine may miss some, but it never goes back */
+        assert_in_range((uint8)(in[0] - last), 1, 16); /* a busy machine may miss some, but the value never decreases */
         wraps += in[0] < last;
         last = in[0];
         updates++;
@@ -248,7 +247,7 @@ static void watchdog(void **state)
     AWAIT(in[22] == 0x10 && in[26] == 1);
 }
 
-/* Input Only, and the controller's program has died: no read comes any more, and the unit stays in OP. */
+/* Input Only: the controller's program has ended, no reads follow, and the unit stays in OP. */
 static void inputs_not_read(void **state)
 {
     (void)state;
@@ -728,7 +727,7 @@ static const struct CMUnitTest map1_tests[] = {
     POWER_ON("ECL-020 ECL-021: PCI counts from 255 to 0", pci_wraps),
     TEST("ECL-018 ECL-029 ECL-066: inputs that no master reads for 2000 ms: No Data, ES-Link open, and back",
          inputs_not_read),
-    TEST("ECL-002 ECL-022 ECL-069: Disabled no slave answers, and the controller goes to its safe state", disabled),
+    TEST("ECL-002 ECL-022 ECL-069: Disabled: no slave replies, and the controller enters its safe state", disabled),
 };
 static const struct CMUnitTest map3_tests[] = {
     POWER_ON("ECL-018 ECL-058: Input + Commands is in order without PCO", from_power_on),

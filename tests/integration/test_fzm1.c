@@ -620,8 +620,8 @@ static void trigger_against_commands(void **state)
     }
 }
 
-/* The twin is stopped while the master goes on: it must not reply to frames that the master has given up, since the
- * master would take these replies for those to newer frames. */
+/* The twin is stopped while the master goes on: it must not reply to frames whose timeout has expired, since the master
+ * would accept these replies as replies to newer frames. */
 static void held_up(void **state)
 {
     pid_t twin = getppid();
@@ -764,10 +764,9 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         FROM_PREOP("FZM-001 FZM-002 FZM-003 FZM-004 FZM-005 FZM-018: each state permits its services; 20 and 48 bytes",
                    states),
-        FROM_PREOP(
-            "FZM-008 FZM-009 FZM-010 FZM-011 FZM-012 FZM-013 FZM-014 FZM-026 FZM-027 FZM-028 FZM-029: settings by "
-            "SDO, and what is refused",
-            sdo),
+        FROM_PREOP("FZM-008 FZM-009 FZM-010 FZM-011 FZM-012 FZM-013 FZM-014 FZM-026 FZM-027 FZM-028 FZM-029: settings "
+                   "by SDO, and refusals",
+                   sdo),
         FROM_PREOP("FZM-020 FZM-021 FZM-022: ECAT RUN, ECAT ERR and L/A lamps by state, error and traffic", lamps),
         FROM_PREOP("FZM-006 FZM-007 FZM-009 FZM-010: SDO information lists every object, each can be read",
                    every_object),
@@ -787,12 +786,11 @@ int main(int argc, char **argv)
         TEST("FZM-026 FZM-027 FZM-028 FZM-073: without handshaking each STEP is one output", one_output_a_step),
         HANDSHAKING("FZM-042 FZM-045 FZM-071: DSA fetches each result once, in order", fetched_by_dsa),
         HANDSHAKING("FZM-045 FZM-072: a program that pauses while GATE is on finds back", paused_program),
-        HANDSHAKING(
-            "FZM-043 FZM-048 FZM-055 FZM-066 FZM-069: with sixteen results waiting commands are answered, one more is "
-            "lost",
-            full_queue),
+        HANDSHAKING("FZM-043 FZM-048 FZM-055 FZM-066 FZM-069: while sixteen results wait, commands get their "
+                    "responses, and a further result is lost",
+                    full_queue),
         HANDSHAKING("FZM-004 FZM-071 FZM-072: DSA that is on when OP begins is no request", dsa_when_op_begins),
-        TEST("FZM-043 FZM-044 FZM-069: commands against triggers at the sensor: each has its answer at last",
+        TEST("FZM-043 FZM-044 FZM-069: commands during triggers at the sensor: each gets its response in the end",
              trigger_against_commands),
         HANDSHAKING("FZM-029 FZM-048 FZM-072: no DSA: time-out and ERR, and back", no_dsa),
         TEST("FZM-040 FZM-062: EXE that begins nothing and -1 are counted, with their causes",
@@ -801,7 +799,7 @@ int main(int argc, char **argv)
              scenes),
         TEST("FZM-075: handshakes in cycles as fast as they get", fast_cycles),
         TEST("a twin that was held up does not leave the master behind", held_up),
-        TEST("FZM-019 FZM-024 FZM-052 FZM-056 FZM-077: Restart: off the bus, INIT, node address, what was saved",
+        TEST("FZM-019 FZM-024 FZM-052 FZM-056 FZM-077: Restart: off the bus, INIT, node address, saved settings",
              restarts),
     };
     if (argc < 2)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Garbage on the wire: the twin neither answers nor falls over.  usage: test_garbage IFACE [TEST] */
+/* Garbage on the wire: the twin neither replies nor fails.  usage: test_garbage IFACE [TEST] */
 #define _GNU_SOURCE
 #include <arpa/inet.h>
 #include <linux/if_packet.h>
@@ -134,10 +134,10 @@ int main(int argc, char **argv)
     if (argc > 2)
         cmocka_set_test_filter(argv[2]);
     const struct CMUnitTest tests[] = {
-        {"CF-013: a frame of 29 bytes is answered at 29 bytes, source MAC bit set", shortest_frame, open_socket,
+        {"CF-013: the reply to a frame of 29 bytes has 29 bytes, source MAC bit set", shortest_frame, open_socket,
          close_socket, NULL},
-        {"CF-013: a frame of 1514 bytes is answered at 1514 bytes", longest_frame, open_socket, close_socket, NULL},
-        {"CF-013: truncated frames and false lengths get no answer", false_lengths, open_socket, close_socket, NULL},
+        {"CF-013: the reply to a frame of 1514 bytes has 1514 bytes", longest_frame, open_socket, close_socket, NULL},
+        {"CF-013: truncated frames and false lengths get no reply", false_lengths, open_socket, close_socket, NULL},
         {"CF-094: 5000 frames of garbage, then an ordinary start", random_garbage, open_socket, close_socket, NULL},
     };
     return cmocka_run_group_tests_name("garbage", tests, NULL, NULL);

@@ -47,7 +47,7 @@ static void store(void **state)
     write_window(ANOTHER);
 }
 
-/* Leaves another value, so that the next run cannot find the one of this. */
+/* Leaves another value, so that the next run cannot find the value of this run. */
 static void find(void **state)
 {
     uint32 wire = 0;
@@ -62,7 +62,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest stores[] = {{"CF-081: a firmware stores", store, open_master, close_master, NULL}};
     const struct CMUnitTest finds[] = {
-        {"CF-081: stored values are there after power-on", find, open_master, close_master, NULL}};
+        {"CF-081: stored values are restored at power-on", find, open_master, close_master, NULL}};
     if (argc != 3) {
         fprintf(stderr, "usage: test_kept IFACE store|find\n");
         return 2;

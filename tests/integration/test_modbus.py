@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""A base unit over Modbus TCP, with pymodbus, which knows nothing of ectwin (TS-0007 chapter 5.2).
+"""A base unit over Modbus TCP, with pymodbus, a client independent of ectwin (TS-0007 chapter 5.2).
 
 usage: ectwin with --modbus 0 DEVICE -- test_modbus.py DEVICE INTERFACE [CASE...]
 
@@ -83,7 +83,7 @@ class Raw:
 
 
 class Master:
-    """As much of an EtherCAT master as it takes to bring the one slave to OP. It does not mind being slow."""
+    """The part of an EtherCAT master that brings one slave to OP. It does not mind being slow."""
 
     MANAGERS = ((0x4000, 276, 0x26), (0x4800, 276, 0x22), (0x1000, OUTPUTS, 0x64), (0x2800, INPUTS, 0x20))
 
@@ -136,7 +136,7 @@ class Master:
 
 
 class Case(unittest.TestCase):
-    """One client that does what the mode asks of a controller, and the operator."""
+    """A client that acts as the controller of the mode, and the operator."""
 
     def setUp(self):
         self.twin = ectwin.connect()
@@ -274,7 +274,7 @@ class Tables(Case):
 
 
 class Outputs(Case):
-    # ECL-070 ECL-071 EC-C17: what is written can be read, as registers and as coils
+    # ECL-070 ECL-071 EC-C17: written values can be read, as registers and as coils
     def test_written_and_read_back(self):
         values = [0, 0] + [(0x1F0D * i + 7) & 0xFFFF for i in range(2, OUTPUTS // 2)]
         self.good(self.client.write_registers(0, values))
@@ -395,7 +395,7 @@ class Attacks(Case):
             raw.send(f"00 07 00 00 00 06 {unit:02x} 04 00 0d 00 01")
             self.assertTrue(raw.receive().startswith(f"00 07 00 00 00 05 {unit:02x} 04 02"))
 
-    # ECL-070: half a request, and nothing of it is lost; what is none ends that connection alone
+    # ECL-070: half a request is kept until its rest arrives; what is none ends that connection alone
     def test_halves_and_rubbish(self):
         half, rubbish = self.raw(), self.raw()
         request = bytes.fromhex(self.READ)
@@ -428,7 +428,7 @@ class Attacks(Case):
         for raw in raws:
             raw.close()
 
-    # One who floods and does not read does not keep others from being served
+    # A client that floods and does not read does not block other clients
     def test_flood(self):
         flood = self.raw()
         flood.socket.setblocking(False)

@@ -20,7 +20,7 @@ static const char *iface;
 static const char *second;
 static soem_t master;
 
-/* Every slave takes part in so many cycles in a row, and none has left OP. */
+/* Every slave takes part in so many successive cycles, and none has left OP. */
 static void assert_whole(const char *when)
 {
     int expected = soem_expected_wkc(&master);
@@ -62,8 +62,8 @@ static void set_up(const char *name, bool up)
 }
 
 /*
- * A frame that has come back by half the way, or not at all (here 50 ms, shorter than the watchdog), SOEM sends on
- * by the other cable and gives that 10 ms: on a busy machine a cycle is lost now and then.
+ * SOEM sends a frame that has returned on half the path, or not at all (here within 50 ms, shorter than the watchdog),
+ * by the other cable, with a timeout of 10 ms: on a busy machine a cycle is lost occasionally.
  */
 static void assert_whole_in_halves(const char *when)
 {

@@ -29,7 +29,7 @@ static void sizes(void **state)
     soem_close(&master);
 }
 
-/* Outputs of a terminal come back in its first inputs; the second count how often. */
+/* Outputs of a terminal return in its first inputs; the second count how often. */
 static void terminals_exchange(void **state)
 {
     (void)state;
@@ -92,7 +92,8 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"CF-061: SOEM finds roles and sizes, by SII alone and by CoE", sizes, NULL, NULL, NULL},
         {"CF-037: terminals without a mailbox exchange process data", terminals_exchange, NULL, NULL, NULL},
-        {"OPT-006 OPT-009 OPT-010: a sensor without outputs sends what was chosen", gauge_chooses, NULL, NULL, NULL},
+        {"OPT-006 OPT-009 OPT-010: a sensor without outputs sends the selected values", gauge_chooses, NULL, NULL,
+         NULL},
         {"CF-042: a terminal without a mailbox has its watchdog", watchdog_of_a_terminal, NULL, NULL, NULL},
     };
     if (argc < 2)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Process data beside a program that stops the twins' process at random (SIGSTOP) and lets it continue: no image is
- * torn, no image and no reply is lost, and the watchdog of outputs expires only if no frame came.
+ * Process data during a program that stops the twins' process at random (SIGSTOP) and lets it continue: no image is
+ * torn, no image and no reply is lost, and the watchdog of outputs expires only if no frame arrived.
  *
  * usage: test_stopped IFACE PID CYCLES [SEED]     the slave is a tally (tests/support/tally.h), PID its process
  */

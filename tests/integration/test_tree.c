@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * SOEM's own scan of a tree of twins: who is whose parent, how many ports are open; and what it finds while a wire is
- * cut.
+ * SOEM's own scan of a tree of twins: the parent of each twin, the number of its open ports; and its result while a
+ * wire is cut.
  *
  * usage: test_tree IFACE ECTWIN      with twins wired as in tests/integration/CMakeLists.txt
  */
@@ -68,7 +68,7 @@ static void cut_and_mended(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"CF-010: SOEM sees the tree that is wired", scanned, NULL, NULL, NULL},
+        {"CF-010: SOEM finds the tree that is wired", scanned, NULL, NULL, NULL},
         {"CF-096: SOEM finds those that are left, and all of them once the wire is mended", cut_and_mended, NULL, NULL,
          NULL},
     };

@@ -71,7 +71,7 @@ static void aborts(void **state)
 {
     static const struct {
         const char *fault;
-        uint32_t code[4]; /* of four downloads of 2000h in a row */
+        uint32_t code[4]; /* of four successive downloads of 2000h */
     } rows[] = {
         {"abort 0x2000 0x06040043 slave 2", {0x06040043, 0x06040043, 0x06040043, 0x06040043}},
         {"abort 0x2000:0 0x08000020 2nd slave 2", {0, 0x08000020, 0, 0}},

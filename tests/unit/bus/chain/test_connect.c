@@ -249,7 +249,7 @@ static void many_paths(void **state)
     (void)state;
     for (size_t i = 0; i < COUNT(list); i++) {
         list[i] = from_to(0, "analog", 1, "analog");
-        list[i].from = STAGES - 1 - i / 2; /* the last stage comes first in the list */
+        list[i].from = STAGES - 1 - i / 2; /* the last stage is first in the list */
         list[i].to = STAGES - i / 2;
     }
     list[2 * STAGES].from = STAGES;

@@ -5,8 +5,8 @@
  * Replies, memories, states, lamps and results of the poll must be equal, under random actions of master, users and
  * time.
  *
- * Plans (bus/kernel/plan.h) are the third way: while nothing but frames happens, they reply to the frames that they
- * know, and these frames pass both chains later, which must give the same replies.
+ * Plans (bus/kernel/plan.h) are the third path: as long as only frames occur, they reply to frames of their layouts,
+ * and these frames pass both chains later, which must give the same replies.
  *
  * test_fast_chain [ROUNDS [SEED [TEST]]]: ROUNDS rounds of FRAMES frames, each with a chain and a seed of its own; of
  * the tests those that TEST, a pattern, names.
@@ -38,7 +38,7 @@ enum { FRAMES = 2000, MOST = 70, ROOM = 1600, BETWEEN_LOOKS = 97, BETWEEN_DAMAGE
 
 enum { HELD = 16, STEPS = ECT_PLAN_DO_TIME + 1 };
 
-/* Frames that plans have replied to, and that the chains have not seen yet. */
+/* Frames with a reply of a plan that have not passed the chains yet. */
 typedef struct held {
     uint64_t now_ns;
     size_t length;
@@ -59,7 +59,7 @@ typedef struct rig {
     bool plans;   /* plans reply while nothing else happens */
     bool asleep;
     size_t held_count;
-    uint64_t planned[STEPS + 1]; /* steps of plans that were carried out, by kind; then plans renewed */
+    uint64_t planned[STEPS + 1]; /* executed steps of plans, by kind; then plans renewed */
     uint32_t layout;             /* of the frames that come in each cycle */
     ect_planner_t planner;
     uint64_t now_ns;
@@ -159,7 +159,7 @@ static void add_anything(rig_t *r)
     }
 }
 
-/* --- what a master does that means it well ------------------------------------------------------------------------ */
+/* --- actions of a correct master ------------------------------------------------------------------------ */
 
 static const ect_device_t *device_of(const rig_t *r, size_t i)
 {
@@ -228,7 +228,7 @@ static void request_state(rig_t *r, size_t i)
 }
 
 /* Closes or opens port 1 of a slave through an FMMU, perhaps in the frame that sets the FMMU up. The first datagram
- * shows who sees the frame. */
+ * shows which twins process the frame. */
 static void close_by_fmmu(rig_t *r, size_t i)
 {
     enum { LOGICAL = 0x4000 };
@@ -748,7 +748,7 @@ static void with_bad_check_sums(void **state)
         run_round(first_seed + round, true, NULL);
 }
 
-/* Steps of each kind must have been carried out, or else nothing was shown. */
+/* Steps of each kind must have been executed, otherwise the test proves nothing. */
 static void plans_reply_alike(void **state)
 {
     uint64_t planned[STEPS + 1] = {0};
@@ -771,8 +771,8 @@ static void same_as_ever(void **state)
         run_round(seeds[i], false, NULL);
 }
 
-/* A slave lets nothing through its port 1 for the second that such a setting lasts, and has a SYNC0 meanwhile. When the
- * second is over all see a frame, also one without an address. */
+/* A slave lets nothing through its port 1 for the second that such a setting lasts, and has a SYNC0 meanwhile. After
+ * the second all twins process a frame, also without an address. */
 static void loop_opens_in_time(void **state)
 {
     static const struct {
@@ -904,7 +904,7 @@ void *__wrap_calloc(size_t count, size_t size)
     return callocs_left == 0 || callocs_left-- == 0 ? NULL : __real_calloc(count, size);
 }
 
-/* Whichever of its blocks there is no memory for: nothing is left behind, as a sanitizer sees. */
+/* An allocation of any of its blocks fails: no memory is leaked, which a sanitizer checks. */
 static void memory_runs_out(void **state)
 {
     unsigned int failed = 0;
@@ -935,7 +935,7 @@ int main(int argc, char **argv)
          same_as_the_reference, NULL, NULL, NULL},
         {"CF-002: so they are when frames with a bad check sum come between", with_bad_check_sums, NULL, NULL, NULL},
         {"CF-002 CF-010 CF-089: so they are where they once were not", same_as_ever, NULL, NULL, NULL},
-        {"CF-002 CF-010 CF-028: plans give these replies, however often the frames come before the chain sees them",
+        {"CF-002 CF-010 CF-028: plans give these replies, for any number of frames before they pass the chain",
          plans_reply_alike, NULL, NULL, NULL},
         {"CF-010: a loop that was closed for a time is open for the first frame after it", loop_opens_in_time, NULL,
          NULL, NULL},

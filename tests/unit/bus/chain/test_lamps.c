@@ -35,7 +35,7 @@ typedef struct scene {
     uint64_t frame_ns;
 } scene_t;
 
-/* From each row to each other one, on one structure: no part of the one before stays. */
+/* From each row to each other row, on one structure: no part of the previous row stays. */
 static void each_change(void **state)
 {
     static const uint64_t now_ns = 1000 * MS;

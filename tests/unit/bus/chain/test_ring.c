@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A chain with two ends, and wires that are cut: where frames go, who processes them, what the ports show (chain.h). */
+/* A chain with two ends, and cut wires: the paths of frames, the ESCs that process them, the state of the ports
+ * (chain.h). */
 #include <stdio.h>
 #include <string.h>
 
@@ -34,7 +35,7 @@ static ect_end_t broadcast(wire_t *w, ect_end_t in)
 
 static void ways_of_frames(void **state)
 {
-    /* Wire n is the one before slave n (from 0): 0 the master's first cable, 4 its second. -1: all are whole. */
+    /* Wire n is in front of slave n (from 0): 0 is the master's first cable, 4 its second. -1: all are whole. */
     static const struct {
         int cut[2];
         struct {
@@ -97,7 +98,7 @@ static void either_plug(void **state)
     wire_close(&w);
 }
 
-/* A real chain answers as one that was never cut once the wire is in again, and a cut one keeps its cut. */
+/* A chain whose wire is reconnected replies like a chain that was never cut, and a cut chain stays cut. */
 static void over_a_power_cycle(void **state)
 {
     wire_t w;
@@ -173,7 +174,7 @@ static void every_datagram_is_marked(void **state)
     wire_close(&w);
 }
 
-/* A loop changes when the frame has left: the one that closes the last way out is the last to return. */
+/* A loop changes after the frame has left: the frame that closes the last exit is the last to return. */
 static void frame_leaves_before_the_loop_closes(void **state)
 {
     const uint8_t closed = 0x0C; /* loop of port 1 */
@@ -207,7 +208,7 @@ static void loop_closed_by_the_master(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"CF-010: frames from both ends, with every wire whole and cut: who processes them, where they leave",
+        {"CF-010: frames from both ends, with every wire whole and cut: the ESCs that process them, and their exits",
          ways_of_frames, NULL, NULL, NULL},
         {"CF-010: the plug at either end of a wire cuts it, both slaves show it, and it heals", either_plug, NULL, NULL,
          NULL},

@@ -465,7 +465,7 @@ int main(int argc, char **argv)
          checked_stored_notified, NULL, NULL, NULL},
         {"the plant has done it itself, or refuses: nothing is stored, no notification follows", done_or_refused, NULL,
          NULL, NULL},
-        {"a value out of range does not come to the plant", out_of_range, NULL, NULL, NULL},
+        {"a value out of range does not reach the plant", out_of_range, NULL, NULL, NULL},
         {"a plant without functions: the value is stored", without_functions, NULL, NULL, NULL},
         {"each type has its size, its form in JSON and its range as text", types, NULL, NULL, NULL},
         {"each type takes texts of its range only, and reads back", written_and_read, NULL, NULL, NULL},

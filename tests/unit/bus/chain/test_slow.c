@@ -282,7 +282,7 @@ static void receive_times(void **state)
     wire_close(&w);
 }
 
-/* A reset while writes are under way: none of them reaches the chip afterwards. */
+/* A reset during delayed writes: none of them reaches the chip afterwards. */
 static void reset_under_way(void **state)
 {
     const ect_slow_config_t slow = {.board = ect_board("lan9252-spi")};

@@ -132,8 +132,8 @@ static void late_polls(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"answer times fall into their steps", answer_times, NULL, NULL, NULL},
-        {"quantiles of the answer times", quantiles, NULL, NULL, NULL},
+        {"response times are counted in their classes", answer_times, NULL, NULL, NULL},
+        {"quantiles of the response times", quantiles, NULL, NULL, NULL},
         {"each step ends before its edge, and the last one has none", edges, NULL, NULL, NULL},
         {"quantiles at the borders of the steps", quantile_borders, NULL, NULL, NULL},
         {"the longest reply and the latest run stay", longest, NULL, NULL, NULL},

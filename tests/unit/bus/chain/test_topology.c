@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Trees: who is plugged in where, the order in which a master finds them, wires that are cut and heal, how long frames
- * take, mishaps on a wire (bus/chain/topology.h, bus/chain/chain.h). Lines and rings are in test_ring.c. */
+/* Trees: connections of twins, the order in which a master finds them, cut and restored wires, times of frames, faults
+ * on a wire (bus/chain/topology.h, bus/chain/chain.h). Lines and rings are in test_ring.c. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -154,8 +154,8 @@ static void cut_and_mended(void **state)
     wire_close(&w);
 }
 
-/* A cut by the master: the neighbour still has link, as both DL status show. With two open ports left the first twin
- * looks like one of a line, but the next twin in the list is not the one behind it. */
+/* A cut by the master: the neighbour still has link, as both DL status show. With two open ports left, the first twin
+ * equals a twin of a line, but the next twin in the list is not behind it. */
 static void loop_control(void **state)
 {
     static const struct {
@@ -431,8 +431,8 @@ int main(int argc, char **argv)
         {"CF-003 CF-010: a master finds the slaves of a tree in the order of the ports, DL status shows which are open",
          orders, NULL, NULL, NULL},
         {"a tree that cannot be wired is refused, with the twin that cannot", refused, NULL, NULL, NULL},
-        {"CF-010 CF-096: each wire of a tree that is cut takes away what is behind it, and heals", cut_and_mended, NULL,
-         NULL, NULL},
+        {"CF-010 CF-096: a cut of each wire of a tree removes the twins behind it until the wire is restored",
+         cut_and_mended, NULL, NULL, NULL},
         {"CF-010: loop control cuts and heals; forced open without a wire frames vanish", loop_control, NULL, NULL,
          NULL},
         {"CF-010: a loop that is closed for a second opens by itself, between two frames", temporary_cut, NULL, NULL,
@@ -442,9 +442,9 @@ int main(int argc, char **argv)
         {"CF-087: receive times of a junction, also after a cut", times_of_a_junction, NULL, NULL, NULL},
         {"CF-091: latch inputs and the drift of an oscillator are signals", latch_and_drift, NULL, NULL, NULL},
         {"CF-012: a reset by the master restarts the slave", reset_by_the_master, NULL, NULL, NULL},
-        {"CF-011: a frame that is lost or damaged on a wire: who has processed it, who counts it", failures, NULL, NULL,
-         NULL},
-        {"a frame that is kept on a wire of a tree goes on from there, as long as the wire is there", frame_continues,
+        {"CF-011: a frame that is lost or damaged on a wire: the ESCs that have processed it, the ESCs that count it",
+         failures, NULL, NULL, NULL},
+        {"a frame that is delayed on a wire of a tree continues from there, if the wire still exists", frame_continues,
          NULL, NULL, NULL},
         {"so does one that is kept behind the last slave", goes_on_behind_the_last, NULL, NULL, NULL},
     };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A chain of twins: who they are, in what order, and which descriptions are refused (chain.h). */
+/* A chain of twins: their identities, their order, and the descriptions that are refused (chain.h). */
 #include "bus/chain/chain.h"
 
 #include <string.h>
@@ -193,7 +193,8 @@ static void watchdog_at_its_deadline(void **state)
     wire_close(&w);
 }
 
-/* Nothing else asks for time here, and no frame comes: without the lamps' own deadline they would flicker for ever. */
+/* Nothing else requests a time, and no frame arrives: without a deadline of their own the lamps would flicker for ever.
+ */
 static void lamps_deadline(void **state)
 {
     char text[ECT_SIGNAL_TEXT_ROOM];
@@ -305,7 +306,7 @@ static void change_identity(wire_t *w)
     do_fault(w, ECT_FAULT_IDENTITY);
 }
 
-/* ect_host_t::buffer: what a device has put there is gone with all else. */
+/* ect_host_t::buffer: the data of a device in it are cleared with all else. */
 static void buffer_at_power_on(void **state)
 {
     static const struct {
@@ -386,9 +387,9 @@ int main(int argc, char **argv)
          NULL, NULL},
         {"CF-057 CF-065: an installation's identity and alias reach 1018h and register 0012h", overridden_identity,
          NULL, NULL, NULL},
-        {"CF-002 CF-010: 40 twins answer in the order of the wire", order_of_the_wire, NULL, NULL, NULL},
+        {"CF-002 CF-010: 40 twins reply in the order of the wire", order_of_the_wire, NULL, NULL, NULL},
         {"CF-095: the source address has its bit set, or is kept if so wished", source_address, NULL, NULL, NULL},
-        {"CF-013: a frame that is no EtherCAT does not come back", not_ethercat, NULL, NULL, NULL},
+        {"CF-013: a frame that is not EtherCAT does not return", not_ethercat, NULL, NULL, NULL},
         {"CF-083: the poll returns the earliest deadline of all twins", deadlines, NULL, NULL, NULL},
         {"CF-089: a SYNC0 of 1 ns wakes no more often than every 25 us; 0x0981 alone wakes in time", dense_sync0, NULL,
          NULL, NULL},
@@ -400,7 +401,7 @@ int main(int argc, char **argv)
         {"a device's buffer is zero each time it is powered on", buffer_at_power_on, NULL, NULL, NULL},
         {"a chain is unfinished while the plant of one of its twins reports work", unfinished_work, NULL, NULL, NULL},
         {"CF-057: every device has a name and a product code of its own", catalogue_names, NULL, NULL, NULL},
-        {"a program's own devices come in the catalogue after those of this tree", catalogue_grows, NULL, NULL, NULL},
+        {"a program's own devices follow those of this tree in the catalogue", catalogue_grows, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

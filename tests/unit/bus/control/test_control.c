@@ -385,11 +385,11 @@ static void periodic_data_in_pieces(void **state)
     close_bench(&b);
 }
 
-/* The replay of a record carries out the same requests, without a connection. */
+/* The replay of a record executes the same requests, without a connection. */
 static void changes_without_a_connection(void **state)
 {
     static const struct {
-        const char *request, *why; /* NULL: carried out */
+        const char *request, *why; /* NULL: executed */
     } rows[] = {
         {"{\"op\":\"set\",\"name\":\"data1\",\"value\":1}", NULL},
         {"{\"op\":\"set\",\"slave\":2,\"name\":\"data1\",\"value\":1}", NULL},
@@ -644,8 +644,8 @@ int main(int argc, char **argv)
          NULL},
         {"Faults are set, listed and ended by requests", faults_by_request, NULL, NULL, NULL},
         {"Every line is JSON", every_line_is_json, NULL, NULL, NULL},
-        {"Data too large for a signal come in pieces", periodic_data_in_pieces, NULL, NULL, NULL},
-        {"Changes are carried out without a connection, or refused", changes_without_a_connection, NULL, NULL, NULL},
+        {"Data too large for a signal are sent in pieces", periodic_data_in_pieces, NULL, NULL, NULL},
+        {"Changes are executed without a connection, or refused", changes_without_a_connection, NULL, NULL, NULL},
         {"Several signals are set all or none, in any order", all_or_nothing, NULL, NULL, NULL},
         {"A request sets at most 128 signals", most_signals_of_one_set, NULL, NULL, NULL},
         {"Signals are set at a time of the bus; a time that is over is refused", set_at_a_time, NULL, NULL, NULL},

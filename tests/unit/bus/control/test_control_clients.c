@@ -49,7 +49,8 @@ static void pipelined_requests_are_served_in_pieces(void **state)
     close_bench(&b);
 }
 
-/* One who asks for everything again and again, one who does not read: the others' turn comes in the next round. */
+/* A client that requests everything again and again, a client that does not read: the others are served in the next
+ * round. */
 static void clients_are_served_in_turn(void **state)
 {
     char got[1024];
@@ -96,7 +97,7 @@ static void unread_replies_cost_nothing(void **state)
     for (size_t n = 0; n < 3; n++)
         send_text(fd, "{\"op\":\"get\",\"slave\":0}\n");
     serve(&b);
-    assert_false(wants_to_be_served(&b)); /* at rest, though the answer is not over */
+    assert_false(wants_to_be_served(&b)); /* waiting, although the reply is incomplete */
     size_t used = receive_text(fd, got, 1000);
     while (!wants_to_be_served(&b))
         used += receive_text(fd, got + used, 1000);
@@ -198,7 +199,7 @@ static void a_half_closed_client_gets_its_reply(void **state)
         send_text(fd, requests[i]);
         assert_int_equal(shutdown(fd, SHUT_WR), 0);
         serve(&b);
-        receive_text(fd, got, sizeof got); /* returns: the connection was closed after the answer */
+        receive_text(fd, got, sizeof got); /* returns: the connection was closed after the reply */
         assert_non_null(strstr(got, OK));
         close(fd);
     }
@@ -332,7 +333,7 @@ static void requests_of_closed_connections_are_skipped(void **state)
             serve_once(&b);
             matches += work.matches;
             if (calls > ECT_CONTROL_CLIENTS * 4000)
-                fail_msg("dead clients are still served after %u calls", calls);
+                fail_msg("closed clients are still served after %u calls", calls);
         }
         assert_int_equal(matches, 0);
         for (size_t i = 1; i <= ECT_CONTROL_CLIENTS; i++) {
@@ -616,9 +617,9 @@ int main(int argc, char **argv)
         {"A half-closed client gets its reply", a_half_closed_client_gets_its_reply, NULL, NULL, NULL},
         {"A half-closed watcher still gets changes, and its place is free after its end",
          a_half_closed_watcher_gets_changes, NULL, NULL, NULL},
-        {"Requests before the end of a connection are carried out", requests_before_the_end_of_a_connection, NULL, NULL,
+        {"Requests before the end of a connection are executed", requests_before_the_end_of_a_connection, NULL, NULL,
          NULL},
-        {"Attack: sixteen closed connections: only set and fault are carried out",
+        {"Attack: sixteen closed connections: only set and fault are executed",
          requests_of_closed_connections_are_skipped, NULL, NULL, NULL},
         {"A request may come byte by byte", a_request_in_pieces, NULL, NULL, NULL},
         {"A request of 4095 bytes waits for its line feed", the_line_feed_of_the_longest_request, NULL, NULL, NULL},

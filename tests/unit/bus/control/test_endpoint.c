@@ -94,7 +94,7 @@ static int count_names(const char *folder)
     return count;
 }
 
-/* Rights with which folders come to be, before any chmod(). */
+/* Rights of folders at their creation, before any chmod(). */
 static mode_t made_with;
 int __real_mkdir(const char *path, mode_t mode);
 int __wrap_mkdir(const char *path, mode_t mode);
@@ -367,7 +367,7 @@ static void other_files_than_sockets(void **state)
     ect_endpoint_clear(path);
     assert_int_equal(stat(path, &info), 0);
     assert_int_equal(info.st_size, 4);
-    /* Nor a link to a dead socket, nor what it leads to. */
+    /* Nor a link to a dead socket, nor its target. */
     char link[ECT_ENDPOINT_PATH + 32];
     snprintf(link, sizeof link, "%s/link.sock", folder);
     close(must_listen(taken));
@@ -379,8 +379,8 @@ static void other_files_than_sockets(void **state)
     assert_int_equal(lstat(taken, &info), -1);
 }
 
-/* A folder that is somebody else's: a link to another one, writable by all, a file. (Another owner needs another user:
- * tests/integration/control.sh.) */
+/* A folder of another user, a link to another folder, a folder writable by all, a file. (Another owner needs another
+ * user: tests/integration/control.sh.) */
 static void folders_not_to_trust(void **state)
 {
     char folder[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH], message[ECT_ENDPOINT_MESSAGE];
@@ -544,7 +544,7 @@ int main(int argc, char **argv)
         {"Attack: a folder that others could have made or may write to is not trusted", folders_not_to_trust, NULL,
          NULL, NULL},
         {"A name belongs to one live twin, and is free when that has ended", names, NULL, NULL, NULL},
-        {"Sockets of a folder: other files and names with a dot are left out", each_socket, NULL, NULL, NULL},
+        {"Sockets of a folder: other files and names with a dot are ignored", each_socket, NULL, NULL, NULL},
         {"Connecting without waiting: a full backlog is EAGAIN", full_backlog, NULL, NULL, NULL},
         {"Without XDG_RUNTIME_DIR it is /tmp/ectwin-UID", without_a_runtime_folder, NULL, NULL, NULL},
     };

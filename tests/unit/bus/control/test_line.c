@@ -32,7 +32,7 @@ static void members(void **state)
     assert_text(&line, "{\"a\":\"x\\\"y\\\\z\\u000a??\",\"b\":true,\"c\":18446744073709551615,\"time\":12.003456}\n");
 }
 
-/* A text is cut, a member without room is left out, and the line stays complete. */
+/* A text is truncated, a member that does not fit is omitted, and the line stays complete. */
 static void full_lines(void **state)
 {
     static char text[2 * ECT_LINE_ROOM];
@@ -134,9 +134,9 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"members of every kind, with escapes", members, NULL, NULL, NULL},
         {"a text that does not fit is cut, and the line is complete", full_lines, NULL, NULL, NULL},
-        {"a text of UTF-8 is written as it is, any other byte as '?'", characters, NULL, NULL, NULL},
+        {"a text of UTF-8 is written unchanged, any other byte as '?'", characters, NULL, NULL, NULL},
         {"a text is cut between two characters of UTF-8", whole_characters, NULL, NULL, NULL},
-        {"the longest member that has room is written, a longer one is left out", exact_room, NULL, NULL, NULL},
+        {"the longest member that fits is written, a longer one is omitted", exact_room, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

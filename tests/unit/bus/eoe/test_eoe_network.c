@@ -21,7 +21,7 @@
 
 enum { SM0 = 0x1800, SM1 = 0x2000, SIZE = 1024, MAIL_HEADER = 6, HEADER = 4, LAST = 1, FRAME = 60 };
 
-/* A device that sends back what it takes. */
+/* A device that returns the frames that it accepts. */
 typedef struct netdev {
     testdev_t base;
     ect_eoe_state_t eoe;
@@ -737,7 +737,7 @@ static void frames_of_one_call(void **state)
     close(host);
 }
 
-/* Three twins, each with a host: one after the other is served, and an idle host costs the others no call. */
+/* Three twins, each with a host: they are served in turn, and an idle host costs the others no call. */
 static void hosts_take_turns(void **state)
 {
     enum { TWINS = 3, MOST_CALLS = 8 };
@@ -1055,11 +1055,11 @@ int main(void)
 {
     static const struct CMUnitTest tests[] = {
         {"the device takes and gives frames and address through the network", own_frames, setup, teardown, NULL},
-        {"EOE-035: the responder answers ARP at the address that a master sets", answers_arp, setup, teardown, NULL},
+        {"EOE-035: the responder replies to ARP at the address that a master sets", answers_arp, setup, teardown, NULL},
         {"a pulled cable loses frames of both directions, over a power cycle too", pulled_cable, setup, teardown, NULL},
         {"a pulled cable loses at most a queue of a device's frames in one call", device_never_ends, setup, teardown,
          NULL},
-        {"a refused setting leaves the cable as it is", refused_setting_changes_no_link, setup, teardown, NULL},
+        {"a refused setting does not change the cable", refused_setting_changes_no_link, setup, teardown, NULL},
         {"EOE-016: frames for the host are queued up to a limit, then dropped", frames_for_the_host, setup, teardown,
          NULL},
         {"EOE-054: frames of the host are queued up to a limit, oldest kept", frames_of_the_host, setup, teardown,

@@ -46,7 +46,7 @@ static void set(rig_t *r, const char *text)
         fail_msg("'%s': %s", text, message);
 }
 
-/* @return whether the frame in w.frame comes back */
+/* @return whether the frame in w.frame returns */
 static bool pass(rig_t *r)
 {
     size_t length = r->w.frame_length;
@@ -173,7 +173,7 @@ static void feeds_no_watchdog(void **state)
     assert_int_equal(wire_read8(&r->w, 0, 0x0442), 1);
 }
 
-/* The chip next to the wire counts an error of its own port, the one behind a forwarded one. */
+/* The chip next to the wire counts an error of its own port, the next chip a forwarded error. */
 static void counters(void **state)
 {
     rig_t *r = *state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Faults: their texts, what they do to frames and slaves, scripts, and that a seed makes a run (bus/chain/fault.h,
+/* Faults: their texts, their effects on frames and slaves, scripts, and runs repeated by a seed (bus/chain/fault.h,
  * bus/faults/scenario.h). */
 #include <stdio.h>
 #include <stdlib.h>
@@ -313,7 +313,7 @@ static void set(rig_t *r, const char *text)
     wire_poll(&r->w);
 }
 
-/* The effect on each of `frames` frames in a row, a letter each. */
+/* The effect on each of `frames` successive frames, one letter for each. */
 static void apply_faults(rig_t *r, char *happened, size_t frames)
 {
     for (size_t i = 0; i < frames; i++) {
@@ -464,7 +464,7 @@ static void corrupted(void **state)
     (void)state;
     for (size_t length = 0; length < 80; length++) {
         uint32_t seed = (uint32_t)length + 1;
-        uint8_t *frame = calloc(1, length > 0 ? length : 1); /* of that size: any step beyond it is seen */
+        uint8_t *frame = calloc(1, length > 0 ? length : 1); /* of that size: every access beyond it is detected */
         unsigned int changed = 0;
         assert_non_null(frame);
         ect_frame_corrupt(&seed, frame, length);
@@ -901,7 +901,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"a fault that is written reads back as the same", round_trip, NULL, NULL, NULL},
-        {"the words of a fault may come in any order", any_order, NULL, NULL, NULL},
+        {"the words of a fault may have any order", any_order, NULL, NULL, NULL},
         {"a text that is no fault is refused with the expected words", refused, NULL, NULL, NULL},
         {"numbers of a fault are taken within their ranges, and refused outside with the range", ranges, NULL, NULL,
          NULL},
@@ -914,17 +914,19 @@ int main(int argc, char **argv)
         TEST("the faults that are set are shown; too many, and slaves that there are not, are refused", shown),
         TEST("the working counter of the first datagram is changed, where there is one", counters),
         TEST("an invalid access of the PDI counts in the slave of the fault alone", pdi_errors),
-        TEST("CF-053: a slave that hangs answers no request, its PDI watchdog expires, and it goes on", hangs),
+        TEST("CF-053: a slave that hangs replies to no request, its PDI watchdog expires, and it continues later",
+             hangs),
         TEST("CF-012 CF-053: a slave that hangs is set going by a reset, by the master's too, and its watchdog rests",
              hang_ends),
         TEST("CF-096: a slave that is reset or replaced begins in INIT, with another product code",
              resets_and_identity),
-        TEST("a request to AL control whose event is lost is not seen", loses_an_event),
-        TEST("CF-055: an EEPROM that is busy, does not answer, or has a bit wrong", eeprom),
+        TEST("a request to AL control whose event is lost is not detected", loses_an_event),
+        TEST("CF-055: an EEPROM that is busy, does not reply, or has a wrong bit", eeprom),
         TEST("CF-088: a clock jumps, and back", clock_jumps),
         TEST("a frame that is corrupted has one bit changed", corrupted),
         TEST("CF-011: frames that are lost and damaged on a wire", on_wires),
-        TEST("CF-011: frames that are changed, cut, or counted wrong on a wire: those behind see it", changed_on_wires),
+        TEST("CF-011: frames that are changed, truncated or miscounted on a wire: the slaves behind it receive them so",
+             changed_on_wires),
         TEST("a frame that is late on a wire: those behind wait for it, and no other one overtakes it", late_on_a_wire),
         TEST("CF-041: a frame that comes twice over a wire is executed twice behind it", twice_on_a_wire),
         TEST("frames that change their order on a wire", behind_the_next_on_a_wire),

@@ -66,8 +66,8 @@ static void most_late_answers(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"each late answer leaves at its own time, and none overtakes another", late_answers, NULL, NULL, NULL},
-        {"more late answers than the limit are lost", most_late_answers, NULL, NULL, NULL},
+        {"each late reply is sent at its own time, and none overtakes another", late_answers, NULL, NULL, NULL},
+        {"late replies beyond the limit are lost", most_late_answers, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -201,7 +201,7 @@ int main(int argc, char **argv)
         {"A wave that the signal cannot follow is refused with the reason", refused, NULL, NULL, NULL},
         {"Values are set each millisecond, if they differ", in_time, NULL, NULL, NULL},
         {"At most eight waves; one for each signal, until it is ended", ends, NULL, NULL, NULL},
-        {"A wave whose value is refused ends, and the others run on", a_lost_signal, NULL, NULL, NULL},
+        {"A wave whose value is refused ends, and the others continue", a_lost_signal, NULL, NULL, NULL},
         {"A scenario runs its waves", in_a_scenario, NULL, NULL, NULL},
     };
     if (argc > 1)
