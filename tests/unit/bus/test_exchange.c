@@ -468,7 +468,7 @@ static void clock_reads(void **state)
     assert_true(r->x.run_ns == START_NS + 9 * US);
 }
 
-/* The frame's own time may be later than the clock's last value; time does not go back for the devices. */
+/* The frame's own time may be later than the clock's last value; time does not decrease for the devices. */
 static void never_back(void **state)
 {
     rig_t *r = *state;
@@ -481,7 +481,8 @@ static void never_back(void **state)
     assert_true(r->x.polled_ns == START_NS + 5 * US);
 }
 
-/* A late caller runs the devices at each time that they asked for, 64 in a row at most, and then at its own time. */
+/* A late caller runs the devices at each time that they have requested, at most 64 times in succession, and then at its
+ * own time. */
 static void catches_up(void **state)
 {
     static const struct {
@@ -750,7 +751,7 @@ static void plain(void **state)
     assert_true(ect_exchange_is_plain(&r->x));
 }
 
-/* The master gets what a fault has changed. */
+/* The master gets the frame as changed by a fault. */
 static void working_counters(void **state)
 {
     rig_t *r = *state;
@@ -923,7 +924,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         TEST("a frame with a reply from the kernel passes the chain at its time, and nothing is sent", replied_before),
-        TEST("CF-042: a twin that was held up for 300 ms sees the outputs of each reply from the kernel, at its time",
+        TEST("CF-042: a twin that was delayed by 300 ms gets the outputs of each reply from the kernel, at its time",
              held_up),
         TEST("its inputs leave with the next run of the devices", held_inputs),
         TEST("a reply from the kernel before the cable was pulled has no effect on the devices", left_meanwhile),
@@ -947,7 +948,7 @@ int main(int argc, char **argv)
         TEST("a frame that a wire releases is lost when its end has no link", kept_without_an_end),
         TABLE("a response time is the wait before reception and the time until the reply has left", response_times),
         TEST("a run after a reply uses the time of the reply, any other one the clock", clock_reads),
-        TEST("time does not go back when the clock is behind the time of a frame", never_back),
+        TEST("time does not decrease when the clock is behind the time of a frame", never_back),
         TABLE("a late run makes up for the missed times, 64 at most", catches_up),
         TABLE("the devices run at the time of a frame or client before any later time", touched),
         TEST("a frame after a deadline: the devices run at its time, not before it", frame_after_a_deadline),

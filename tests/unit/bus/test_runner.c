@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The event loop (runner.h): in what order it does things, what it waits for. No interface, no wall clock: a socket
- * pair is the wire, and the linker leads the loop's waiting and serving through here (tests/CMakeLists.txt). */
+/* The event loop (runner.h): the order of its actions, the events that it waits for. No interface, no wall clock: a
+ * socket pair is the wire, and the linker leads the loop's waiting and serving through here (tests/CMakeLists.txt). */
 #define _GNU_SOURCE
 #include "bus/runner.h"
 
@@ -38,7 +38,7 @@ struct bench {
     char order[LOG]; /* F: a frame was answered, C: the control socket was served, M: a Modbus client, H: a host */
     size_t logged;
     unsigned int serve_late_ns;
-    uint64_t clock_ns;      /* what the loop takes for the time, once it is not zero, */
+    uint64_t clock_ns;      /* the time that the loop reads, once it is not zero, */
     uint64_t clock_step_ns; /* added to the clock by each read */
     bool result_set;        /* the next frame comes with this result, */
     bool beyond_room;       /* added to the room for it */
@@ -227,7 +227,7 @@ static void until_all_answered(bench_t *b, unsigned int n, const struct timespec
         (void)raise(SIGUSR1);
 }
 
-/* All frames and all requests are there from the first moment on. */
+/* All frames and all requests are waiting from the start. */
 static void frames_first(void **state)
 {
     int fds[ECT_CONTROL_CLIENTS];
@@ -314,7 +314,7 @@ static void rests(void **state)
 
 enum { REQUESTS = 60 };
 
-/* One who has connected and asked so often. */
+/* A client with so many requests. */
 static int request_over_modbus(bench_t *b)
 {
     static const uint8_t request[] = {0, 1, 0, 0, 0, 6, 1, 4, 0, 0, 0, 33};
@@ -469,7 +469,7 @@ static struct poll_time {
 } poll_times[MOST_POLLS];
 static unsigned int poll_count;
 
-/* Frames are there from the first moment on. Checks the replies when the loop serves clients for the n-th time. */
+/* Frames are waiting from the start. Checks the replies when the loop serves clients for the n-th time. */
 static void flood(bench_t *b, unsigned int n, const struct timespec *limit)
 {
     for (unsigned int i = 0; n == 0 && i < FRAMES; i++)
@@ -781,7 +781,7 @@ static void results_of_the_wire(void **state)
         {"the interface is gone", false, ECT_PACKET_GONE, -1, 0, 0, 0, 0, 0},
         {"a frame too old to reply to", false, ECT_PACKET_STALE, 0, 1, 1, 0, 0, 0},
         {"a frame that fills the room: faults concern it", true, 0, 0, 1, 0, 1, 0, 1},
-        {"a frame that is cut: the controllers alone see it", true, 1, 0, 1, 0, 1, 0, 0},
+        {"a truncated frame: only the controllers process it", true, 1, 0, 1, 0, 1, 0, 0},
     };
     static ect_scenario_t scenario;
     char message[ECT_FAULT_MESSAGE];
@@ -924,7 +924,7 @@ static void behind_another(bench_t *b, unsigned int n, const struct timespec *li
         (void)raise(SIGUSR1);
 }
 
-/* A frame that is lost before it comes to the wire on which more was to happen to it. */
+/* A frame that is lost before it reaches the wire of its next fault. */
 static void nothing_is_left_over(void **state)
 {
     static ect_scenario_t scenario;
@@ -1018,7 +1018,7 @@ static void a_short_measurement(bench_t *b, unsigned int n, const struct timespe
     }
 }
 
-/* The loop comes back 5 ms after a trigger that begins and ends a measurement within 250 us. */
+/* The loop continues 5 ms after a trigger that begins and ends a measurement within 250 us. */
 static void late_loop(void **state)
 {
     char answer[ROOM];
@@ -1035,7 +1035,7 @@ static void late_loop(void **state)
     const char *rise = strstr(answer, "\"value\":1,\"time\":");
     const char *fall = rise ? strstr(rise, "\"value\":0,\"time\":") : NULL;
     if (!fall)
-        fail_msg("BUSY was not seen: %s", answer);
+        fail_msg("BUSY was not reported: %s", answer);
     assert_int_equal(sscanf(rise, "\"value\":1,\"time\":%lf", &on), 1);
     assert_int_equal(sscanf(fall, "\"value\":0,\"time\":%lf", &off), 1);
     assert_true(off - on > 248e-6 && off - on < 252e-6);
@@ -1055,7 +1055,7 @@ static void count_report(void *ctx, const char *iface)
     reported++;
 }
 
-/* Each reply comes in again, until three frames have been destroyed. */
+/* Each reply is received again, until three frames have been destroyed. */
 static void echo(bench_t *b, unsigned int n, const struct timespec *limit)
 {
     uint8_t frame[2048];
@@ -1135,10 +1135,10 @@ int main(int argc, char **argv)
         {"Modbus clients and users of the control socket are served in turn", both_kinds_of_clients, NULL, NULL, NULL},
         {"Attack: Modbus clients do not keep the processor busy: there is a rest after each request", rests_from_modbus,
          NULL, NULL, NULL},
-        {"Frames in a row are waited for where they are received; clients and signals are checked every half "
+        {"Frames in succession are awaited in the call that receives them; clients and signals are checked every half "
          "millisecond",
          waits_where_it_receives, NULL, NULL, NULL},
-        {"Frames in a row: clients are served between them", clients_between_frames_in_a_row, NULL, NULL, NULL},
+        {"Frames in succession: clients are served between them", clients_between_frames_in_a_row, NULL, NULL, NULL},
         {"--busy-poll: nothing rests, and all is served", never_rests, NULL, NULL, NULL},
         {"--in-kernel: the kernel has the turn while the loop sleeps, and its frames come first", turns, NULL, NULL,
          NULL},

@@ -104,7 +104,7 @@ static void start(rig_t *r, const char *const *lines)
 }
 #define START(r, ...) start(r, (const char *const[]){__VA_ARGS__, NULL})
 
-/* Lets time pass, to each time at which the exchange wants to run. */
+/* Advances the time to each time at which the exchange is due. */
 static void advance(rig_t *r, uint64_t ns)
 {
     uint64_t end_ns = r->w.now_ns + ns;
@@ -339,7 +339,7 @@ static void in_its_cycle(void **state)
     }
 }
 
-/* A recording: each row is there for the first frame from its time on, and for none before. */
+/* A recording: each row applies from the first frame at or after its time on, and to no frame before. */
 static void table_in_its_cycle(void **state)
 {
     static const char *const names[] = {"ecat.plug_in", "ecat.drift"};
@@ -367,7 +367,7 @@ static void table_in_its_cycle(void **state)
     ect_table_free(table);
 }
 
-/* After a late call a tick plays the rows of one time, so that the values of each are seen. */
+/* After a late call a tick plays the rows of one time, so that the values of each have an effect. */
 static void late_table(void **state)
 {
     static const char *const name = "ecat.drift";
@@ -823,7 +823,7 @@ int main(int argc, char **argv)
         TEST("expectations are met or failed", expectations),
         TEST("each expectation and the verdict have one line", printed),
         TEST("a line that makes no sense is refused with the expected words", refused_lines),
-        TEST("the words of a line come in any order", any_order),
+        TEST("the words of a line may have any order", any_order),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The offers of a description with their needs (check/check.h): the mistake beside the case that is right, so
- * that each condition has both of its sides.
+ * The offers of a description with their needs (check/check.h): each mistake with the right case, so that each
+ * condition is both true and false.
  */
 #include <stdio.h>
 #include <string.h>
@@ -213,7 +213,7 @@ static void single(copy_t *c, uint16_t index)
       NULL)                                                                                                            \
     X(limits_of_one_value, testdev, c->details[0].minimum = c->details[0].maximum = 5, NULL)
 
-/* An object of four elements at another index, its count 0 and constant, in its place among the others. */
+/* An object of four elements at another index, with a constant count of 0, in ascending order among the others. */
 static void fewer(copy_t *c, uint16_t index)
 {
     static const ect_entry_t four[] = {{0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "Number of entries", 0, NULL},

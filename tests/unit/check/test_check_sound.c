@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * A description that passes is safe to run (check/check.h): each number of a description is replaced by the bounds of
- * its type, one at a time. A refusal is one line; an accepted description has an SII, comes to SAFEOP or has an AL
- * status code, gives the changed object by SDO, and takes outputs.
+ * its type, one at a time. A refusal is one line; an accepted description has an SII, reaches SAFEOP or has an AL
+ * status code, gives the changed object by SDO, and accepts outputs.
  */
 #include <inttypes.h>
 #include <stdio.h>

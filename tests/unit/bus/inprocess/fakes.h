@@ -162,7 +162,7 @@ __attribute__((unused)) static void *fake_of(const fake_t *table, size_t count, 
         return CALLED(name, a, b, c, d, e, f);                                                                         \
     }
 
-/* An address that nothing reads, and of which the compiler does not know that there is nothing. */
+/* An address that no code reads, of a value that the compiler cannot derive. */
 __attribute__((unused)) static void *AT(long number)
 {
     volatile long address = number;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The interfaces of the bus beside those of a machine, which are the test's. */
+/* The interfaces of the bus after those of a machine, which the test supplies. */
 #define _GNU_SOURCE
 #include <ifaddrs.h>
 #include <net/if.h>

@@ -284,7 +284,7 @@ static void refuses_to_open(void **state)
     assert_null(ect_port_of(FD + 1));
 }
 
-/* The eventfd lives as long as any descriptor of it. */
+/* The eventfd exists as long as a descriptor of it is open. */
 static void lives_as_long_as_a_copy(void **state)
 {
     (void)state;
@@ -799,7 +799,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         {"A socket is an eventfd with the flags of its type", opens, begin, NULL, NULL},
         {"A socket needs a descriptor below 65536 and memory", refuses_to_open, begin, NULL, NULL},
-        {"A socket lives as long as a copy of its descriptor", lives_as_long_as_a_copy, begin, NULL, NULL},
+        {"A socket exists as long as a copy of its descriptor is open", lives_as_long_as_a_copy, begin, NULL, NULL},
         {"The others of several sockets remain when one is closed", closes_one_of_several, begin, NULL, NULL},
         {"bind() starts the bus and plugs the cable in", binds, begin, NULL, NULL},
         {"bind() refuses other addresses", refuses_to_bind, begin, NULL, NULL},

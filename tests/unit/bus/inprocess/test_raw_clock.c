@@ -252,7 +252,7 @@ static void selects_with_each_mask(void **state)
     EXPECT_CALLS("no mask", "pselect(11,12,13,14,15,-1) ");
 }
 
-/* These functions return an error number, or know no error. */
+/* These functions return an error number, or have no errors. */
 static void returns_results_of_other_kinds(void **state)
 {
     const long a[] = {A, B, C, D, 0, F};

@@ -28,7 +28,7 @@ int fake_dl_iterate_phdr(int (*use)(struct dl_phdr_info *info, size_t size, void
     return 0;
 }
 
-/* Runs in a child, for the objects are searched once in a process. */
+/* Runs in a child, because a process searches its objects only once. */
 static bool is_found(const char *its)
 {
     int status = -1;

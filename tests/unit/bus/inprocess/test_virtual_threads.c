@@ -263,7 +263,7 @@ static bool is_set(void *arg)
     return *(bool *)arg;
 }
 
-/* Runs in a child, for a report is made once in a process. @return whether it succeeds */
+/* Runs in a child, because a process makes a report only once. @return whether it succeeds */
 static bool in_fork(bool (*scenario)(void))
 {
     int status = -1;

@@ -54,7 +54,7 @@ static bool gets_plan(rig_t *r)
     return ect_planner_make(&r->planner, r->w.chain) == 1;
 }
 
-/* Any number of replies, which the chain gives too when it sees the frames later. */
+/* Any number of replies, equal to those of the chain when it gets the frames later. */
 static void replies_ahead_of_the_chain(void **state)
 {
     enum { AHEAD = 20 };
@@ -86,7 +86,7 @@ static void replies_ahead_of_the_chain(void **state)
     wire_close(&r.w);
 }
 
-/* The pace: which frames the devices have to see first. */
+/* The pace: the frames that the devices must process first. */
 static void pace(void **state)
 {
     const struct {
@@ -292,7 +292,7 @@ static void address_is_taken(rig_t *r)
     (void)wire_write16(&r->w, 1, ECT_REG_STATION_ADDRESS, WIRE_STATION);
 }
 
-/* Two windows over the outputs of the frame: the one that begins first ends last. */
+/* Two windows over the outputs of the frame: the first to begin is the last to end. */
 static void windows_overlap(rig_t *r)
 {
     wire_set_fmmu(&r->w, 0, FMMU_OUT, 0xF0, 0x40, 0, 7, OUTPUTS, 0, 2);
@@ -374,7 +374,7 @@ static void slave_restarts(rig_t *r)
     ect_chain_power_cycle(r->w.chain, r->w.now_ns);
 }
 
-/* As the plans of a planner that has seen the same frames just now. */
+/* Equal to the plans of a planner that has just got the same frames. */
 static void same_as_made(rig_t *r, const char *title)
 {
     static ect_plan_table_t made_table;
@@ -560,7 +560,7 @@ int main(void)
         {"FZM-075: frames closer than those of any cycle, while outputs change", pace, NULL, NULL, NULL},
         {"FZM-075: outputs that differ from those of the frame before count as changed, no other bytes",
          changed_outputs, NULL, NULL, NULL},
-        {"CF-002: a plan replies as the chain does when it sees the frames later", replies_ahead_of_the_chain, NULL,
+        {"CF-002: a plan gives the replies of the chain, which gets the frames later", replies_ahead_of_the_chain, NULL,
          NULL, NULL},
         {"frames and changes of a chain without a plan", no_plan, NULL, NULL, NULL},
         {"plans that are renewed after a change equal plans that are made", renewed_plans, NULL, NULL, NULL},

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The Modbus TCP server (bus/modbus/modbus.h): what it answers byte for byte, and how little of it is done at a time.
+/* The Modbus TCP server (bus/modbus/modbus.h): its replies byte for byte, and the bound of the work of one call.
  * No network: clients come by a local socket, and time is the test's. */
 #define _GNU_SOURCE
 #include "bus/modbus/modbus.h"
@@ -377,7 +377,7 @@ static void in_two_pieces(void **state)
     close_bench(&b);
 }
 
-/* Many at once: each call answers one of them, in their order. */
+/* Many requests at once: each call replies to one of them, in their order. */
 static void many_at_once(void **state)
 {
     bench_t b;
@@ -468,7 +468,7 @@ static void a_hundred(void **state)
     close(fds[2]);
     (void)serve(&b);
     fds[2] = connect_client(&b);
-    expect(&b, fds[2], "in the place of one who has left", READ, VALUE);
+    expect(&b, fds[2], "in the place of a closed connection", READ, VALUE);
     int fifth = connect_client(&b);
     (void)serve(&b);
     assert_string_equal(receive_reply(fifth), "end");
@@ -490,7 +490,7 @@ static void idle_clients_are_closed(void **state)
     for (unsigned int s = 0; s < IDLE_S - 1; s++) {
         wire_advance(&b.wire, 1000 * MS);
         send_request(half, s == 30 ? "00" : "");
-        expect(&b, busy, "one who asks each second", "00 01 00 00 00 06 FF 06 00 71 00 01",
+        expect(&b, busy, "a client with a request each second", "00 01 00 00 00 06 FF 06 00 71 00 01",
                "00 01 00 00 00 06 FF 06 00 71 00 01");
     }
     assert_string_equal(receive_reply(silent), "");
@@ -625,7 +625,7 @@ static void closed_before_the_reply(void **state)
     close_bench(&b);
 }
 
-/* Its microcontroller stands still: requests disappear, and when it runs again it answers the next one. */
+/* Its microcontroller stops: requests are lost, and after its restart it replies to the next one. */
 static void a_unit_that_hangs(void **state)
 {
     const ect_fault_t hang = {.kind = ECT_FAULT_HANG, .slave = 1}, resume = {.kind = ECT_FAULT_RESUME, .slave = 1};
@@ -932,7 +932,7 @@ int main(int argc, char **argv)
 {
     hold_descriptor_0();
     const struct CMUnitTest tests[] = {
-        TEST("ECL-070 ECL-071: requests and answers, byte for byte; transaction and unit identifiers come back",
+        TEST("ECL-070 ECL-071: requests and replies, byte for byte; transaction and unit identifiers are returned",
              answers),
         TEST("ECL-070: each request addresses its range; malformed requests get exception 3", requests),
         TEST("ECL-070: the longest writes", longest_writes),
@@ -951,7 +951,7 @@ int main(int argc, char **argv)
              place_of_a_client_that_did_not_read),
         TEST("Attack: three clients that flood do not delay the fourth", no_client_waits_for_long),
         TEST("Attack: without free descriptors the server retries after a second", no_descriptor_left),
-        TEST("Attack: gone before the answer", closed_before_the_reply),
+        TEST("Attack: closed before the reply", closed_before_the_reply),
         TEST("a record gets each request and its reply; repeated to another unit they give the same replies",
              observed_and_repeated),
         TEST("bytes of a record that are no request have no reply", no_request_to_repeat),
@@ -960,7 +960,7 @@ int main(int argc, char **argv)
         TEST("Without memory there is no server, and its socket is closed", without_memory),
         TEST("A descriptor that is no socket is refused with the reason, and closed", no_socket),
         TEST("A client whose descriptor is 0 is served, and closed with the server", descriptor_0),
-        TEST("A unit that hangs answers nothing", a_unit_that_hangs),
+        TEST("A unit that hangs does not reply", a_unit_that_hangs),
         TEST("--modbus: a wrong address gets a line", no_address),
         TEST("PORT, ADDRESS:PORT and [ADDRESS]:PORT are listened at, and the port that was free is reported", listens),
         TEST("a port that is taken and an address of another machine are refused with cause and cure", cannot_listen),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Calls of the operating system, in the place of which the linker puts those of a test (-Wl,--wrap): each is noted in a
- * line, and fails where the test wants it. */
+/* Calls of the operating system, which the linker replaces by calls of a test (-Wl,--wrap): each is recorded in a line,
+ * and fails where the test requests it. */
 #ifndef TESTS_BUS_NET_CALLS_H
 #define TESTS_BUS_NET_CALLS_H
 
@@ -56,7 +56,7 @@ static inline bool fails(const char *call)
     return now;
 }
 
-/* A descriptor that only the test knows. */
+/* A descriptor that exists only in the test. */
 static inline int fake_open(const char *name)
 {
     assert_true(calls.fds < FAKE_FDS);

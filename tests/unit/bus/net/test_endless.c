@@ -72,7 +72,7 @@ static unsigned int circulate(ect_endless_t *endless, const round_t *what, uint6
 static void circulating_frames(void **state)
 {
     static const round_t cases[] = {
-        {"a broadcast that both ends count", BRD, 3, 3, false},  {"one for a slave that answers", FPRD, 0, 1, false},
+        {"a broadcast that both ends count", BRD, 3, 3, false},  {"one for a slave that replies", FPRD, 0, 1, false},
         {"one without a slave that replies", FPRD, 0, 0, false}, {"process data", LRW, 0, 3, false},
         {"process data, with a VLAN tag", LRW, 0, 3, true},
     };

@@ -236,7 +236,7 @@ static int enter(unsigned int *lacks, const char *second, char *message)
     return ect_netns_enter(masters, lacks, message);
 }
 
-/* Each way in, and what is missing in a network that can be used all the same. */
+/* Each way in, and the missing parts of a network that is still usable. */
 static void steps(void **state)
 {
     static const struct {
@@ -458,7 +458,7 @@ static void as_helper(const char *map, failing_t failing)
     kernel.child = false;
 }
 
-/* The process that stays outside gives the other one every id of this namespace, under its own number. */
+/* The outer process maps every id of this namespace, with the same number, for the inner one. */
 static void maps_from_outside(void **state)
 {
 #define LINE     "1000000000 7 1\n"
@@ -475,7 +475,7 @@ static void maps_from_outside(void **state)
         {"none", "\n", {0}, NULL, ""},
         {"no list of users", "0 0 1\n", {"/proc/self/uid_map", FIRST, EMFILE}, NULL, ""},
         {"no list of groups", "0 0 1\n", {"/proc/self/gid_map", FIRST, EMFILE}, NULL, ""},
-        {"the other one has not gone in", "0 0 1\n", {"read", FIRST, 0}, NULL, ""},
+        {"the other process has not entered", "0 0 1\n", {"read", FIRST, 0}, NULL, ""},
         {"users that are not taken", "0 0 1\n", {"write", FIRST, EPERM}, NULL, "/proc/4711/uid_map = 0 0 1\n\n"},
         {"groups that are not taken",
          "0 0 1\n",

@@ -279,7 +279,7 @@ static void refused(void **state)
     ect_packet_close(&port);
 }
 
-/* A master that another program has opened by itself is seen as well, on this interface only. */
+/* A master that another program has opened by itself is detected too, on this interface only. */
 static void beside_a_foreign_master(void **state)
 {
     char message[ECT_PACKET_MESSAGE];
@@ -347,14 +347,14 @@ static void frames(void **state)
             assert_int_equal(receive(&r, ROOM), FRAME + n);
             assert_memory_equal(r.got, r.sent, FRAME + n);
         }
-        ect_packet_send(&r.twin, r.sent, FRAME); /* its own frames do not come back */
+        ect_packet_send(&r.twin, r.sent, FRAME); /* its own frames do not return */
         assert_int_equal(receive(&r, ROOM), ECT_PACKET_NONE);
         assert_int_equal(ect_packet_receive(&r.master, false, r.got, ROOM, &r.time), FRAME);
         close_rig(&r);
     }
 }
 
-/* A wait for a frame that is there returns it; one for none ends by itself. */
+/* A wait for a frame that is already queued returns it; one for none ends by itself. */
 static void waits(void **state)
 {
     rig_t r;
@@ -501,7 +501,7 @@ static bool is_readable(int fd)
     return poll(&one, 1, 0) == 1;
 }
 
-/* Whether the messages come to an end. The kernel sends one of the link's operational state up to a second late. */
+/* Whether the messages end. The kernel sends one of the link's operational state up to a second late. */
 static bool ends(int fd)
 {
     const struct timespec late = {.tv_nsec = 200000000};
@@ -652,16 +652,16 @@ int main(int argc, char **argv)
          NULL, NULL},
         {"CF-013: EtherCAT frames come whole, with their tag, and no others do; nor do its own", frames, NULL, NULL,
          NULL},
-        {"a wait returns a frame that is there, or ends", waits, NULL, NULL, NULL},
-        {"a frame that has waited for more than 5 ms is discarded when a newer one is there", stale, NULL, NULL, NULL},
+        {"a wait returns a queued frame, or ends", waits, NULL, NULL, NULL},
+        {"a frame that has waited for more than 5 ms is discarded if a newer one is queued", stale, NULL, NULL, NULL},
         {"an interface that is down may return, one that is removed is gone", down_and_gone, NULL, NULL, NULL},
         {"an interface that was down is up while its port is open, and down again", brought_up, NULL, NULL, NULL},
-        {"each change of an interface makes the descriptor of links readable, until it is seen", watched_links, NULL,
+        {"each change of an interface makes the descriptor of links readable, until it is read", watched_links, NULL,
          NULL, NULL},
         {"a user without rights gets the missing right, or the wrong name, in one line", without_rights, NULL, NULL,
          NULL},
-        {"rights are given up for good, but the one for the link where it is needed", rights_given_up, NULL, NULL,
-         NULL},
+        {"rights are dropped permanently, except the right for the link where it is needed", rights_given_up, NULL,
+         NULL, NULL},
         {"real-time priority without the right for it: one line with the cause", realtime_without_the_right, NULL, NULL,
          NULL},
     };

@@ -329,7 +329,7 @@ static void opened(void **state)
 #define ABSENT "there is no network interface 'ectwin0': 'ip -br link' lists all interfaces"
 #define FULL   "binding to 'ectwin0' failed: Too many open files"
 
-/* One line, nothing left open, and the interface as it was. */
+/* One line, no descriptor left open, and the interface restored. */
 static void refused(void **state)
 {
     static const struct {
@@ -383,7 +383,7 @@ static void refused(void **state)
     }
 }
 
-/* An interface of unknown state is taken as it is; one that is down is up while the port is open. */
+/* An interface of unknown state is not changed; one that is down is up while the port is open. */
 static void states_of_the_interface(void **state)
 {
     ect_packet_t port;
@@ -596,7 +596,7 @@ static void tags(void **state)
         if (shift > 0 && (ect_load_be16(frame + 12) != rows[i].type || ect_load_be16(frame + 14) != 0xA007))
             fail_msg("%s: got the tag %04x", rows[i].title, ect_load_be16(frame + 12));
         assert_true(time.waited_ns == 3 * MS && port.came_ns == 0); /* that is of the other socket */
-        assert_int_equal(port.wait_ns, 0);                          /* a wait would not see the next one */
+        assert_int_equal(port.wait_ns, 0);                          /* a wait would not detect the next one */
         kernel.tagged = false;
         assert_int_equal(ect_packet_receive(&port, true, frame, rows[i].room, &time), rows[i].length);
         kernel.length = 0;
@@ -787,7 +787,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"a port has three sockets, each bound to its interface, and closes them", opened, NULL, NULL, NULL},
-        {"a step that fails: one line with the cause, nothing open, the interface as it was", refused, NULL, NULL,
+        {"a step that fails: one line with the cause, no open descriptor, the interface restored", refused, NULL, NULL,
          NULL},
         {"an interface that is down is up while its port is open", states_of_the_interface, NULL, NULL, NULL},
         {"an interface with an EtherCAT socket of another program is refused", other_programs, NULL, NULL, NULL},

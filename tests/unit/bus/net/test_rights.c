@@ -227,8 +227,8 @@ static void realtime(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"each right is given up but the one to keep; a step that fails is named and stops no other", giving_up, NULL,
-         NULL, NULL},
+        {"each right is dropped except the right to keep; a step that fails is named and stops no other", giving_up,
+         NULL, NULL, NULL},
         {"real-time priority locks memory as far as the limit allows; a missing right is named with its cure", realtime,
          NULL, NULL, NULL},
     };

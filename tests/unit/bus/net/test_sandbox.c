@@ -282,7 +282,7 @@ static long start_thread(void)
     return errno != 0 ? -1 : pthread_join(thread, NULL);
 }
 
-/* The answer is that of the kernel to a wrong descriptor. */
+/* The result is that of the kernel for a wrong descriptor. */
 static unsigned long request;
 
 static long ask(void)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The EEPROM of a twin in a file: what a master has written is there again (bus/storage/eeprom.h). */
+/* The EEPROM of a twin in a file: the writes of a master are kept (bus/storage/eeprom.h). */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
@@ -99,7 +99,7 @@ static void survives(void **state)
     ect_eeprom_close(eeprom);
 }
 
-/* Another process has written other bytes to the file: they show which range of it a write touches. */
+/* Another process has written other bytes to the file: they show the range that a write changes. */
 static void only_the_changed_range_is_written(void **state)
 {
     enum { HEADER = 16 };
@@ -326,7 +326,7 @@ static void replaced_before_the_lock(void **state)
         meanwhile = cases[i].step;
         assert_refused(cases[i].title, made, cases[i].message);
         if (stat(path, &info) == 0)
-            assert_int_equal(info.st_size, 0); /* the other twin's file is as it was */
+            assert_int_equal(info.st_size, 0); /* the other twin's file is unchanged */
         (void)unlink(path);
     }
 }

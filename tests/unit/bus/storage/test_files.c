@@ -254,8 +254,7 @@ static void meanwhile(void **state)
     assert_int_equal(write_piece(0, "good", false), ECT_FOE_OK);
     assert_int_equal(unlink(in(".new.part")), 0);
     assert_int_equal(symlink(outside, in(".new.part")), 0);
-    assert_int_equal(write_piece(4, "bye", true),
-                     ECT_FOE_OK); /* the link gets the name: what it leads to is as before */
+    assert_int_equal(write_piece(4, "bye", true), ECT_FOE_OK); /* the link gets the name: its target is unchanged */
     foe->close(foe, NULL, true);
     expect_content(outside, "not yours");
     assert_int_equal(open_name("new", 3, false), ECT_FOE_ACCESS);
@@ -325,7 +324,7 @@ static void errors_of_the_disk(void **state)
     }
 }
 
-/* No child of a program, and no pipe, gets at what a master has open. */
+/* No child of a program, and no pipe, can access the open file of a master. */
 static void descriptors_of_open_files(void **state)
 {
     char message[ECT_FILES_MESSAGE];
@@ -469,10 +468,10 @@ int main(void)
         TEST("Files: errors of the disk have codes of FoE, and leave nothing open", errors_of_the_disk),
         TEST("Files: no child process gets a descriptor of the folder or a file", descriptors_of_open_files),
         TEST("Files: the memory of a transfer is aligned, behind the instance", instance_with_a_transfer),
-        TEST("Files: a device has at most 16 protocols of its own beside FoE", most_protocols_of_a_device),
+        TEST("Files: a device has at most 16 protocols of its own besides FoE", most_protocols_of_a_device),
         TEST("Files: a device without a mailbox, or with files of its own, is refused with a line", refused_devices),
         TEST("Files: the descriptors of a folder are closed with it", closes_its_descriptors),
-        TEST("Files: a twin offers them in every state, BOOT among them, to who knows the password", over_the_wire),
+        TEST("Files: a twin offers them in every state, BOOT included, with the right password", over_the_wire),
     };
     return cmocka_run_group_tests_name("files", tests, NULL, NULL);
 }

@@ -244,7 +244,7 @@ static void foreign_files(void **state)
         assert_int_equal(size_of("foreign.0"), sizes[i]);
         assert_int_equal(size_of("foreign.1"), -1);
     }
-    for (size_t i = 0; i < sizeof patterns / sizeof patterns[0]; i++) { /* not what a start that was cut off leaves */
+    for (size_t i = 0; i < sizeof patterns / sizeof patterns[0]; i++) { /* not the remains of an interrupted start */
         write_file("foreign.0", "", 0, ECT_MEMORY_BANK + 32);
         for (off_t at = patterns[i].first; at < ECT_MEMORY_BANK + 32; at += patterns[i].step)
             overwrite("foreign.0", at, "x");
@@ -768,19 +768,19 @@ static void own_file(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"A saved record is there at the next start", keeps, NULL, NULL, NULL},
+        {"A saved record is read at the next start", keeps, NULL, NULL, NULL},
         {"Without a path it lasts as long as the process", without_files, NULL, NULL, NULL},
         {"A path has at most 511 characters", longest_path, NULL, NULL, NULL},
         {"The first and the last byte of a bank are in the file behind its header", ends_of_a_bank, NULL, NULL, NULL},
-        {"Attack: a file that no twin has made is refused, and stays as it is", foreign_files, NULL, NULL, NULL},
+        {"Attack: a file that no twin has made is refused and not changed", foreign_files, NULL, NULL, NULL},
         {"Attack: links, pipes and folders are refused", links_and_devices, NULL, NULL, NULL},
         {"Only their user reads or writes the files", own_file, NULL, NULL, NULL},
         {"A second twin on the same files is refused", one_twin_each, NULL, NULL, NULL},
         {"Attack: a file that is cut while it runs: no crash, the next save fails", cut_while_it_runs, NULL, NULL,
          NULL},
         {"A file that is deleted while it runs: the next save fails", deleted_while_it_runs, NULL, NULL, NULL},
-        {"A damaged record is reported and kept aside, nine times at most, the one before is used", damaged, NULL, NULL,
-         NULL},
+        {"A damaged record is reported and kept under another name, nine times at most; the previous record is used",
+         damaged, NULL, NULL, NULL},
         {"A save that was cut off is ordinary: the record before is used, twenty times", cut_off_saves, NULL, NULL,
          NULL},
         {"A save that a power failure cut off is ordinary too", cut_off_by_power, NULL, NULL, NULL},

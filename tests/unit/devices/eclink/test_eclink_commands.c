@@ -298,7 +298,7 @@ static void waits_for_the_controller(void **state)
     wire_close(&r.w);
 }
 
-/* A command is not acknowledged when the controller goes away and comes back, with its old CAO or a fresh one. */
+/* A command is not acknowledged when the controller stops and returns, with its old CAO or a new one. */
 static void controller_back_with_cao(void **state)
 {
     static const struct {
@@ -494,7 +494,7 @@ static void cai_waits_for_room(void **state)
     }
 }
 
-/* Seventeen commands are there for a remote whose link takes none meanwhile; what then ends the waiting. */
+/* Seventeen commands wait for a remote whose link transfers none meanwhile; what then ends the waiting. */
 static void room_for_the_waiting(void **state)
 {
     static const struct {
@@ -527,7 +527,7 @@ static void room_for_the_waiting(void **state)
     }
 }
 
-/* The controller goes away while its command waits, and comes back. */
+/* The controller stops while its command waits, and returns. */
 static void waiting_over_an_interruption(void **state)
 {
     static const struct {
@@ -585,7 +585,7 @@ static void unknown_ids(void **state)
     wire_close(&r.w);
 }
 
-/* CCO as the controller brings it when it comes back; the last that the base unit has seen is `last`. */
+/* CCO of the controller when it returns; the last CCO of the base unit is `last`. */
 static const struct back {
     const char *what;
     uint8_t last, cco;
@@ -704,7 +704,7 @@ static void remotes_act(soak_t *s)
                              (char[ECT_SIGNAL_MESSAGE]){0});
 }
 
-/* The controller's logic: acknowledge what is new, send when the last was acknowledged. */
+/* The controller's logic: acknowledge each new command, send when the last one was acknowledged. */
 static void controller_acts(soak_t *s)
 {
     rig_t *r = &s->r;
@@ -826,7 +826,7 @@ int main(int argc, char **argv)
         TEST("ECL-023 ECL-027: a remote that is off sends nothing, and a command has exactly 16 bytes",
              refused_senders),
         TEST("ECL-023: commands wait while the controller is not in OP", waits_for_the_controller),
-        TEST("ECL-023 ECL-056: a controller that comes back with an old or fresh CAO finds the same command, once",
+        TEST("ECL-023 ECL-056: a controller that returns with an old or new CAO finds the same command, once",
              controller_back_with_cao),
         TEST("ECL-025 ECL-050 ECL-051 EC-C8: id 0 goes to all remotes that are on, another id to that one only; CAI "
              "follows CCO anyway",
@@ -842,10 +842,10 @@ int main(int argc, char **argv)
              cai_waits_for_room),
         TEST("ECL-025: CAI follows as soon as a remote takes a command, or can no longer be reached",
              room_for_the_waiting),
-        TEST("ECL-025 ECL-050: a command that waits is neither lost nor repeated when the controller comes back",
+        TEST("ECL-025 ECL-050: a command that waits is neither lost nor repeated when the controller returns",
              waiting_over_an_interruption),
         TEST("ECL-003 ECL-051: commands to an id that no remote has are counted", unknown_ids),
-        TEST("ECL-050: a controller that comes back brings a command only with the old CCO plus one",
+        TEST("ECL-050: a controller that returns sends a command only with the old CCO plus one",
              controller_back_with_cco),
         TEST("ECL-050: after power-on CCO is 0: 1 in the first outputs is a command, another value only the start",
              first_counter_after_power_on),

@@ -113,7 +113,7 @@ static void back_within_an_update(void **state)
     wire_close(&r.w);
 }
 
-/* The unit's last CCO, the first one of a controller that starts or comes back, and what becomes of it. */
+/* The unit's last CCO, the first CCO of a controller that starts or returns, and the result. */
 static const struct start {
     const char *what;
     uint8_t last, cco;
@@ -209,7 +209,7 @@ static void expired_make_room(void **state)
     assert_int_equal(bu_number(&r, "bu.overflows"), 1);
     bu_to_op(&r);
     bu_cycle(&r);
-    expect_next(&r, "the one that is young enough", 1, 5);
+    expect_next(&r, "the only recent one", 1, 5);
     wire_close(&r.w);
 }
 

@@ -142,7 +142,7 @@ static void reserved_in_the_order_of_arming(void **state)
     }
 }
 
-/* The armed remote is lost with its VLAP, for its C-Link is bad: who waits for a VLAP has it at once. */
+/* The armed remote is lost with its VLAP because of a bad C-Link: a remote that waits for a VLAP gets it at once. */
 static void vlap_of_the_lost(void **state)
 {
     (void)state;
@@ -206,7 +206,7 @@ static void arming_reserves_a_vlap(void **state)
     wire_close(&r.w);
 }
 
-/* Each status of §8.2, forced on an armed remote with one VLAP, and what the radio is then like. */
+/* Each status of §8.2, forced on an armed remote with one VLAP, and the resulting state of the radio. */
 static void forced_links(void **state)
 {
     static const struct {
@@ -251,7 +251,7 @@ static void forced_links(void **state)
     }
 }
 
-/* What C-Link needs, and what an armed remote on radio or on cable reports of it in byte 36. */
+/* The needs of the C-Link, and its report in byte 36 by an armed remote on radio or cable. */
 static void c_link_has_one_truth(void **state)
 {
     static const struct {
@@ -524,11 +524,12 @@ int main(int argc, char **argv)
         TEST("ECL-031: the input data have the number of VLAPs", vlaps_are_reported),
         TEST("ECL-033 ECL-064 ECL-065: an armed remote without G-Link is on fallback, without VLAP it is lost",
              armed_falls_back),
-        TEST("ECL-064 ECL-065 ECL-032: armed remotes have a VLAP of their own, the others share what is left",
+        TEST("ECL-064 ECL-065 ECL-032: armed remotes have a VLAP of their own, the others share the rest",
              reservations_hold),
-        TEST("ECL-064: an armed remote on fallback keeps its VLAP when one that was armed later wants one too",
+        TEST("ECL-064: an armed remote on fallback keeps its VLAP when a remote that was armed later needs one too",
              reserved_in_the_order_of_arming),
-        TEST("ECL-064 ECL-065: the VLAP of an armed remote that is lost goes to who waits for one", vlap_of_the_lost),
+        TEST("ECL-064 ECL-065: the VLAP of a lost armed remote is given to a remote that waits for one",
+             vlap_of_the_lost),
         TEST("ECL-064: arming a remote on radio needs a VLAP that no other has reserved", arming_reserves_a_vlap),
         TEST("ECL-033 ECL-065: C-Link and G-Link status can be forced to each value, and a link in error carries "
              "nothing",

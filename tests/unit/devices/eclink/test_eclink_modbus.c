@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The base unit over Modbus: the tables of TS-0007 §5.2 with the corrections EC-C2, EC-C3 and EC-C17, and who has the
- * unit when it is reached from both sides. */
+/* The base unit over Modbus: the tables of TS-0007 §5.2 with the corrections EC-C2, EC-C3 and EC-C17, and the owner of
+ * the unit when both sides access it. */
 #include <string.h>
 
 #include "support/base_unit.h"
@@ -224,7 +224,7 @@ static void inputs_as_registers_and_bits(void **state)
     }
 }
 
-/* Any range of it is the same as that part of the whole. */
+/* Any range equals the same part of the whole table. */
 static void any_part_of_a_table(void **state)
 {
     uint16_t all[MOST_INPUTS / 2], part[MOST_INPUTS / 2];
@@ -500,7 +500,7 @@ static void modbus_has_it(void **state)
         bu_write_outputs(&r);
         assert_int_equal(wire_al(&r.w, 0, ECT_STATE_OP, &code), ECT_STATE_SAFEOP | 0x10);
         assert_int_equal(code, ECT_AL_UNSPECIFIED);
-        bu_expect(&r, "an EtherCAT master wanted to go to OP", DISARMED, OPERATIONAL);
+        bu_expect(&r, "an EtherCAT master requested OP", DISARMED, OPERATIONAL);
         assert_int_equal(wire_al(&r.w, 0, ECT_STATE_SAFEOP | 0x10, NULL), ECT_STATE_SAFEOP);
         work(&r, 130 * MS);
         assert_int_equal(wire_read(&r.w, 0, INPUTS_AT, r.in, sizes[n].inputs), 1);
@@ -621,7 +621,7 @@ int main(int argc, char **argv)
         TEST("ECL-023 ECL-025 ECL-050 ECL-056: commands both ways over Modbus; CAO that does not follow is Bad data",
              commands_both_ways),
         TEST("ECL-054 ECL-059: periodic data in blocks over Modbus", periodic_blocks),
-        TEST("Both sides: while an EtherCAT master is in OP Modbus reads, and is busy when it wants to write",
+        TEST("Both sides: while an EtherCAT master is in OP, Modbus may read, and writes are refused as busy",
              ethercat_has_it),
         TEST("Both sides: while a Modbus controller writes an EtherCAT master reads, and OP is refused; 2000 ms after "
              "the "

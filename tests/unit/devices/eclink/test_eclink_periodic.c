@@ -487,7 +487,7 @@ static void block_0_begins_a_set(void **state)
     }
 }
 
-/* A block of a set of another size: the set that was coming in is given up, also when its size comes again. */
+/* A block of a set of another size: the set in transfer is abandoned, even if its size is sent again. */
 static void block_of_another_size(void **state)
 {
     (void)state;
@@ -680,7 +680,7 @@ int main(int argc, char **argv)
         TEST("the CRC-32 of these tests has its published check value", oracle),
         TEST("ECL-054 ECL-059: sets of 1 to 51200 bytes are shown when their last block has come", sizes),
         TEST("ECL-054: size 0 is neither a set nor an error", size_zero),
-        TEST("ECL-059: after block 0 the others may come in any order", any_order),
+        TEST("ECL-059: after block 0 the others may be sent in any order", any_order),
         TEST("ECL-054 ECL-059: block 0 begins a set, always; none counts before it; sets that do not become whole are "
              "counted with their missing blocks",
              block_0_begins_a_set),

@@ -134,7 +134,7 @@ static void blocked_with_three(void **state)
     wire_close(&r.w);
 }
 
-/* A remote that was lost and never comes back: another takes its place, where no place is left beside it. */
+/* A lost remote that never returns: another one takes its place if no other place is free. */
 static void replaced(void **state)
 {
     (void)state;
@@ -162,14 +162,14 @@ static void replaced(void **state)
     bu_get(&r, "bu.cause", cause);
     assert_string_equal(cause, "ru1: communication is lost; turn it on and rearm it");
     bu_arm(&r, 2);
-    bu_expect_blocks(&r, "the other is replaced by the one that was replaced", "342", ARMED);
+    bu_expect_blocks(&r, "the other is replaced by the remote that was replaced before", "342", ARMED);
     wire_close(&r.w);
     bu_start(&r, &bu_nodes[3]);
     bu_arm(&r, 1);
     bu_arm(&r, 2);
     bu_set_number(&r, "ru1.on", 0);
     bu_arm(&r, 3);
-    bu_expect_blocks(&r, "there was a place beside it", "23", BLOCKED);
+    bu_expect_blocks(&r, "another place was free", "23", BLOCKED);
     bu_arm(&r, 1);
     bu_expect_blocks(&r, "rearmed", "231", ARMED);
     wire_close(&r.w);
@@ -492,7 +492,7 @@ int main(int argc, char **argv)
         TEST("ECL-030 ECL-032: remotes that are on and not armed are counted", unarmed_are_counted),
         TEST("ECL-028: an armed remote that is lost blocks the BU until it is on and rearmed", blocked_until_rearmed),
         TEST("ECL-028 ECL-047: with MultiArm each lost remote must be rearmed", blocked_with_three),
-        TEST("ECL-028 ECL-048: a lost remote that never comes back is replaced by another in its place", replaced),
+        TEST("ECL-028 ECL-048: a lost remote that never returns is replaced by another one", replaced),
         TEST("ECL-048: switched on, armed and at work in one go", on_and_armed_at_once),
         TEST("ECL-036 ECL-051: ids are unique", ids_are_unique),
         TEST(

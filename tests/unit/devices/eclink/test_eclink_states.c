@@ -312,7 +312,7 @@ static void neighbour_sees_no_link(void **state)
     enable(&w, 1, "0");
     unsigned int status = wire_read16(&w, 0, 0x0110) & PORT1;
     if (status != CLOSED)
-        fail_msg("behind it nothing answers: expected port 1 without link and closed (0x%04X), got 0x%04X", CLOSED,
+        fail_msg("nothing replies behind it: expected port 1 without link and closed (0x%04X), got 0x%04X", CLOSED,
                  status);
     enable(&w, 1, "1");
     assert_int_equal(wire_read16(&w, 0, 0x0110) & PORT1, LINK);

@@ -629,7 +629,7 @@ int main(int argc, char **argv)
         TEST("ECL-056: CAO with another number than CCI does not acknowledge", cao_of_something_else),
         TEST("ECL-056: CAO is watched only while a command waits for it", cao_without_a_command),
         TEST("ECL-056 ECL-023: CCI goes from 255 to 0, and so must CAO", cao_wraps),
-        TEST("ECL-056 ECL-057: with PCO and CAO late, both must come back", both_late),
+        TEST("ECL-056 ECL-057: with PCO and CAO late, both must return", both_late),
         TEST("ECL-058: Input Only sends no commands, so none is ever late", no_commands_in_input_only),
         TEST("ECL-073 ECL-066: without outputs the watchdog ends OP: External link error, No Data, until OP and duties "
              "again",

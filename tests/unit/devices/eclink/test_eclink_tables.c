@@ -232,7 +232,7 @@ static void data_link(void **state)
     }
 }
 
-/* Masters read at most so many entries of a PDO, and know no wider ones. */
+/* Masters read at most so many entries of a PDO, of at most so many bits. */
 enum { MOST_ENTRIES = 64, WIDEST_BITS = 64 };
 
 /* The entries of the assigned PDOs, one after the other, are the expected ones. */
@@ -461,7 +461,7 @@ static void pci_counts(void **state)
     }
 }
 
-/* A late call neither makes up for what was missed nor loses the beat. */
+/* A late call neither makes up for missed updates nor shifts the following ones. */
 static void pci_after_a_pause(void **state)
 {
     const node_t *node = &nodes[2];

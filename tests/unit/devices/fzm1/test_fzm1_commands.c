@@ -137,7 +137,7 @@ static void handshake(void **state)
     assert_int_equal(ect_load_le32(s.in + 4), FZM1_GET_SCENE); /* the response stays */
 }
 
-/* Parameters count as they are at the edge. */
+/* Parameters have their values at the edge. */
 static void parameters_at_the_edge(void **state)
 {
     int32_t scene = -1;
@@ -226,7 +226,7 @@ static void taken_at_any_time(void **state)
     assert_int_equal(signal_number(&s.w, "exes_ignored"), 0);
 }
 
-/* Behind a switch of the scene: its answer first, then that of Clear, with FLG, which is Clear's. */
+/* After a switch of the scene: its response first, then that of Clear, whose FLG follows. */
 static void one_behind_the_other(void **state)
 {
     (void)state;
@@ -340,7 +340,7 @@ static void busy_while_switching(void **state)
     }
     sensor_prepare(&s, FZM1_SWITCH_SCENE, 128, 0, 0);
     sensor_set(&s, FZM1_EXE, true);
-    sensor_expect(&s, "a scene that is not there is no switch", MASK, FZM1_READY);
+    sensor_expect(&s, "an unknown scene is no switch", MASK, FZM1_READY);
     assert_int_equal(signal_number(&s.w, "measurements"), 0);
 }
 
@@ -412,13 +412,13 @@ static void scene_by_hand(void **state)
     (void)state;
     signal_set(&s.w, "scene", "12");
     signal_set(&s.w, "data1", "12"); /* the new scene's already */
-    sensor_expect(&s, "switching by hand", FZM1_BUSY | FZM1_READY, FZM1_BUSY);
+    sensor_expect(&s, "switching manually", FZM1_BUSY | FZM1_READY, FZM1_BUSY);
     signal_set(&s.w, "scene_group", "3"); /* another one at once: BUSY starts again */
     signal_set(&s.w, "scene_group", "0");
     signal_set(&s.w, "scene", "12");
     signal_set(&s.w, "data1", "12");
     assert_int_equal(sensor_until(&s, FZM1_BUSY, 0), 100 * MS);
-    sensor_expect(&s, "switched by hand", FZM1_BUSY | FZM1_READY, FZM1_READY);
+    sensor_expect(&s, "switched manually", FZM1_BUSY | FZM1_READY, FZM1_READY);
     assert_int_equal(sensor_command(&s, FZM1_GET_SCENE, 0, 0, 0, &scene), 0);
     assert_int_equal(scene, 12);
     signal_set(&s.w, "scene", "0");
@@ -481,17 +481,17 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         TEST("FZM-033 FZM-034 FZM-035 FZM-051 FZM-055 FZM-056 FZM-057 FZM-058 FZM-060 FZM-061 FZM-062 OM-C5 OM-C8 "
              "OM-C11: "
-             "every command, what it answers, and what it refuses with -1",
+             "every command, its response, and its refusals with -1",
              every_command),
         TEST("FZM-050 FZM-051 OM-C2: command codes are two words, the lower at +2; the echo repeats them",
              codes_on_the_wire),
         TEST("FZM-040 FZM-043 FZM-070: FLG comes with the stored response and goes with EXE", handshake),
-        TEST("FZM-070: code and parameters count as they are when EXE rises", parameters_at_the_edge),
+        TEST("FZM-070: code and parameters have their values at the rising edge of EXE", parameters_at_the_edge),
         TEST("FZM-043: EXE that falls early: the command is done, FLG does not come", exe_falls_early),
         TEST("FZM-043 FZM-070: a second EXE while a command is executed begins no second one", second_exe),
         TEST("FZM-044: EXE that rises while BUSY is ignored until it falls", busy_ignores),
         TEST("FZM-052 FZM-054 FZM-055: Clear and End continuous are taken while BUSY", taken_at_any_time),
-        TEST("FZM-043 FZM-054 FZM-055: Clear and End continuous behind another command: one answer after the other",
+        TEST("FZM-043 FZM-054 FZM-055: Clear and End continuous after another command: one response after the other",
              one_behind_the_other),
         TEST("FZM-052: Restart does not wait for the command that is executed", restart_at_once),
         TEST("FZM-040 FZM-062: each EXE that begins nothing and each -1 is counted, with its cause",
@@ -501,10 +501,11 @@ int main(int argc, char **argv)
         TEST("FZM-075: handshakes in every cycle of 250 us", as_fast_as_it_gets),
         TEST("FZM-036 FZM-037 FZM-038: unnamed bits are ignored, and read 0", unnamed_bits),
         TEST("FZM-003 FZM-004: outputs count in OP only; leaving it takes EXE off", leaving_op),
-        TEST("FZM-044 FZM-057 FZM-058 FZM-059: a scene switched by hand is the current one, with data of its own; BUSY "
-             "while it is switched",
-             scene_by_hand),
-        TEST("FZM-044 FZM-057 FZM-058: no switch by hand while one image waits for its processing",
+        TEST(
+            "FZM-044 FZM-057 FZM-058 FZM-059: a scene switched manually is the current one, with data of its own; BUSY "
+            "while it is switched",
+            scene_by_hand),
+        TEST("FZM-044 FZM-057 FZM-058: no manual switch while an image waits for its processing",
              by_hand_with_an_image),
         TEST("FZM-040 FZM-041 FZM-042: exe, step and dsa show the levels from the master, each its own",
              levels_as_signals),

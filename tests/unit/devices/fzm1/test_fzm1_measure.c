@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Measurement by STEP and continuously, READY, BUSY, OR, and what is measured (Q179 §4-2, §4-4). */
+/* Measurement by STEP and continuously, READY, BUSY, OR, and the measured values (Q179 §4-2, §4-4). */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -234,7 +234,7 @@ static void continuous(void **state)
     sensor_set(&s, FZM1_STEP, false);
     assert_int_equal(sensor_command(&s, FZM1_END_CONTINUOUS, 0, 0, 0, NULL), 0);
     (void)sensor_until(&s, MASK, FZM1_READY);
-    assert_int_equal(measurements(), 11); /* the one under way is finished */
+    assert_int_equal(measurements(), 11); /* the active one is finished */
     sensor_wait(&s, 500 * MS);
     assert_int_equal(measurements(), 11);
     assert_int_equal(sensor_command(&s, FZM1_END_CONTINUOUS, 0, 0, 0, NULL), 0);
@@ -257,7 +257,8 @@ static void continuous_after_step(void **state)
     assert_int_equal(measurements(), 2);
 }
 
-/* A second without polls: all images were measured meanwhile, and each result still gets a GATE that can be seen. */
+/* A second without polls: all images were measured meanwhile, and each result still gets a GATE that a master can read.
+ */
 static void late_polls(void **state)
 {
     (void)state;
@@ -296,7 +297,7 @@ static void very_late_poll(void **state)
     assert_in_range(signal_number(&s.w, "outputs"), 100, 110);
 }
 
-/* The limit of events falls on an image that is taken, or on one that is processed: what is under way is put off. */
+/* The limit of events is reached at the input or the processing of an image: the rest is postponed. */
 static void put_off(void **state)
 {
     enum { IMAGE = 1, PROCESSING = 2 };
@@ -336,7 +337,7 @@ static void overall_judgement(void **state)
     }
 }
 
-/* Unit data 0 of each unit, and OR, when all are overridden by hand or by a row of the table. */
+/* Unit data 0 of each unit, and OR, when all are overridden manually or by a row of the table. */
 static void judgement_of_all(void **state)
 {
     static const char *const ways[][2] = {{"judgement", "-1"}, {"judgement", "1"}, {"row", "-1"}, {"row", "1"}};
@@ -455,8 +456,8 @@ static void table(void **state)
     assert_true(measure("result2") == 0);
 }
 
-/* Rows of a scene are measured in it alone, in a loop of their own; the others share those of no scene, or have their
- * own values. */
+/* Rows of a scene are measured in it alone, in a loop of their own; the others share the rows without a scene, or have
+ * their own values. */
 static void tables_of_scenes(void **state)
 {
     static const struct {
@@ -714,7 +715,7 @@ int main(int argc, char **argv)
         TEST("FZM-041 FZM-046: each STEP that measures nothing is counted, with its cause", causes_of_ignored_steps),
         TEST("FZM-067: 16, 4 or 1 images may wait, by camera; READY shows it", queue),
         TEST("FZM-066: BUSY falls when all pending measurements are done", busy_until_all_are_done),
-        TEST("FZM-067: pending images are measured in their order, with what they showed", order),
+        TEST("FZM-067: pending images are measured in their order, with their own content", order),
         TEST("FZM-053 FZM-054 FZM-050 OM-C7: continuous measurement from Start to End", continuous),
         TEST("FZM-053: a continuous measurement that finds an image already there", continuous_after_step),
         TEST("FZM-066 FZM-073: a late poll loses no measurement, and no GATE", late_polls),
@@ -722,13 +723,13 @@ int main(int argc, char **argv)
         TEST("FZM-053: after ten seconds without a poll each image of a continuous measurement is still measured once",
              put_off),
         TEST("FZM-047: OR follows the overall judgement of each measurement", overall_judgement),
-        TEST("FZM-033 FZM-047: `judgement`, by hand or in the table, is that of all units; 0: each its own",
+        TEST("FZM-033 FZM-047: `judgement`, set manually or in the table, applies to all units; 0: each its own",
              judgement_of_all),
         TEST("FZM-049: without the RUN window nothing is measured", run_window),
         TEST("FZM-069: a trigger at the sensor measures as STEP does", trigger),
         TEST("FZM-030: ramp, sine and random values", generators),
         TEST("FZM-030: values from a table, row by row", table),
-        TEST("FZM-030 FZM-035: rows of the table for a scene are measured in that scene, in a loop of their own",
+        TEST("FZM-030 FZM-035: rows of the table for a scene are measured in that scene, in their own loop",
              tables_of_scenes),
         TEST("FZM-030: output expressions", expressions),
         TEST("FZM-030 FZM-032 FZM-034: an expression that is the judgement outputs 1000 or -1000", judgement_as_data),

@@ -408,7 +408,7 @@ static void control_changes(void **state)
     sensor_expect(&s, "handshaking begins with GATE off", FZM1_GATE, 0);
 }
 
-/* DSA was on for one result when the control is set to what it is: it does not fetch the next. */
+/* DSA was on for one result when the control is set to its present value: DSA does not fetch the next result. */
 static void control_stays(void **state)
 {
     (void)state;
@@ -420,14 +420,14 @@ static void control_stays(void **state)
     assert_int_equal(sensor_data(&s, 1), 1000);
     signal_set(&s.w, "output_control", "0");
     signal_set(&s.w, "output_control", "1");
-    sensor_expect(&s, "DSA is still the one of the first result", FZM1_GATE, 0);
+    sensor_expect(&s, "DSA still belongs to the first result", FZM1_GATE, 0);
     assert_int_equal(sensor_data(&s, 1), 1000);
     sensor_set(&s, FZM1_DSA, false);
     sensor_set(&s, FZM1_DSA, true);
     assert_int_equal(sensor_data(&s, 1), 2000);
 }
 
-/* The handshake is chosen during a pulse of 5 ms: the end of that pulse is none of the handshake's. */
+/* The handshake is selected during a pulse of 5 ms: the end of this pulse is not part of the handshake. */
 static void pulse_from_before(void **state)
 {
     (void)state;
@@ -551,7 +551,7 @@ static void time_out_begins_with_op(void **state)
     assert_int_equal(sensor_until(&s, FZM1_ERR, FZM1_ERR), 10000 * MS);
 }
 
-/* Leaving OP while GATE is on: the one who saw it is gone. */
+/* OP ends while GATE is on: the master that has read GATE no longer exists. */
 static void gate_ends_with_op(void **state)
 {
     (void)state;
@@ -565,7 +565,7 @@ static void gate_ends_with_op(void **state)
     assert_int_equal(signal_number(&s.w, "pending"), 1);
 }
 
-/* Only what an answer answers: an error by hand, or of a command, stays. */
+/* A handshake clears only the error of a missing handshake: a manual error, or an error of a command, stays. */
 static void errors_apart(void **state)
 {
     (void)state;
@@ -592,7 +592,7 @@ static void errors_apart(void **state)
     measure(4);
     sensor_set(&s, FZM1_DSA, true);
     assert_int_equal(wire_al(&s.w, 0, ECT_STATE_SAFEOP, NULL), ECT_STATE_SAFEOP);
-    sensor_expect(&s, "leaving OP is no answer", FZM1_ERR | FZM1_GATE, FZM1_ERR);
+    sensor_expect(&s, "the end of OP is no handshake", FZM1_ERR | FZM1_GATE, FZM1_ERR);
 }
 
 static void sixteen_wait(void **state)
@@ -601,7 +601,7 @@ static void sixteen_wait(void **state)
     signal_set(&s.w, "timeout", "1200");
     for (int n = 1; n <= 20; n++) {
         measure(n);
-        sensor_expect(&s, "BUSY and READY know nothing of it", FZM1_BUSY | FZM1_READY | FZM1_ERR,
+        sensor_expect(&s, "BUSY and READY are independent of it", FZM1_BUSY | FZM1_READY | FZM1_ERR,
                       n <= 16 ? FZM1_READY : FZM1_READY | FZM1_ERR);
     }
     assert_int_equal(signal_number(&s.w, "measurements"), 20);
@@ -651,7 +651,8 @@ int main(int argc, char **argv)
         TEST("FZM-073: None with output_repeat: the last data every period", repeated),
         TEST("FZM-028 FZM-073: a new period by SDO counts from then on", period_by_sdo),
         TEST("FZM-027 FZM-028 FZM-029 OM-C13: ranges, and the output time stays below the period", time_below_period),
-        TEST("FZM-048 FZM-066 FZM-069 FZM-073: None: measurements that come too fast: the newest are lost and counted, "
+        TEST("FZM-048 FZM-066 FZM-069 FZM-073: None: measurements faster than the output: the newest are lost and "
+             "counted, "
              "ERR shows it, BUSY is unaffected",
              too_fast),
         HANDSHAKING("FZM-042 FZM-045 FZM-071: data with DSA, GATE until DSA falls", handshake),
@@ -660,15 +661,15 @@ int main(int argc, char **argv)
         HANDSHAKING("FZM-029 FZM-048 FZM-072: no DSA within the timeout: ERR, the result is dropped", timeout),
         HANDSHAKING("FZM-072: each waiting result has its own timeout", each_result_has_its_time),
         HANDSHAKING("FZM-072: DSA that does not fall is a timeout too", dsa_does_not_fall),
-        HANDSHAKING("FZM-048: ERR is cleared by Clear, by 2401h and by hand", error_is_cleared),
-        HANDSHAKING("FZM-026 FZM-071: setting the output control to what it is changes nothing", control_stays),
+        HANDSHAKING("FZM-048: ERR is cleared by Clear, by 2401h and manually", error_is_cleared),
+        HANDSHAKING("FZM-026 FZM-071: setting the output control to its present value changes nothing", control_stays),
         HANDSHAKING("FZM-026 FZM-071: DSA that went on before the handshake was chosen is no request", dsa_from_before),
         HANDSHAKING("FZM-026 FZM-045: GATE of a handshake outlasts the pulse that it cut short", pulse_from_before),
         HANDSHAKING("FZM-026 FZM-072: the timeout of DSA begins when the handshake is chosen",
                     time_out_begins_with_handshake),
         HANDSHAKING("FZM-031: a result is output in the format that it was measured with", format_of_the_measurement),
         HANDSHAKING("FZM-055 FZM-072: Clear takes back what waits to be output", clear_takes_back),
-        HANDSHAKING("FZM-048: each error is ended by its own answer", errors_apart),
+        HANDSHAKING("FZM-048: each error is ended by its own handshake", errors_apart),
         HANDSHAKING("FZM-026 FZM-045: the output control changes in OP, by SDO: GATE is off in between",
                     control_by_sdo),
         HANDSHAKING("FZM-026: the output control may change while a result waits", control_changes),

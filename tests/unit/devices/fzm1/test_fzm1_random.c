@@ -27,7 +27,7 @@ typedef struct watch {
     uint32_t control;
     int32_t output[FZM1_DATA];
     uint32_t response[3];
-    uint32_t exe; /* level that the sensor has seen */
+    uint32_t exe; /* level that the sensor has read */
 } watch_t;
 
 static watch_t seen;
@@ -128,7 +128,7 @@ static void session(unsigned int number)
             exchange();
         pass(cycle);
     }
-    memset(s.out, 0, sizeof s.out); /* at rest all comes to its end */
+    memset(s.out, 0, sizeof s.out); /* without inputs all work ends */
     exchange();
     pass(200000 * MS);
     if ((sensor_read(&s) & (FZM1_READY | FZM1_BUSY)) != FZM1_READY)

@@ -106,7 +106,7 @@ static void no_memory(void **state)
     assert_non_null(strstr(message, "--store"));
 }
 
-/* The power goes after every byte: what was saved before is there, or all of the new. */
+/* The power fails after every byte: the previous save is intact, or the whole new one. */
 static void power_cut(void **state)
 {
     unsigned int kept = 0, renewed = 0;
@@ -133,7 +133,7 @@ static void power_cut(void **state)
     assert_true(kept > 100);
 }
 
-/* A disk with a cache: what was written and not yet safe is there after a power cut, or is not, piece by piece. The
+/* A disk with a cache: after a power failure, data written but not yet safe exist or not, piece by piece. The
  * power goes at every step of a save, and several ways each. */
 static void power_cut_with_cache(void **state)
 {
@@ -172,7 +172,7 @@ static void not_safe(void **state)
     memory.lazy = 3;
     memory.unsafe = true;
     assert_int_equal(sensor_command(&s, FZM1_SAVE, 0, 0, 0, NULL), 0xFFFFFFFF);
-    expect_text("command_refused_cause", "the memory does not keep what is written");
+    expect_text("command_refused_cause", "the memory does not keep writes");
     memory.unsafe = false;
     assert_int_equal(sensor_command(&s, FZM1_SAVE, 0, 0, 0, NULL), 0);
 }
@@ -226,7 +226,7 @@ static void in_steps(void **state)
     }
 }
 
-/* A save by hand and commands: the command that concerns scenes waits for it, others do not; a restart breaks it off.
+/* A manual save and commands: a command that concerns scenes waits for it, others do not; a restart breaks it off.
  */
 static void save_and_commands(void **state)
 {
@@ -406,7 +406,7 @@ static void no_numbers(void **state)
     }
 }
 
-/* Cut short with a check value that is right: what is there is used. */
+/* Truncated with a correct check value: the existing part is used. */
 static void cut_short(void **state)
 {
     (void)state;
@@ -422,7 +422,7 @@ static void cut_short(void **state)
     }
 }
 
-/* System data with one value changed: all of it counts, or none. The defaults that differ from the record show which.
+/* System data with one value changed: all of it is used, or none. The defaults that differ from the record show which.
  */
 static void system_limits(void **state)
 {
@@ -487,7 +487,7 @@ static void no_room(void **state)
     memory.storage.bank_size = 60;
     signal_set(&s.w, "data1", "1");
     assert_int_equal(sensor_command(&s, FZM1_SAVE, 0, 0, 0, NULL), 0xFFFFFFFF);
-    expect_text("save_failed_cause", "the memory does not answer, or has no room for all scenes");
+    expect_text("save_failed_cause", "the memory does not respond, or has no space for all scenes");
     assert_int_equal(signal_number(&s.w, "saves_failed"), 1);
 }
 
@@ -505,7 +505,7 @@ static void restart(void **state)
     sensor_prepare(&s, FZM1_RESTART, 0, 0, 0);
     sensor_set(&s, FZM1_EXE, true);
     sensor_wait(&s, 1 * MS);
-    sensor_expect(&s, "restarting: no answer, all signals off", 0xFFFFFFFF, 0);
+    sensor_expect(&s, "restarting: no response, all signals off", 0xFFFFFFFF, 0);
     sensor_wait(&s, 20 * MS - 1);
     assert_true(on_the_bus());
     wire_advance(&s.w, 1);
@@ -542,7 +542,7 @@ static void restart_by_hand(void **state)
     sensor_operational(&s);
     expect_text("camera", "2"); /* the plant is as it was */
     expect_text("source1", "3");
-    expect_text("data1", "0"); /* what was not saved is not */
+    expect_text("data1", "0"); /* unsaved data are not */
 }
 
 static void restart_while_continuous(void **state)
@@ -590,13 +590,13 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         TEST("FZM-056: Save keeps system data and the current scene group over power-off", saved),
         TEST("FZM-056: without Save power-off forgets", forgotten),
-        TEST("FZM-056 FZM-058: each scene group that was saved is kept, the others are as from the factory", groups),
+        TEST("FZM-056 FZM-058: each saved scene group is kept, the others have factory settings", groups),
         TEST("FZM-056: without memory Save answers -1", no_memory),
         TEST("FZM-056: the power may be cut at any byte of a Save", power_cut),
         TEST("FZM-056: a record that was spoilt is not used", spoilt),
         TEST("FZM-056: a memory that stops to respond: a reported save is complete, and the save before stays",
              unreadable),
-        TEST("FZM-056: a memory that does not answer at power-on: factory settings, or what was saved",
+        TEST("FZM-056: a memory that does not respond at power-on: factory settings, or the saved ones",
              unreadable_at_power_on),
         TEST("FZM-056: a record with nonsense in it breaks nothing", nonsense),
         TEST("FZM-056: a record of another layout is not used, and is replaced", other_layout),
@@ -604,15 +604,14 @@ int main(int argc, char **argv)
         TEST("FZM-056: system data at the limits of each setting, and beyond them", system_limits),
         TEST("FZM-056: a record that is cut short breaks nothing", cut_short),
         TEST("FZM-056: a memory without room: -1 and the cause", no_room),
-        TEST("FZM-056: a disk with a cache: the power may be cut at any step of a Save, and what is acknowledged is "
-             "safe",
+        TEST("FZM-056: a disk with a cache: the power may fail at any step of a Save, and acknowledged data are safe",
              power_cut_with_cache),
-        TEST("FZM-051 FZM-056: a memory that does not keep what is written: -1 and the cause", not_safe),
+        TEST("FZM-051 FZM-056: a memory that does not keep writes: -1 and the cause", not_safe),
         TEST("FZM-043 FZM-056 FZM-069: Save of 32 groups delays no other work, and FLG comes when it is safe",
              in_steps),
-        TEST("FZM-052 FZM-056 FZM-058: a save by hand, and commands meanwhile", save_and_commands),
-        TEST("FZM-052 FZM-077: Restart: no answer, signals off, off the bus, INIT, saved settings", restart),
-        TEST("FZM-077: a restart by hand; switches and cameras stay as they are", restart_by_hand),
+        TEST("FZM-052 FZM-056 FZM-058: a manual save, and commands meanwhile", save_and_commands),
+        TEST("FZM-052 FZM-077: Restart: no response, signals off, off the bus, INIT, saved settings", restart),
+        TEST("FZM-077: a manual restart; switches and cameras are unchanged", restart_by_hand),
         TEST("FZM-052: Restart ends a continuous measurement", restart_while_continuous),
         TEST("FZM-024 FZM-077: the fieldbus setting is active when it was saved and the controller restarted",
              fieldbus),

@@ -40,7 +40,8 @@ static int32_t measured(unsigned int n)
     return data;
 }
 
-/* Comments, format and expressions are set in one scene; another one has its own; back in the first they are there. */
+/* Comments, format and expressions are set in one scene; another one has its own; back in the first group they exist.
+ */
 static void of_a_scene(void **state)
 {
     static const char *const mine[][2] = {
@@ -107,7 +108,7 @@ static void prepared(void **state)
     assert_int_equal(measured(1), 7500);
 }
 
-/* The results of the scene before are none of the new one. */
+/* The results of the previous scene do not belong to the new one. */
 static void unmeasured(void **state)
 {
     static const uint32_t switches[] = {FZM1_SWITCH_SCENE, FZM1_SWITCH_GROUP};
@@ -123,7 +124,7 @@ static void unmeasured(void **state)
     }
 }
 
-/* The scene that is current now: what is changed through `edit` counts for the next measurement. */
+/* The current scene: changes through `edit` apply to the next measurement. */
 static void current_scene(void **state)
 {
     (void)state;
@@ -192,7 +193,7 @@ static void forgotten(void **state)
     expect_text("data1", "0");
 }
 
-/* As many as there is room for; then a reason, and those that are there can be changed. */
+/* As many as there is room for; then a reason, and existing ones can be changed. */
 static void as_many_as_fit(void **state)
 {
     char number[16], message[ECT_SIGNAL_MESSAGE] = "";
@@ -289,11 +290,11 @@ int main(int argc, char **argv)
         TEST("FZM-030 FZM-058: a switch of scene or group makes unit data unmeasured", unmeasured),
         TEST("FZM-030: the current scene is changed at once", current_scene),
         TEST("FZM-030 FZM-058: `edit` shows the values of the scene that it opens", opened),
-        TEST("FZM-056 FZM-058: a scene that was saved is seen, changed, and saved with its group", saved_scenes),
-        TEST("FZM-058: prepared scenes are forgotten by hand", forgotten),
+        TEST("FZM-056 FZM-058: a saved scene is read, changed, and saved with its group", saved_scenes),
+        TEST("FZM-058: prepared scenes are discarded manually", forgotten),
         TEST("FZM-058: as many scenes are prepared as there is room for", as_many_as_fit),
         TEST("FZM-030 FZM-033: nonsense in a scene is refused with the reason", refused),
-        TEST("FZM-056 FZM-058: a memory that does not answer shows no scene", memory_is_silent),
+        TEST("FZM-056 FZM-058: a memory that does not respond has no scene", memory_is_silent),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -85,7 +85,7 @@ static void unsaved(void **state)
     expect_scene(5, "55");
     assert_int_equal(sensor_command(&s, FZM1_SWITCH_GROUP, 1, 0, 0, NULL), 0);
     assert_int_equal(sensor_command(&s, FZM1_SWITCH_GROUP, 0, 0, 0, NULL), 0);
-    expect_scene(4, "5"); /* what was not saved is forgotten with its group */
+    expect_scene(4, "5"); /* unsaved changes are lost with their group */
 }
 
 static void no_room(void **state)
@@ -219,7 +219,7 @@ static void silent_memory(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        TEST("FZM-056 FZM-058: scenes that were saved are there, whatever has a place in memory", from_storage),
+        TEST("FZM-056 FZM-058: saved scenes exist, whichever scenes are in memory", from_storage),
         TEST("FZM-056 FZM-058: scenes that were changed and not saved stay until another group is switched to",
              unsaved),
         TEST("FZM-058: more changed scenes than places: the switch is refused with the reason, nothing is lost",

@@ -126,7 +126,7 @@ static void sizes(void **state)
     }
 }
 
-/* Each written value, and what comes back. */
+/* Each written value, and the value read. */
 static void settings(void **state)
 {
     static const struct {
@@ -456,7 +456,7 @@ int main(int argc, char **argv)
             "FZM-011 FZM-012 FZM-013 FZM-014: each of the 26 abort codes can be had, and no other, for any SDO request",
             all_aborts),
         TEST("FZM-015 OM-C10 CF-092: DC cycles of 250, 500 us, 1, 2, 4 ms and no others", cycles),
-        TEST("FZM-015 CF-092: a cycle time that comes in SAFEOP is checked on the way to OP", cycles_before_op),
+        TEST("FZM-015 CF-092: a cycle time written in SAFEOP is checked at the transition to OP", cycles_before_op),
         TEST("FZM-016 OM-C10: the measurement does not depend on SYNC0", asynchronous),
         TEST("FZM-019 OM-C18: node address 1 to 9 is alias and device id from the next restart, 0 leaves it",
              node_address),

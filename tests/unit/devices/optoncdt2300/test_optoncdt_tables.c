@@ -286,7 +286,7 @@ static void room(void **state)
     assert_int_equal(wire_al(&r.w, 0, PREOP, NULL), PREOP);
     assert_int_equal(ranger_download(&r, 0x21B0, 4, 1, 1), 0x06040042); /* 1200 bytes */
     assert_int_equal(ranger_number(&r, 0x1A00, 0), 2);
-    ranger_write(&r, 0x21B0, 9, 1, 1); /* what is chosen already needs no room */
+    ranger_write(&r, 0x21B0, 9, 1, 1); /* selected values need no more space */
     ranger_select(&r, DISTANCES, 95);
     ranger_write(&r, 0x21B0, 4, 1, 1); /* 1140 bytes */
 }
@@ -326,7 +326,7 @@ static void user_level(void **state)
             if (code != (expert ? 0 : 0x08000021))
                 fail_msg("round %u, %04Xh:%u: got %08X", round, settings[i].index, settings[i].subindex, code);
         }
-        (void)ranger_number(&r, 0x2250, 1); /* everybody may read */
+        (void)ranger_number(&r, 0x2250, 1); /* every user level may read */
         assert_int_equal(ranger_text(&r, 0x2001, 5, "000"), expert ? 0 : 0x08000021);
         if (round == 0) {
             assert_int_equal(ranger_text(&r, 0x2001, 2, "001"), 0x08000020);
@@ -460,7 +460,7 @@ int main(void)
         T("OPT-012: identity can be that of the manual (public, p. 157), ours is a placeholder", identity),
         T("OPT-011: distance 1 and distance 2 by default (public manual, p. 153)", default_mapping),
         E("OPT-010: all thirteen measurements in the printed order (public manual, p. 157)", full_mapping),
-        E("OPT-010: 1A00h follows what is chosen in 21B0h (public manual, p. 153)", selection),
+        E("OPT-010: 1A00h follows the selection in 21B0h (public manual, p. 153)", selection),
         E("OPT-010: it can be changed in PREOP only (public manual, p. 153)", selection_is_refused),
         E("OPT-010: nothing chosen, no process data", nothing_selected),
         E("OPT-010: no choice and no assignment beyond what SM3 can hold", room),

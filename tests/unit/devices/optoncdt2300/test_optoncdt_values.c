@@ -623,7 +623,7 @@ int main(void)
 #define T(title, function) {title, function, setup, teardown, NULL}
     const struct CMUnitTest tests[] = {
         A("OPT-006: values in their units (public manual, pp. 86, 98)", first_values),
-        A("OPT-006: values follow what is set (public manual, pp. 86, 98)", settings_of_the_plant),
+        A("OPT-006: values follow the settings (public manual, pp. 86, 98)", settings_of_the_plant),
         A("OPT-013: each error in place of a distance (public manual, p. 98)", errors),
         A("OPT-006: two surfaces, and their difference (public manual, p. 174)", two_surfaces),
         A("OPT-013: laser power by SDO", laser_power),
@@ -643,7 +643,8 @@ int main(void)
         T("OPT-006: oversampling, after an absence", many_after_away),
         T("SYNC0 has the period of a measuring rate, or twice that (public manual, p. 182)", cycles),
         T("a record at each SYNC0 (public manual, p. 182)", synchronised),
-        T("OPT-006: the first pulse behind the last record continues them when SYNC0 takes over (public manual, p. "
+        T("OPT-006: the first pulse after the last record continues them when SYNC0 replaces the rate (public manual, "
+          "p. "
           "182)",
           sync0_takes_over),
         T("SYNC0 without outputs, and without SYNC0", sync0_without_outputs),

@@ -48,7 +48,7 @@ static void straight_to_enabled(void **state)
     drive_expect(&d, ECT_402_SWITCH_ON_DISABLED, "reset");
 }
 
-/* Without the setting the manual's edge of bit 3 is wanted. */
+/* Without the setting the manual's edge of bit 3 is required. */
 static void manual_needs_the_edge(void **state)
 {
     (void)state;

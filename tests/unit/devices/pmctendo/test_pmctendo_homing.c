@@ -231,8 +231,7 @@ int main(int argc, char **argv)
          NULL},
         {"PLZ-024: 6098h written during a run counts from the next one on", written_under_way, NULL, NULL, NULL},
         {"PLZ-023: the start bit without an edge in Operation Enabled starts nothing", no_edge, NULL, NULL, NULL},
-        {"PLZ-023: bit 12 saves the parameters, once an edge; they are there after a power cycle", save, NULL, NULL,
-         NULL},
+        {"PLZ-023: bit 12 saves the parameters, once an edge; they exist after a power cycle", save, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

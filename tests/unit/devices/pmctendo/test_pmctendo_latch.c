@@ -106,7 +106,7 @@ static void one_latch(size_t i)
     expect(latches[i].what, VALID | ACKNOWLEDGE, latches[i].enable | latches[i].read);
     if (drive_latched(&d, latches[i].shown) != latches[i].value)
         fail_msg("%s: expected %d, got %d", latches[i].what, latches[i].value, drive_latched(&d, latches[i].shown));
-    travel(up ? 800000 : 0, up ? 0 : 800000); /* over it once more: what was caught stays */
+    travel(up ? 800000 : 0, up ? 0 : 800000); /* over it once more: the latched value stays */
     expect("kept", VALID | ACKNOWLEDGE, latches[i].enable | latches[i].read);
     assert_int_equal(drive_latched(&d, latches[i].shown), latches[i].value);
     drive_latch(&d, 0);
@@ -121,7 +121,7 @@ static void every_latch(void **state)
         one_latch(i);
 }
 
-/* An input switched by hand latches the present position, with the power stage off. */
+/* An input switched manually latches the present position, with the power stage off. */
 static void by_hand(void **state)
 {
     (void)state;
@@ -137,7 +137,7 @@ static void by_hand(void **state)
     expect("DI2 off", VALID, 0x0F);
 }
 
-/* A code for which nothing is there, or that does not exist, is not acknowledged. */
+/* A code without a latched value, or an unknown code, is not acknowledged. */
 static void codes(void **state)
 {
     (void)state;
@@ -196,7 +196,7 @@ int main(int argc, char **argv)
          "with "
          "the position of the edge",
          every_latch, NULL, NULL, NULL},
-        {"PLZ-001 PLZ-002 PLZ-004: edges of inputs that are switched by hand", by_hand, setup, teardown, NULL},
+        {"PLZ-001 PLZ-002 PLZ-004: edges of inputs that are switched manually", by_hand, setup, teardown, NULL},
         {"PLZ-006: a code without a value is not acknowledged", codes, setup, teardown, NULL},
         {"PLZ-004 PLZ-006: a latch that is armed by mailbox catches no edge from before", armed_between_ticks, NULL,
          NULL, NULL},

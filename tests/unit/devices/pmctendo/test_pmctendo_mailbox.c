@@ -30,11 +30,10 @@ static void exchange(const telegram_t request, telegram_t reply)
 {
     assert_int_equal(wire_write(&d.w, 0, OUT, request, TELEGRAM), 1);
     if (wire_read(&d.w, 0, IN, reply, TELEGRAM) != 1)
-        fail_msg("a telegram is not answered: type %02X, service %02X, command %02X", request[5], request[7],
-                 request[8]);
+        fail_msg("no reply to a telegram: type %02X, service %02X, command %02X", request[5], request[7], request[8]);
 }
 
-/* The mail counter, bits 4 to 6 of byte 5, is the standard's and not in the manual: it is left out of account. */
+/* The mail counter, bits 4 to 6 of byte 5, is defined by the standard and not in the manual: it is not compared. */
 static void expect(const char *what, const telegram_t request, const telegram_t want)
 {
     telegram_t reply;
@@ -181,7 +180,7 @@ static void every_telegram(void **state)
     assert_int_equal(drive_read(&d, 0x1000, 0), 0x00020192);
 }
 
-/* A name is longer than a telegram: it comes in segments. */
+/* A name is longer than a telegram: it is sent in segments. */
 static void names(void **state)
 {
     char text[40] = {0};
@@ -203,8 +202,7 @@ int main(int argc, char **argv)
         {"PLZ-007 PLZ-008 PLZ-009 PLZ-010 PLZ-011 PLZ-012 PLZ-014: Mail Out raises its event, is read and freed, the "
          "reply is in Mail In",
          handling, setup, teardown, NULL},
-        {"PLZ-030: every telegram is answered, with a reply, an abort or a mailbox error", every_telegram, setup,
-         teardown, NULL},
+        {"PLZ-030: every telegram gets a reply, an abort or a mailbox error", every_telegram, setup, teardown, NULL},
         {"PLZ-027: values longer than a telegram are sent in segments", names, setup, teardown, NULL},
     };
     if (argc > 1)

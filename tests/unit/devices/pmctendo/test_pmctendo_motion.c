@@ -144,7 +144,7 @@ static void torque(void **state)
     expect_near("speed", from, 0.5); /* nothing holds it */
 }
 
-/* Friction and load take their share of the torque: 1 Nm less 0.3 less 0.2 is half of it. */
+/* Friction and load reduce the torque: 1 Nm minus 0.3 minus 0.2 is 0.5. */
 static void load_and_friction(void **state)
 {
     (void)state;
@@ -446,7 +446,7 @@ static void overspeed(void **state)
     drive_expect(&d, ECT_402_FAULT, "overspeed");
 }
 
-/* A quick stop that the torque is not enough for is given up: F30, no torque. */
+/* A quick stop without sufficient torque is aborted: F30, no torque. */
 static void stop_in_vain(void **state)
 {
     (void)state;

@@ -185,7 +185,7 @@ static void at_once(void **state)
     set_point(0, 10 * TURN);
     drive_cycles(&d, 398); /* at 3.5 turns */
     set_point(0, 20 * TURN);
-    set_point(ECT_402_AT_ONCE, 0); /* back, and the one that waits is dropped */
+    set_point(ECT_402_AT_ONCE, 0); /* back, and the waiting one is dropped */
     drive_cycles(&d, 100);
     expect_near("turning round", 0, 4.0 * TURN, speed());
     (void)drive_until(&d, PMC_STATUS_TASK, 0, 1000);
@@ -500,7 +500,8 @@ int main(int argc, char **argv)
         {"DRV-246: PV's bit 10 judges the limited target", target_reached_at_the_speed_limit, setup, teardown, NULL},
         {"DRV-210 DRV-217 DRV-409: one set-point runs, one waits, a third one is ignored", queue, setup, teardown,
          NULL},
-        {"DRV-211 DRV-408: bit 5 changes over at once and drops the one that waits", at_once, setup, teardown, NULL},
+        {"DRV-211 DRV-408: bit 5 changes to the new set-point at once and drops the waiting one", at_once, setup,
+         teardown, NULL},
         {"DRV-212 DRV-410: bit 9 passes the first target at its speed", through, NULL, NULL, NULL},
         {"DRV-215: set values without an edge of bit 4 change nothing", no_edge, setup, teardown, NULL},
         {"DRV-213 DRV-222: a relative target counts from the last one", relative, setup, teardown, NULL},

@@ -101,7 +101,7 @@ static void judge(bool new_word, uint16_t before, uint16_t word)
         bool ready = up == 1 && (u->axis.set.control & 7) == 6; /* its word may have waited for the supply */
         bool higher = up >= 2 && new_word && (word & 7) == 7 && (up == 2 || edge);
         if (!one_up || !(ready || higher))
-            refuse("a step of the sequence was left out");
+            refuse("a step of the sequence was omitted");
     }
     if (reaction && was < 2 && u->axis.action != ECT_402_OFF)
         refuse("power comes on with a fault");

@@ -184,7 +184,7 @@ static void shorter_than_allowed(void **state)
     assert_int_equal(code, 0x0036);
 }
 
-/* The rate of the master's own cycle counts when the user wants it: 1000 ppm, as the manual has it. */
+/* The rate of the master's own cycle is checked if the user requests it: 1000 ppm, as in the manual. */
 static void tolerance(void **state)
 {
     static const struct {
