@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The bus of a network file: places in the tree, and twins of what the file has of a slave. */
+/* The bus of a network file: places in the tree, and twins from the file's data of each slave. */
 #include "from_text.h"
 
 #include "eni/bus.h"

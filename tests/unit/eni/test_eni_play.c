@@ -9,7 +9,7 @@ enum { TEXT = 1 << 16 };
 
 static const char *const machine_words[] = {"--quiet", "eni:" ENI_FILES "/machine.xml"};
 
-/* A file, with one text replaced. NULL: as it is */
+/* A file, with one text replaced. NULL: unchanged */
 static ect_eni_t *file_with(const char *path, const char *from, const char *to)
 {
     static char file[TEXT], changed[3 * TEXT];
@@ -71,7 +71,7 @@ static void a_state_is_reached_step_by_step(void **state)
 #define VENDOR                "<Data>570e0000</Data>"
 #define COE(index, sub, data) "<Index>" index "</Index><SubIndex>" sub "</SubIndex><Data>" data "</Data>"
 
-/* The bus is that of the file as it is; the file that is played has one text changed. */
+/* The bus is that of the unchanged file; the file that is played has one text changed. */
 static const struct {
     const char *title, *from, *to;
     unsigned int reached;
@@ -83,7 +83,7 @@ static const struct {
      "<DataLength>2</DataLength><Cnt>4</Cnt>", 0, "count slaves: the working counter is 3, not 4\n"},
     {"ENI-018 no slave at all", "<DataLength>2</DataLength><Cnt>3</Cnt>", "<DataLength>2</DataLength><Cnt>0</Cnt>", 0,
      "count slaves: the working counter is 3, not 0\n"},
-    {"a slave that is not there", "<Adp>65535</Adp>", "<Adp>65530</Adp>", 0,
+    {"an absent slave", "<Adp>65535</Adp>", "<Adp>65530</Adp>", 0,
      "station address: the working counter is 0, not 1\n"},
     {"ENI-013 a mailbox with another length", "00108000260001008010800022000100", "00108100260001008010800022000100", 0,
      "check PREOP: the reply is 0x11, which Validate refuses\n"},
@@ -295,7 +295,7 @@ static void a_mailbox_that_is_too_short_for_a_command_is_named(void **state)
 
 /* --- mails -------------------------------------------------------------------------------------------------------- */
 
-/* Slaves that answer every upload, and notice a mail with the counter of the mail before. */
+/* Slaves that reply to every upload, and detect a mail with the counter of the previous mail. */
 typedef struct postbox {
     uint8_t last[2];
     unsigned int mails, repeated;
@@ -382,7 +382,7 @@ static void emergencies_before_a_reply_are_skipped(void **state)
     }
 }
 
-/* Bytes in the first mail, and in each segment: what is left of 64 behind the headers. */
+/* Bytes in the first mail, and in each segment: 64 minus the headers. */
 static void ENI_015_a_long_value_is_sent_in_mails_that_fit_the_mailbox(void **state)
 {
     enum { BOX = 64, FIRST = BOX - 16, SEGMENT = BOX - 9 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Network files: read as they are found, refused with one line. */
+/* Network files in all found forms are read, or refused with one line. */
 #include "from_text.h"
 
 #include <stdlib.h>

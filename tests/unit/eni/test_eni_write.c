@@ -469,7 +469,7 @@ static void ENI_020_mailboxes_have_a_bit_each(void **state)
     for (unsigned int i = 0; i < 3; i++)
         add_part(&w, "fzm1");
     plain = *w.parts[1].device;
-    plain.esc = "none"; /* a chip without a free FMMU, as far as anybody knows */
+    plain.esc = "none"; /* a chip without a known free FMMU */
     w.parts[1].device = &plain;
     write_parts("states", &w);
     const ect_eni_network_t *network = ect_eni_network(w.eni);

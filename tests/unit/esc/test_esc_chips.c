@@ -164,7 +164,7 @@ static void sii_width(void **state)
     }
 }
 
-/* The effect of sequential mode: a buffer that was written out of order is not handed over. */
+/* The effect of sequential mode: a buffer that was written out of order is not released. */
 static void sequential(void **state)
 {
     (void)state;
@@ -201,8 +201,8 @@ int main(int argc, char **argv)
         {"CF-008: a register that a chip lacks reads 0, that of an absent clock does not respond", absent_is_zero, NULL,
          NULL, NULL},
         {"CF-055: each chip advertises how many bytes an SII read delivers", sii_width, NULL, NULL, NULL},
-        {"CF-019: in sequential mode a buffer that was not written from start to end is not handed over", sequential,
-         NULL, NULL, NULL},
+        {"CF-019: in sequential mode a buffer that was not written from start to end is not released", sequential, NULL,
+         NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

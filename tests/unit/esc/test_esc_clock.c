@@ -657,7 +657,7 @@ static void sync_while_regulated(void **state)
     }
 }
 
-/* A master computes the offset from two clocks: that of the chip may have started long before the other one. */
+/* A master computes the offset from two clocks: the clock of the chip may have started long before the other clock. */
 static void sync_with_offset(void **state)
 {
     static const int64_t offsets[] = {0, 1, 1000000000000000000, -1, -1000000, -999999999};
@@ -961,12 +961,12 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         TEST("CF-087: a clock with a drift gains or loses a constant rate, over a hundred years too", drift),
-        TEST("CF-087: a changing drift loses no fraction, and the clock never goes back", drift_in_steps),
+        TEST("CF-087: a changing drift loses no fraction, and the clock never decreases", drift_in_steps),
         TEST("CF-088: the control loop follows a clock that differs by up to 700 ppm, at any cycle", loop_settles),
         TEST("CF-088: the speed counter difference shows the deviation by the data sheet's formula", speed_difference),
         TEST("CF-088: a difference is corrected no faster than the range of the speed counter allows", fastest),
         TEST("CF-088: the speed counter difference is the greatest that the rate allows", speed_difference_exactly),
-        TEST("CF-088: a sample corrects an eighth of its difference, a part of it permanently", one_sample),
+        TEST("CF-088: a sample corrects an eighth of its difference, in part permanently", one_sample),
         TEST("CF-088: a write to the speed counter's start resets the control loop", unregulated_again),
         TEST("CF-088: a system time that is written in part is compared in that part", compared_in_part),
         TEST("CF-088: a difference of 2^30 ns, ahead or behind, is shown and not corrected; a smaller one is",
@@ -992,14 +992,14 @@ int main(int argc, char **argv)
         TEST("CF-089: a change while SYNC0 runs takes effect at once", sync_unwatched),
         TEST("CF-089 CF-090: SYNC0 follows the chip's own clock while the control loop changes its rate",
              sync_while_regulated),
-        TEST("CF-087 CF-089: SYNC0 comes in time with an offset of either sign", sync_with_offset),
+        TEST("CF-087 CF-089: SYNC0 is on time with an offset of either sign", sync_with_offset),
         TEST("CF-089: the reported time of a pulse is exact at any distance; beyond 2^63 ns none is reported",
              far_away),
         MODERN("CF-089: a start time that is written while the unit runs restarts it", restarted_by_its_start_time),
         MODERN("CF-089: a start time that is written activates by itself, and 32 bits of it are enough",
                auto_activation),
         MODERN("CF-089: a start time outside the near future may mean now", plausibility),
-        MODERN("CF-089: a debug pulse comes at once, on chips that know it", debug_pulse),
+        MODERN("CF-089: a debug pulse starts at once, on chips that support it", debug_pulse),
         TEST("CF-089 CF-091: the master assigns the control of SYNC0, SYNC1 and the latches", assigned_control),
         TEST("CF-091: continuous: each edge of a latch input is taken", continuous),
         TEST("CF-091: single event: the first edge is kept until it is read", single_event),

@@ -614,7 +614,7 @@ static void vlan_tag(void **state)
         build_three(r);
         insert(r, vlan, 4);
         if (send_exact(r, length) != ECT_FRAME_DESTROYED || r->memory[0][ECT_REG_PROCESSING_ERROR] != 1)
-            fail_msg("tagged frame cut to %zu: expected no answer and the counter 0x030C at 1", length);
+            fail_msg("tagged frame cut to %zu: expected no reply and the counter 0x030C at 1", length);
         assert_int_equal(r->memory[0][USER], 0);
     }
 }
@@ -675,7 +675,7 @@ static void udp_truncated(void **state)
         build_udp(r);
         bool answered = send_exact(r, length) == ECT_FRAME_FORWARD;
         if (answered || r->memory[0][USER] != 0 || r->memory[0][ECT_REG_PROCESSING_ERROR] != 1)
-            fail_msg("UDP frame cut to %zu: expected no answer and the counter 0x030C at 1", length);
+            fail_msg("UDP frame cut to %zu: expected no reply and the counter 0x030C at 1", length);
     }
 }
 
@@ -789,20 +789,20 @@ int main(int argc, char **argv)
              "memory and WKC follow the table of commands, the WKC wraps",
              every_command_in_a_chain),
         TEST("CF-007: reserved commands 15..255 change nothing", reserved_commands),
-        TEST("CF-004: a slave whose station address is 0 answers FPRD to address 0", address_zero),
+        TEST("CF-004: a slave whose station address is 0 replies to FPRD to address 0", address_zero),
         TEST("CF-005: a half of a read-write that is not allowed adds nothing", halves),
         TEST("CF-005: register 0x0108 offsets the write of read-write commands only", read_write_offset),
         TEST("CF-005: feature bits 9 and 10 take LRW and the read-write commands away", features_without),
-        TEST("CF-013: 1..107 datagrams in a frame each answer for themselves, in order", many_datagrams),
+        TEST("CF-013: 1..107 datagrams in a frame are each processed, in order", many_datagrams),
         TEST("CF-013: data of 0, 1, odd and the greatest length are read and written exactly", data_lengths),
-        TEST("CF-006 CF-008: a broadcast read leaves bytes that are not there as they were", broadcast_beyond_the_end),
+        TEST("CF-006 CF-008: a broadcast read does not change missing bytes", broadcast_beyond_the_end),
         TEST("CF-013: a datagram of length 0 does nothing, WKC 0, the ADP still counts slaves", zero_length_commands),
-        TEST("CF-013: a frame cut anywhere is not answered, executes nothing, counts in 0x0300 and 0x030C", truncated),
+        TEST("CF-013: a frame truncated anywhere gets no reply, has no effect, counts in 0x0300 and 0x030C", truncated),
         TEST("CF-013: a frame ends where it ends, whatever is behind it", nothing_behind_the_end),
         TEST("CF-013: the first datagram of a frame is found; some frames have none", starts_of_datagrams),
         TEST("CF-013: datagram lengths that do not fit are refused; the header's length is not asked", false_lengths),
         TEST("CF-013: a frame of 2000 bytes is taken, a longer one is invalid", longest_frame),
-        TEST("CF-013: padding behind the last datagram is left as it is", padding),
+        TEST("CF-013: padding behind the last datagram is not changed", padding),
         TEST("CF-013: wrong EtherType or header type: destroyed and counted in 0x030C, or forwarded untouched when DL "
              "control bit 0 is clear",
              not_ethercat),

@@ -101,7 +101,7 @@ static void order(void **state)
     }
 }
 
-/* The mail was accepted by the SyncManager as it was when the datagram passed. */
+/* The mail was accepted by the state of the SyncManager when the datagram passed. */
 static void mail_and_restart(void **state)
 {
     chip_t *c = *state;
@@ -142,7 +142,7 @@ static void twice_in_a_frame(void **state)
     }
 }
 
-/* A begun second write takes back the first one: the slave never sees a part of each. */
+/* The start of a second write revokes the first one: the slave never reads a part of each. */
 static void begun_again(void **state)
 {
     chip_t *c = *state;
@@ -157,8 +157,8 @@ static void begun_again(void **state)
     assert_memory_equal(got, "ABCDEFGHIJKLMNOP", SIZE);
 }
 
-/* Outputs are written in three datagrams at most, with register writes that let the chip latch the time when they
- * change hands: one of 0 bytes is left out. They change hands where they were completed last. */
+/* Outputs are written in three datagrams at most, with register writes that latch the time at which the buffer changes:
+ * a datagram of 0 bytes is omitted. They change hands where they were completed last. */
 static void completed_among_writes(void **state)
 {
     static const struct {
@@ -339,7 +339,7 @@ int main(void)
          pdi_before_the_end, chip_setup, chip_teardown, NULL},
         {"CF-028: an FMMU maps the frames after the one that wrote it", fmmu_and_access, chip_setup, chip_teardown,
          NULL},
-        {"CF-028: bits that an FMMU writes to a register leave the others as they are at the end of the frame",
+        {"CF-028: bits that an FMMU writes to a register do not change the others at the end of the frame",
          bits_through_fmmus, chip_setup, chip_teardown, NULL},
         {"CF-028: no write is lost where FMMUs multiply them", many_writes, chip_setup, chip_teardown, NULL},
         {"CF-083: receive times are read in the frame after the one that latched them", receive_times, chip_setup,

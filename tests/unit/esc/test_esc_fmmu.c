@@ -464,7 +464,7 @@ static void loser_is_not_read(void **state)
     set_fmmu(r, 0, 1, &mailbox);
     assert_int_equal(send(r, 1, LRD, 0x100, data, 2), 1);
     if ((r->memory[0][0x0805] & ECT_SM_STATUS_FULL) == 0)
-        fail_msg("FMMU 0 answers the bytes: the mailbox behind FMMU 1 must not be emptied, status 0x%02X",
+        fail_msg("FMMU 0 serves the bytes: the mailbox behind FMMU 1 must not be emptied, status 0x%02X",
                  r->memory[0][0x0805]);
 }
 
@@ -659,21 +659,21 @@ int main(int argc, char **argv)
         TEST("CF-031: a window over the last physical address maps the part before it", to_the_last_address),
         TEST("CF-028: several FMMUs in one datagram count once per direction; one FMMU by two datagrams",
              several_fmmus),
-        TEST("CF-031: two FMMUs read the same logical byte: the lowest number answers", same_byte_twice_read),
+        TEST("CF-031: two FMMUs read the same logical byte: the lowest number serves it", same_byte_twice_read),
         TEST("CF-031: two FMMUs write the same logical byte: the lowest number writes alone", same_byte_twice_written),
-        TEST("CF-031: an FMMU that loses a byte to a lower one does not touch what it maps", loser_is_not_read),
-        TEST("CF-031: an FMMU counts beside one that has the bits and no memory", beside_nothing),
+        TEST("CF-031: an FMMU that loses a byte to a lower one does not access its own mapped byte", loser_is_not_read),
+        TEST("CF-031: an FMMU counts even if another one has the bits and no memory", beside_nothing),
         TEST("CF-028: the route lists the FMMUs that transfer something, and of a new AL status", route_of_fmmus),
         TEST("CF-019 CF-028: behind an FMMU the SyncManager's rules hold", sm_rules_apply),
         TEST("CF-017 CF-029: a window that is not aligned reads a long mailbox from first to last byte",
              long_unaligned_window),
-        TEST("CF-031: bits that cannot be read stay as they were sent", unreadable_part),
+        TEST("CF-031: bits that cannot be read return as sent", unreadable_part),
         TEST("CF-020 CF-030: the mailbox state FMMU; two slaves share a byte without disturbing each other",
              mailbox_state),
         TEST("CF-029 CF-030: two slaves share a byte of digital outputs", shared_output_byte),
         TEST("CF-005 CF-032: one LRW over two slaves, outputs first or interleaved: each counts 3",
              two_slaves_in_one_lrw),
-        TEST("CF-005: LRW takes what it reads before it writes", read_before_write),
+        TEST("CF-005: LRW reads before it writes", read_before_write),
         TEST("CF-032: two twins in OP exchange process data by one LRW", twins_in_op),
     };
     if (argc > 1)

@@ -590,7 +590,7 @@ static void watchdog_counter_of_pdi1(void **state)
     if (wkc != 1 || r->memory[0x0442] != 0 || r->memory[0x0443] != 0 || r->memory[0x0444] != 0)
         fail_msg("write to 0x0444: expected WKC 1 and 0x0442..0x0444 at 0, got WKC %u, 0x0442 0x%02X", wkc,
                  r->memory[0x0442]);
-    assert_int_equal(r->memory[0x0441], 0x21); /* the registers beside them keep their values */
+    assert_int_equal(r->memory[0x0441], 0x21); /* the adjacent registers keep their values */
     assert_int_equal(r->memory[0x0445], 0x21);
 }
 
@@ -770,8 +770,8 @@ int main(int argc, char **argv)
         TEST("CF-009: each register byte is written by the sides that may: WKC 1, else WKC 0 and nothing changes",
              access_rights),
         TEST("CF-009: plain registers keep what their side wrote and show it to both", plain_registers),
-        TEST("CF-008: ranges that cross read-only, missing and existing bytes count when one byte is there", ranges),
-        TEST("CF-008: bytes that are not there stay as they are in the frame, the PDI reads 0", absent_leaves_data),
+        TEST("CF-008: ranges across read-only, missing and existing bytes count if one byte exists", ranges),
+        TEST("CF-008: missing bytes are unchanged in the frame, the PDI reads 0", absent_leaves_data),
         TEST("CF-001: with the DC feature bit the clock's registers are read, pulse length from the SII",
              with_clock_feature),
         TEST("CF-041: AL control refuses a second write until the PDI has read a byte of it", al_control_lock),

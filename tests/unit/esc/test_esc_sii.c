@@ -690,15 +690,16 @@ int main(int argc, char **argv)
         TEST("CF-056: each wrong bit of words 0..7 is found: bits 11 and 12, DL status bit 0, no process RAM, "
              "registers work",
              checksum),
-        TEST("CF-056: without a configuration user RAM is written beside an enabled SyncManager, process RAM is not",
+        TEST("CF-056: without a configuration, user RAM is writable outside an enabled SyncManager, process RAM is not",
              user_ram_without_configuration),
         TEST("CF-054: check sums of real devices are good", known_checksums),
         TEST("CF-056 CF-065: a reload brings the configuration but not the alias", reload),
-        TEST("CF-056: 0x0500 and 0x0501 decide who owns the interface; the other side is ignored", ownership),
+        TEST("CF-056: 0x0500 and 0x0501 determine the owner of the interface; the other side is ignored", ownership),
         TEST("CF-056: 0x0500 and 0x0501 in one access: each side writes its own byte", ownership_in_one_access),
         TEST("CF-056: the PDI as owner writes without the enable bit; ECAT takes back by force", pdi_writes_eeprom),
         TEST("CF-056: the enable bit reads 1 while the PDI owns the interface", write_enable_of_the_pdi),
-        TEST("CF-055: faults of the EEPROM: a bit of each word wrong, no answer, busy until it is over", faults),
+        TEST("CF-055: faults of the EEPROM: a wrong bit in each word, no acknowledge, busy until the fault ends",
+             faults),
         TEST("CF-056: several commands in a frame are done one after the other", many_commands_in_a_frame),
     };
     if (argc > 1)

@@ -846,7 +846,7 @@ static void off_empties(void **state)
 
 #define TEST(title, function) {title, function, setup, teardown, NULL}
 
-/* Bytes of two SyncManagers belong to the one with the lower number, in whichever order they lie. */
+/* Bytes of two SyncManagers belong to the lower number, whatever their order in memory. */
 static void overlapping(void **state)
 {
     static const struct {
@@ -901,7 +901,7 @@ int main(int argc, char **argv)
         TEST("CF-021: start, length and control are locked while enabled, status and PDI control always",
              locked_while_enabled),
         TEST("CF-021: disabled it is plain memory, enabled again it is empty", disabled_by_ecat),
-        TEST("CF-021: disabled by the PDI both sides are locked and the master sees it; afterwards it is empty",
+        TEST("CF-021: disabled by the PDI, both sides are locked and the master can read this; afterwards it is empty",
              disabled_by_pdi),
         TEST("CF-016 CF-019: a SyncManager of 1 byte passes each byte at once, with events", one_byte),
         TEST("CF-019: a SyncManager of 1 byte is transparent memory: its writer may read it back",

@@ -504,7 +504,7 @@ static void emulated_reload(void **state)
     assert_int_equal(chip_read(c, 0x014E, 1), 6);
 }
 
-/* Words that the PDI delivers have their own positions; writes beyond them do not change what is loaded. */
+/* Words that the PDI delivers have their own positions; writes beyond them do not change the loaded values. */
 static void emulated_reload_again(void **state)
 {
     static const struct {
@@ -644,7 +644,7 @@ static void changes_and_overlaps(void **state)
     assert_int_equal(chip_send(c, APWR, 0x1000, data, 16), 1);
     assert_int_equal(c->memory[0x0805] & 0x08, 0x08); /* all 16 bytes belonged to it */
     assert_int_equal(c->memory[0x080D] & 0x08, 0);
-    ect_esc_pdi_write(&c->esc, 0x1008, data, 16); /* starts in the other one: the second is never opened */
+    ect_esc_pdi_write(&c->esc, 0x1008, data, 16); /* starts in the other SyncManager: the second is never opened */
     assert_int_equal(c->memory[0x080D] & 0x08, 0);
     assert_int_equal(chip_write(c, 0x0806, 0, 1), 1);
     ect_esc_pdi_write(&c->esc, 0x1008, data, 16);
@@ -657,15 +657,17 @@ static void changes_and_overlaps(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        TEST("CF-012: write protection: what is taken, with and without its enable in the same frame", protection),
+        TEST("CF-012: write protection: the accepted writes, with and without their enable in the same frame",
+             protection),
         TEST("CF-012: write protection is ended by the master, in a frame that enables writing", protection_ends),
         TEST("CF-012: a write across protected bytes changes only the others; the PDI is not limited",
              protection_in_part),
-        MODERN("CF-012: R, E, S in three frames, or PDI accesses, in a row reset the chip, nothing else does",
+        MODERN("CF-012: R, E, S in three successive frames, or PDI accesses, reset the chip, nothing else does",
                reset_sequences),
         MODERN("CF-012: the progress of a reset sequence is read, and forgotten by the next frame", reset_progress),
-        TEST("CF-012 CF-047: a reset leaves registers and clock as power-on does, cables and counters as they were",
-             reset_resets),
+        TEST(
+            "CF-012 CF-047: a reset sets registers and clock as power-on does, and does not change cables and counters",
+            reset_resets),
         MODERN("CF-093: the RUN lamp follows AL status; an override lasts until that changes", run_lamp),
         MODERN("CF-093: the ERR lamp: local error, watchdog, no configuration; each takes an override back", err_lamp),
         MODERN("CF-053: the PDI watchdog expires 100 ms after the last access, counts once, and shows", pdi_watchdog),
@@ -688,7 +690,8 @@ int main(int argc, char **argv)
         MODERN("CF-056: EEPROM emulation with 4 bytes of data: the alias, once; a bad check sum",
                emulated_reload_short),
         MODERN("CF-056: EEPROM emulation: read and write wait for the PDI, errors are its own", emulated_commands),
-        MODERN("CF-056: EEPROM emulation beside an EEPROM, or on a chip without it, is refused", emulation_refused),
+        MODERN("CF-056: EEPROM emulation together with an EEPROM, or on a chip without it, is refused",
+               emulation_refused),
         TEST("CF-018: SyncManager events latch the local time where they are configured to", latched_times),
         TEST("CF-021: an enabled SyncManager keeps its registers; of overlapping ones the lowest has the byte",
              changes_and_overlaps),

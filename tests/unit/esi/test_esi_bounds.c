@@ -175,7 +175,7 @@ static const bound_t bounds[] = {
     {"BitOffs", ESI_DEVICE(TYPE("<SubItem><BitOffs>@</BitOffs></SubItem>")), 0, UINT32_MAX, item_offset},
 };
 
-/* The text with `value` at the place of the number. */
+/* The text with `value` in place of the number. */
 static void fill(char *filled, size_t room, const char *text, int64_t value)
 {
     const char *place = strchr(text, '@');

@@ -367,7 +367,7 @@ static void records(void **state)
     }
 }
 
-/* An object whose type has no length: a note has the reason, and the objects around it are there. */
+/* An object whose type has no length: a note has the reason, and the other objects exist. */
 static void objects_without_entries(void **state)
 {
 #define OBJECT_OF(index, type, bits)                                                                                   \
@@ -447,14 +447,15 @@ static void infos(void **state)
 #define PLAIN_TAIL   "</Exclude>" A8 "</TxPdo>" TX("", "#x1A01", B8) COE ESI_EEPROM "</Device>" ESI_TAIL
 #define ASSIGN(body) ESI_DEVICE(MAIL ESI_PROCESS_SMS body "<Mailbox><CoE PdoAssign='1'/></Mailbox>" ESI_EEPROM)
 
-/* A file may exclude a PDO that it has not, another object, or the PDO itself: none of them is an exclusion. */
+/* A file may exclude a PDO that it does not contain, another object, or the PDO itself: none of these is an exclusion.
+ */
 static void exclusions(void **state)
 {
     static const struct {
         const char *what, *excluded;
         uint16_t expected; /* 0: none */
     } table[] = {
-        {"another PDO", "#x1A01", 0x1A01}, {"a PDO that is not there", "#x1A02", 0}, {"itself", "#x1A00", 0},
+        {"another PDO", "#x1A01", 0x1A01}, {"a missing PDO", "#x1A02", 0}, {"itself", "#x1A00", 0},
         {"an object", "#x1018", 0},        {"an assignment", "#x1C13", 0},
     };
     (void)state;
@@ -533,12 +534,12 @@ static void mappings(void **state)
          8,
          {0x60000108},
          "line 2: PDO 1A00 occurs twice: the first one is used"},
-        {"beside one that it excludes",
+        {"with a PDO that it excludes",
          PLAIN(TX("Sm='3'", "#x1A00", "<Exclude>#x1A01</Exclude>" A8) TX("Sm='3'", "#x1A01", B8)),
          8,
          {0x60000108},
          "line 2: PDO 1A01 is assigned beside 1A00, which it excludes: it is not"},
-        {"beside one that excludes it",
+        {"with a PDO that excludes it",
          PLAIN(TX("Sm='3'", "#x1A00", A8) TX("Sm='3'", "#x1A01", "<Exclude>#x1A00</Exclude>" B8)),
          8,
          {0x60000108},
@@ -596,10 +597,10 @@ static void entries_that_pdos_add(void **state)
         {"an entry behind", ADDED("", TX("Sm='3'", "#x1A00", ENTRY("#x6000", "5", "16", "V", "INT"))), 5, 5, 16},
         {"two entries behind, the last one first",
          ADDED("", TX("Sm='3'", "#x1A00", ENTRY("#x6000", "5", "16", "V", "INT") B8)), 5, 5, 16},
-        {"an entry that is there, longer", ADDED("", TX("Sm='3'", "#x1A00", ENTRY("#x6000", "1", "16", "A", "UINT"))),
-         1, 1, 16},
-        {"an entry that is there, shorter", ADDED("", TX("Sm='3'", "#x1A00", ENTRY("#x6000", "1", "4", "A", "BIT4"))),
-         1, 1, 8},
+        {"an existing entry, longer", ADDED("", TX("Sm='3'", "#x1A00", ENTRY("#x6000", "1", "16", "A", "UINT"))), 1, 1,
+         16},
+        {"an existing entry, shorter", ADDED("", TX("Sm='3'", "#x1A00", ENTRY("#x6000", "1", "4", "A", "BIT4"))), 1, 1,
+         8},
         {"the number of entries", ADDED("", TX("Sm='3'", "#x1A00", ENTRY("#x6000", "0", "8", "N", "USINT"))), 1, 1, 8},
         {"sub-index 255", ADDED("", TX("Sm='3'", "#x1A00", ENTRY("#x6000", "255", "1", "V", "BOOL"))), 255, 255, 1},
         {"an entry behind a count of 0",
@@ -623,7 +624,7 @@ static void entries_that_pdos_add(void **state)
     }
 }
 
-/* The type's sub-item gives what the object's own info leaves out. */
+/* The type's sub-item supplies the values that the object's own info lacks. */
 static void infos_of_types(void **state)
 {
 #define TYPED_INFO(type, object)                                                                                       \
@@ -1099,7 +1100,7 @@ static void names_of_signals(void **state)
     }
 }
 
-/* Process data are no signals of the dictionary beside, nor are objects of the stack, counts and long texts. */
+/* Process data are not also signals of the dictionary, nor are objects of the stack, counts and long texts. */
 static void no_signals(void **state)
 {
     static const struct {
@@ -1131,15 +1132,15 @@ int main(void)
         {"limits as far as type and default allow", limits, NULL, NULL, NULL},
         {"a unit is its prefix and its numerator", units, NULL, NULL, NULL},
         {"records and arrays: numbers, lengths, names", records, NULL, NULL, NULL},
-        {"objects whose type has no length are left out", objects_without_entries, NULL, NULL, NULL},
+        {"objects whose type has no length are omitted", objects_without_entries, NULL, NULL, NULL},
         {"exclusions are of other PDOs of the device", exclusions, NULL, NULL, NULL},
         {"infos of sub-items by name, else by place", infos, NULL, NULL, NULL},
-        {"mappings: entries, gaps, exclusion, and what is left out", mappings, NULL, NULL, NULL},
+        {"mappings: entries, gaps, exclusion, and omissions", mappings, NULL, NULL, NULL},
         {"entries that PDOs add to a record of the dictionary", entries_that_pdos_add, NULL, NULL, NULL},
         {"infos of a type where the object has none", infos_of_types, NULL, NULL, NULL},
         {"devices that no controller can be are refused", refusals, NULL, NULL, NULL},
         {"an assignment has room for all PDOs that do not exclude each other", assignments, NULL, NULL, NULL},
-        {"the most that a SyncManager may come to", rooms_of_sms, NULL, NULL, NULL},
+        {"the longest process data of a SyncManager", rooms_of_sms, NULL, NULL, NULL},
         {"command names and type names", names_of_devices, NULL, NULL, NULL},
         {"One letter for each port gives the ports", ports_of_physics, NULL, NULL, NULL},
         {"timeouts: the file's, else the standard's", timeouts, NULL, NULL, NULL},

@@ -274,7 +274,7 @@ typedef struct step {
 #define IDENTS IDENT(1, IN), IDENT(2, OUT), IDENT(3, 0), IDENT(4, IN)
 
 /* The order of requests of masters for modular devices: linuxcnc-ethercat over the IgH master, which configures a slave
- * again from INIT; its driver for couplers that copies the detected modules; the IgH tool by hand; commands of a
+ * again from INIT; its driver for couplers that copies the detected modules; the IgH tool, used manually; commands of a
  * network file. The modules are IN, OUT, none, IN. */
 static const struct {
     const char *master;
@@ -429,7 +429,8 @@ static void expect_text(rig_t *r, uint16_t index, const char *expected, size_t l
     assert_memory_equal(text, expected, length);
 }
 
-/* Values of the device, which no module brings, outlast a change: constants by their defaults, others as they are. */
+/* Values of the device that do not belong to a module are kept over a change: constants by their defaults, others
+ * unchanged. */
 static void values_of_the_device(void **state)
 {
     static const char text[] =
@@ -453,7 +454,7 @@ static void values_of_the_device(void **state)
     close_rig(&r);
 }
 
-/* A master that has changed a mapping gets it back as it was, with the modules. */
+/* A master that has changed a mapping gets the original one again, with the modules. */
 static void mappings(void **state)
 {
     static const char text[] =

@@ -80,7 +80,7 @@ static void start_sync0(uint32_t cycle_ns)
     assert_int_equal(wire_write16(&wire, 0, ECT_REG_DC_CYCLIC_CONTROL, 0x0300), 1);
 }
 
-/* An answer of the mailbox: its length and value. */
+/* A reply of the mailbox: its length and value. */
 static void expect_answer(const char *what, uint16_t index, uint8_t subindex, size_t size, int64_t value)
 {
     uint8_t bytes[8] = {0};
@@ -447,7 +447,7 @@ int main(void)
         TEST("DRV-624 SYNC0 starts at any time below OP; a wrong 60C2h ends OP after a time", orders_of_sync0),
         TEST("DRV-611 DRV-272 the homing of LinuxCNC", homing_of_linuxcnc),
         TEST("DRV-609 the digital inputs and outputs of LinuxCNC", inputs_and_outputs_of_lcec),
-        TEST("DRV-609 the pairs of LinuxCNC, 6093h is none of them", pairs_of_lcec),
+        TEST("DRV-609 the pairs of LinuxCNC, without 6093h", pairs_of_lcec),
         TEST("DRV-616 CODESYS commands by the mailbox where 6040h is not mapped", control_by_mailbox),
         TEST("DRV-617 the settings of CODESYS", settings_of_codesys),
         TEST("DRV-619 CODESYS arms probes and keeps their sources", probes_of_codesys),

@@ -297,7 +297,7 @@ static void offsets(void **state)
     assert_int_equal(write_sdo(0x60B2, 0, 20, 2), 0);
     put(TARGET, 1000);
     cycles(500);
-    expect_near("60B0h counts, the others do not", 1500, 1, (double)get(ACTUAL));
+    expect_near("60B0h has an effect, the others do not", 1500, 1, (double)get(ACTUAL));
     put(MODE, CSV);
     put(0x60FF, 10000);
     cycles(300);

@@ -687,7 +687,7 @@ int main(void)
         TEST("DRV-143 a bit 7 that stays does not reset a later fault", held_reset),
         TEST("DRV-145 DRV-271 a bit 4 that rises with its mode starts nothing", bit4_at_the_entry),
         TEST("DRV-153 DRV-154 DRV-112 DRV-514 a control word by SDO below OP leads to Ready at most", below_op),
-        TEST("DRV-154 INIT ends what the mailbox has commanded", ready_ends_with_the_mailbox),
+        TEST("DRV-154 INIT ends commands of the mailbox", ready_ends_with_the_mailbox),
         TEST("DRV-149 DRV-155 settings by SDO outlast the end of OP", settings_outlast_op),
         TEST("DRV-157 OP left without torque", op_left),
         TEST("DRV-158 the demand begins at the shaft", demand_at_the_entry),

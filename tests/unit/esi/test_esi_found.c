@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The dictionary of a slave, added to its EEPROM image: what the slave has now is what the twin has. */
+/* The dictionary of a slave, added to its EEPROM image: the twin has the present values of the slave. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

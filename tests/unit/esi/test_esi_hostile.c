@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Files that somebody spoilt, systematically: each of our files with each element removed and doubled, each number at
+ * Damaged files, systematically: each file of this tree with each element removed and doubled, each number at
  * the bounds of the types that it may have, and the text cut off at any byte. A file is refused with one line, or its
  * twin keeps what esi/twin.h promises.
  */

@@ -176,7 +176,7 @@ static void mistakes(void **state)
     } rows[] = {
         {"an IDN twice", DRIVE(OBJECT("UINT", "16", "") OBJECT("UINT", "16", ""), "", "<SoE/>"),
          "line 2: P-0-0001 is left out: it exists already"},
-        {"a type that is not there", DRIVE(OBJECT("NONE", "0", ""), "", "<SoE/>"),
+        {"an unknown type", DRIVE(OBJECT("NONE", "0", ""), "", "<SoE/>"),
          "line 2: P-0-0001 is left out: the length of its type is not known"},
         {"a list longer than its type",
          DRIVE(OBJECT("LIST2", "96", INFO("<DefaultData>0C000C00010203040102030401020304</DefaultData>")), "",
@@ -194,12 +194,12 @@ static void mistakes(void **state)
          "line 2: PDO 0010 has 32 bits of P-0-0001, unlike the dictionary: the PDO counts"},
         {"a telegram with 24 bits", DRIVE("", MDT(ENTRY("8001", "24", "UINT24")), "<SoE/>"),
          "line 2: PDO 0018 has 24 bits of P-0-0001: they are a gap"},
-        {"a command for a drive that is not there",
+        {"a command for a missing drive",
          DRIVE("", "",
                "<SoE ChannelCount='1'><InitCmd "
                "Chn='1'><Transition>PS</Transition><IDN>32</IDN><Data>0200</Data></InitCmd></SoE>"),
          "line 2: a start-up command is for drive 1; the device has 1"},
-        {"a command for an IDN that is not there", DRIVE("", "", INIT("#x8001", "0102")),
+        {"a command for a missing IDN", DRIVE("", "", INIT("#x8001", "0102")),
          "line 2: a start-up command writes P-0-0001, which the dictionary lacks: it is added"},
         {"a command of another length", DRIVE(OBJECT("UINT", "16", ""), "", INIT("#x8001", "01020304")),
          "line 2: a start-up command writes 4 bytes to P-0-0001, which does not take them"},
@@ -339,7 +339,7 @@ static void unlisted(void **state)
     }
 }
 
-/* S-0-0187 of the dictionary names numbers; a word, a list and an IDN that is not there are no choice. */
+/* S-0-0187 of the dictionary names numbers; a word, a list and a missing IDN are no choice. */
 static void choices(void **state)
 {
     static const char objects[] =

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Twins of EEPROM images: what an image has becomes a device, and the twin's EEPROM is the image. */
+/* Twins of EEPROM images: the content of an image becomes a device, and the twin's EEPROM is the image. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -46,7 +46,8 @@ static void drop(made_t *m)
     ect_esi_close(m->esi);
 }
 
-/* --- images by hand ----------------------------------------------------------------------------------------------- */
+/* --- images written manually
+ * ----------------------------------------------------------------------------------------------- */
 
 static void begin(image_t *image, uint16_t protocols)
 {
@@ -297,7 +298,7 @@ static void process_data_without_pdos_are_bytes(void **state)
     drop(&m);
 }
 
-/* A PDO that its category cuts off, and what follows a PDO without an index, are left out. */
+/* A PDO truncated by its category, and everything after a PDO without an index, are omitted. */
 static void pdos_are_read_as_far_as_they_are_whole(void **state)
 {
     static const uint8_t rx[] = {PDO(0x1600, 2, 0xFF), ENTRY(0x7000, 1, 0, 16), ENTRY(0, 0, 0, 8), PDO(0x1601, 2, 0xFF),
@@ -376,7 +377,7 @@ static void wrong_images_have_one_line(void **state)
     }
 }
 
-/* The image ends anywhere: what is whole is there, and no byte behind it is read (sanitizer). */
+/* The image ends anywhere: complete parts are used, and no byte behind it is read (sanitizer). */
 static void an_image_may_end_at_any_byte(void **state)
 {
     const ect_device_t *device = ect_catalogue_find("fzm1")->device;

@@ -229,11 +229,11 @@ static void modelled(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        {"CF-066 leaves come in the order of the file, with index, name or number of elements that repeat", paths, NULL,
+        {"CF-066 leaves are in the order of the file, with index, name or number of elements that repeat", paths, NULL,
          NULL, NULL},
         {"CF-066 modules are leaves of devices with slots", modules, NULL, NULL, NULL},
         {"CF-066 a device has no leaves of other devices and of other groups", one_device_of_several, NULL, NULL, NULL},
-        {"a path of 399 characters is there, a longer one is left out with all below it", long_paths, NULL, NULL, NULL},
+        {"a path of 399 characters is kept, a longer one is omitted with all below it", long_paths, NULL, NULL, NULL},
         {"CF-066 a leaf is modelled by its whole path", modelled, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

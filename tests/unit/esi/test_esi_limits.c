@@ -93,7 +93,7 @@ static void counts(void **state)
         {"255 PDOs", ESI_MAILBOX_SMS ESI_PROCESS_SMS, "<TxPdo><Index>", "</Index></TxPdo>", COE, 0x1A00, 255, 255,
          pdo_count, NULL},
         {"256 PDOs", ESI_MAILBOX_SMS ESI_PROCESS_SMS, "<TxPdo><Index>", "</Index></TxPdo>", COE, 0x1A00, 256, 255,
-         pdo_count, "it has 256 PDOs; what is fixed, mandatory and excluded is known of the first 255"},
+         pdo_count, "it has 256 PDOs; fixed, mandatory and excluded PDOs are recorded for the first 255"},
         {"255 modes of the clocks", "<Dc>", "<OpMode><Name>M</Name><AssignActivate>", "</AssignActivate></OpMode>",
          "</Dc>", 1, 255, 255, mode_count, NULL},
         {"256 modes of the clocks", "<Dc>", "<OpMode><Name>M</Name><AssignActivate>", "</AssignActivate></OpMode>",
@@ -510,7 +510,7 @@ static void signal_places(void **state)
          false, 0},
         {"another entry has one in the second group", WITH(TX("", "#x1A00", A8 B8) TX("Sm='3'", "#x1A01", A8)), "p_2",
          "b", true, ECT_SIGNAL_WRITE},
-        {"an index that is none of a PDO", WITH(TX("", "#x19FF", A8)), "p", "a", false, 0},
+        {"an index outside those of PDOs", WITH(TX("", "#x19FF", A8)), "p", "a", false, 0},
         {"0FFFh", WITH(DICT(OBJECT("#x0FFF", "USINT", "8", ""))), "od", "0fff_00", true, ECT_SIGNAL_WRITE},
         {"1000h", WITH(DICT(OBJECT("#x1000", "UDINT", "32", ""))), "od", "1000_00", false, 0},
         {"1FFFh", WITH(DICT(OBJECT("#x1FFF", "USINT", "8", ""))), "od", "1fff_00", false, 0},
@@ -612,7 +612,7 @@ static void transitions(void **state)
     }
 }
 
-/* Rights of the dictionary stay beside those that a command needs. */
+/* Rights of the dictionary are kept in addition to those that a command needs. */
 static void rights_of_commands(void **state)
 {
 #define HAVING(flags, transition)                                                                                      \
@@ -648,7 +648,7 @@ static void rights_of_commands(void **state)
     }
 }
 
-/* Files have other words, too: a command keeps the transitions that a CoE command can have, or is left out. */
+/* Files have other words, too: a command keeps the transitions that a CoE command can have, or is omitted. */
 static void unknown_transitions(void **state)
 {
     static const struct {
@@ -708,7 +708,7 @@ static void commands_against_the_dictionary(void **state)
          "line 2: a start-up command writes 2000:3, which the dictionary lacks: it is added"},
         {"one element more", COMMANDED(PAIR, COMMAND("#x2000", "4", "05")), 4, 3,
          "line 2: a start-up command writes 2000:4, which the dictionary lacks: it is added"},
-        {"the number of entries that the dictionary leaves out", COMMANDED(PAIR, COMMAND("#x2000", "0", "05")), 2, 2,
+        {"the number of entries that the dictionary omits", COMMANDED(PAIR, COMMAND("#x2000", "0", "05")), 2, 2,
          "line 2: a start-up command writes 2000:0, which the dictionary lacks: it is added"},
         {"two bytes of it", COMMANDED(PAIR, COMMAND("#x2000", "0", "0500")), 2, 2,
          "line 2: a start-up command writes 2000:0, which the dictionary lacks: it is added"},
@@ -812,7 +812,8 @@ int main(void)
         {"a start-up command makes its entry writable in the states of its transitions", transitions, NULL, NULL, NULL},
         {"a start-up command leaves the rights that there are", rights_of_commands, NULL, NULL, NULL},
         {"a start-up command keeps the transitions that CoE has", unknown_transitions, NULL, NULL, NULL},
-        {"a start-up command adds what the dictionary can have", commands_against_the_dictionary, NULL, NULL, NULL},
+        {"a start-up command adds objects within the limits of the dictionary", commands_against_the_dictionary, NULL,
+         NULL, NULL},
         {"the name of a device is its summary, and its type where there is none", texts_of_devices, NULL, NULL, NULL},
         {"an entry has at most 65528 bits, a mapping 254 elements and a PDO", lengths_and_omissions, NULL, NULL, NULL},
     };

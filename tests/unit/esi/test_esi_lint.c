@@ -37,7 +37,7 @@ static const struct mistake {
     bool wrong;
     const char *line; /* NULL: nothing */
 } mistakes[] = {
-    {"the file as it is", "", "", false, NULL},
+    {"the unchanged file", "", "", false, NULL},
     {"a picture of 16 x 14", "</Eeprom>",
      "</Eeprom><ImageData16x14>" BITMAP("10000000", "0E000000") "</ImageData16x14>", false, NULL},
     {"a picture from top to bottom", "</Eeprom>",
@@ -312,10 +312,10 @@ static void schemas(void **state)
         const char *line;
     } table[] = {
         {"one that allows all", SCHEMA("xs:anyType"), true, 0, ""},
-        {"one that wants a number", SCHEMA("xs:int"), true, 2, "f.xml:1: Element 'EtherCATInfo'"},
+        {"an element that requires a number", SCHEMA("xs:int"), true, 2, "f.xml:1: Element 'EtherCATInfo'"},
         {"none", "hello", false, 0, ""},
         {"another file of XML", "<EtherCATInfo/>", false, 0, ""},
-        {"a schema with a type that is not there", SCHEMA("none"), false, 0, ""},
+        {"a schema with a missing type", SCHEMA("none"), false, 0, ""},
     };
     char why[300] = "";
     (void)state;

@@ -274,7 +274,7 @@ int main(void)
         {"6132h shifts integers, at most 9 places", decimal_digits, NULL, close_sensor, NULL},
         {"the signature in 6125h makes the process value 0 by the offset, any other value is refused", autozero, NULL,
          close_sensor, NULL},
-        {"an object without behaviour keeps what a master writes, and changes no value", other_objects, NULL,
+        {"an object without behaviour keeps the values of a master, and changes no other value", other_objects, NULL,
          close_sensor, NULL},
         {"6150h has overload beyond the span, and a value that is not valid", status, NULL, close_sensor, NULL},
         {"without scaling the process value is the physical value, in all formats", without_scaling, NULL, close_sensor,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Each member of a description in the file that is written from it (esi/write.h): one member is changed, and a part of
- * the file follows. Lines and indentation of the file are left out here.
+ * the file follows. Lines and indentation of the file are omitted.
  */
 #include "esi/write.h"
 #include "from_text.h"
@@ -9,7 +9,7 @@
 #include "support/copy.h"
 #include "support/testdev.h"
 
-/* The file without the ends of lines and the blanks behind them; lives as long as the arena. */
+/* The file without the ends of lines and the blanks behind them; exists as long as the arena. */
 static char *flat_file(ect_arena_t *arena, const ect_esi_part_t *parts, size_t count)
 {
     char why[300];
@@ -27,7 +27,7 @@ static char *flat_file(ect_arena_t *arena, const ect_esi_part_t *parts, size_t c
     return flat;
 }
 
-/* A device, what is done to a copy of it, a part of its file, and one that the file must not have. */
+/* A device, a change of its copy, a part of its file, and a part that the file must not have. */
 typedef struct row {
     const char *name;
     const ect_device_t *device;
@@ -40,7 +40,7 @@ typedef struct row {
 #define OBJECT(index)     copy_object(c, index)
 #define AS_IS             (void)c
 
-/* X(name, device, what is done to it, a part of the file, what is not in the file) */
+/* X(name, device, the change, a part of the file, a part that is not in the file) */
 #define IDENTITY(X)                                                                                                    \
     X(head, testdev, AS_IS,                                                                                            \
       "<EtherCATInfo xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\" "                                         \
@@ -220,7 +220,7 @@ static void command(copy_t *c, const char *transitions)
     c->device.init_command_count = 1;
 }
 
-/* Commands of three protocols, of which the device offers one more; some are none of an ESI file. */
+/* Commands of three protocols, of which the device offers one more; some do not occur in an ESI file. */
 static void mails(copy_t *c, uint8_t protocol)
 {
     static const ect_init_mail_t all[] = {

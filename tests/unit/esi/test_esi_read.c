@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* ESI files as they are found: what is read of them, and what is refused with which line. */
+/* ESI files in all found forms: the content that is read, and the lines of refusals. */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
 #include <setjmp.h>
@@ -360,7 +360,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         {"numbers: decimal, #x and 0x; nothing else", numbers, NULL, NULL, NULL},
-        {"bad XML, a contradiction, an attack: refused with file, line and what is wrong", refusals, NULL, NULL, NULL},
+        {"bad XML, a contradiction, an attack: refused with file, line and error", refusals, NULL, NULL, NULL},
         {"100000 levels of elements are refused", deep_nesting, NULL, NULL, NULL},
         {"An unreadable file is refused", files, NULL, NULL, NULL},
         {"a file for which there is no memory is refused with the reason", file_without_memory, NULL, NULL, NULL},

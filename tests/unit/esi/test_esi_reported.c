@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* SDO information of a clone: rights and lengths as its slave gave them, beside a dictionary that keeps its own. */
+/* SDO information of a clone: rights and lengths as reported by its slave, while the dictionary keeps its own. */
 #include "rack.h"
 
 #define PROPERTY(name, value) "<Property><Name>" name "</Name><Value>" value "</Value></Property>"

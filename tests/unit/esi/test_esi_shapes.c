@@ -188,7 +188,7 @@ static void empty_pdos(void **state)
     }
 }
 
-/* The service is there exactly where something can be written; without it the twin is made none the less. */
+/* The service exists only for a device with writable objects; without it the twin is made none the less. */
 static uint32_t write_number(wire_t *w, uint16_t index, uint8_t subindex, uint32_t value, size_t size)
 {
     uint8_t bytes[4];
@@ -742,7 +742,7 @@ static void eeprom_of_the_file(void **state)
     }
 }
 
-/* The parts that are left out. */
+/* The omitted parts. */
 static void parts_left_out(void **state)
 {
     static const struct {
@@ -956,7 +956,7 @@ int main(void)
         {"FMMUs of virtual SyncManagers read 0910h and write 0990h", registers_by_fmmu, NULL, NULL, NULL},
         {"the category General has the file's flags, identification, channels and ports", general, NULL, NULL, NULL},
         {"the category SyncM has bits 0 to 3 of Enable, with OpOnly", enable_bits, NULL, NULL, NULL},
-        {"an EEPROM has the file's ByteSize, and leaves out in order", eeprom_of_the_file, NULL, NULL, NULL},
+        {"an EEPROM has the file's ByteSize, and omits parts in order", eeprom_of_the_file, NULL, NULL, NULL},
         {"an EEPROM too small has no names, then no free PDOs, then no PDOs", parts_left_out, NULL, NULL, NULL},
         {"The object of a start-up command exists and is writable", start_up_commands, NULL, NULL, NULL},
         {"a start-up command that the dictionary contradicts is a note", start_up_notes, NULL, NULL, NULL},

@@ -80,7 +80,7 @@ static void commands(void **state)
     free_made(&m);
 }
 
-/* A command without a mail of its protocol is left out; all are commands of the twin. */
+/* A command without a mail of its protocol is omitted; all are commands of the twin. */
 static void mails(void **state)
 {
 #define AMS "00112233445566778899AABBCCDDEEFF00112233445566778899AABBCCDDEEFF"

@@ -383,7 +383,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         {"each SyncManager has the bits of the PDOs that the file assigns to it", sizes, NULL, NULL, NULL},
-        {"defaults, texts, arrays, enumerations of the file's dictionary; what it does not bring is made", dictionary,
+        {"defaults, texts, arrays, enumerations of the file's dictionary; missing parts are generated", dictionary,
          NULL, NULL, NULL},
         {"limits, rights and restrictions to AL states are the file's", writing, NULL, NULL, NULL},
         {"PDOs that exclude each other are chosen by 1C13h", alternatives, NULL, NULL, NULL},

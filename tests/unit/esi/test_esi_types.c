@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Names of data types: to what an entry can be, and back. */
+/* Names of data types: conversion to types of entries, and back. */
 #include "esi/types.h"
 #include "esi/values.h"
 #include "from_text.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * ESI files written by this project: their content comes back when they are read. tests/check/esi.py checks their order
+ * ESI files written by this project: reading them returns their content. tests/check/esi.py checks their order
  * and their references.
  */
 #define _POSIX_C_SOURCE 200809L
@@ -117,8 +117,8 @@ static void expect_same_dictionary(const ect_device_t *device, const ect_device_
         const ect_object_t *object = &device->objects[i];
         const ect_object_t *other = ect_od_find(&od, object->index);
         if (other == NULL || strcmp(other->name, object->name) != 0 || other->max_subindex != object->max_subindex)
-            fail_msg("%s: object %04X \"%s\" up to :%u did not come back", device->name, object->index, object->name,
-                     object->max_subindex);
+            fail_msg("%s: object %04X \"%s\" up to :%u is missing after the reading", device->name, object->index,
+                     object->name, object->max_subindex);
         for (const ect_entry_t *e = object->entries; e != NULL; e = ect_od_next(object, e))
             expect_same_entry(device, object, e, ect_od_entry(other, (uint8_t)e->subindex));
     }
@@ -314,7 +314,7 @@ static void categories_of_objects(void **state)
     ect_arena_free(&arena);
 }
 
-/* Modules are copied as they are in the file that they come from. */
+/* Modules are copied unchanged from their file. */
 static void copied_modules(void **state)
 {
     static const char file[] =

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The protocol of the vendor's own of examples/device, beside CoE in one mailbox. */
+/* The vendor's protocol of examples/device, with CoE in one mailbox. */
 #include <string.h>
 
 #include "heater.h"

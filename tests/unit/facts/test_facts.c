@@ -320,7 +320,7 @@ static void a_made_fact_is_not_missed(void **state)
     (void)state;
 }
 
-/* The third source is compared with what the first two know, and each line names the source that it comes from. */
+/* The third source is compared with the facts of the first two, and each line names its source. */
 static void later_sources_are_compared_with_all_before(void **state)
 {
     ect_facts_t known = {.source = "A"}, second = {.source = "B"}, third = {.source = "C"};

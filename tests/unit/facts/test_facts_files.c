@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Facts of ESI files: those that a file has, less those that its twin adds, each with the case beside it. */
+/* Facts of ESI files: the facts of a file, without those that its twin adds, each with its opposite case. */
 #include "facts/facts.h"
 
 #include "../esi/from_text.h"
@@ -118,7 +118,7 @@ static void facts_of_files(void **state)
     }
 }
 
-/* Lists that are whole: what the other source has beyond them is a difference. */
+/* Complete lists: a further item of the other source is a difference. */
 static void whole_lists(void **state)
 {
     static const struct {
@@ -164,7 +164,7 @@ static void many_exclusions(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        {"CF-057 CF-060 CF-061 CF-077 a file has facts of what is in it, not of what its twin adds", facts_of_files,
+        {"CF-057 CF-060 CF-061 CF-077 a file has facts of its content, not of additions of its twin", facts_of_files,
          NULL, NULL, NULL},
         {"CF-077 the objects of a file are whole with a dictionary of its own and without modules", whole_lists, NULL,
          NULL, NULL},

@@ -316,7 +316,7 @@ static void as_in_the_file(void **state)
     } table[] = {
         {"an EEPROM too small for the content of the twin", "AI2", "<ByteSize>2048<", "<ByteSize>256<",
          ECT_FACT_EEPROM_SIZE, 0, "256 bytes"},
-        {"its size as it is", "AI2", "<ByteSize>2048<", "<ByteSize>2048<", ECT_FACT_EEPROM_SIZE, 0, "2048 bytes"},
+        {"its size unchanged", "AI2", "<ByteSize>2048<", "<ByteSize>2048<", ECT_FACT_EEPROM_SIZE, 0, "2048 bytes"},
         {"no size at all", "AI2", "<ByteSize>2048</ByteSize>", "", ECT_FACT_EEPROM_SIZE, 0, "no fact"},
         {"process data without a length", "AI2", "<Sm DefaultSize=\"2\" ", "<Sm ", ECT_FACT_SM_LENGTH, 2, "no fact"},
         {"process data with a length", "AI2", "<Sm DefaultSize=\"2\" ", "<Sm DefaultSize=\"2\" ", ECT_FACT_SM_LENGTH, 2,

@@ -77,7 +77,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         {"cycles become nanoseconds at any frequency, over 10^-9 of error in years", seconds, NULL, NULL, NULL},
-        {"the clock never goes back, and steps by a cycle, across 2^32 cycles", never_back, NULL, NULL, NULL},
+        {"the clock never decreases, and steps by a cycle, across 2^32 cycles", never_back, NULL, NULL, NULL},
         {"an erase of flash that lasts many wraps of SysTick loses no time where there is a cycle counter", wraps, NULL,
          NULL, NULL},
         {"without a cycle counter, or while it sleeps, SysTick alone counts", alone, NULL, NULL, NULL},

@@ -345,7 +345,7 @@ static void wire_form(void **state)
         od.base = &to;
         assert_int_equal(ect_od_write(&od, &entry, 0, f->wire, f->bytes), ECT_OK);
         if (memcmp(&to, &from, sizeof to) != 0)
-            fail_msg("%s: what was written is not what was read", f->name);
+            fail_msg("%s: the value read is not the value written", f->name);
     }
 }
 

@@ -92,7 +92,7 @@ static void poll_slave(rig_t *r)
     (void)ect_slave_poll(r->slave, r->w.now_ns);
 }
 
-/* --- what is measured --------------------------------------------------------------------------------------------- */
+/* --- measurements --------------------------------------------------------------------------------------------- */
 
 static void idle(rig_t *r)
 {
@@ -113,7 +113,7 @@ static void before_exchange(rig_t *r)
     assert_int_equal(wire_read(&r->w, 0, in->start, image, ect_device_sm_bytes(&r->device, 3)), 1);
 }
 
-/* Object 1018h:1, from the request in SM0 to the poll that sees the reply fetched. */
+/* Object 1018h:1, from the request in SM0 to the poll that detects that the reply was fetched. */
 static void sdo(rig_t *r)
 {
     uint8_t reply[1500];

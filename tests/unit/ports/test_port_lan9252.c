@@ -315,8 +315,8 @@ static void refused_starts(void **state)
         void (*set)(board_t *b);
         int result;
     } rows[] = {
-        {"nothing answers, the line is low", no_chip_low, ECT_LAN9252_SILENT},
-        {"nothing answers, the line is high", no_chip_high, ECT_LAN9252_SILENT},
+        {"no response, the line is low", no_chip_low, ECT_LAN9252_SILENT},
+        {"no response, the line is high", no_chip_high, ECT_LAN9252_SILENT},
         {"held in reset", held_in_reset, ECT_LAN9252_SILENT},
         {"another chip", other_chip, ECT_LAN9252_STRANGER},
         {"never ready", never_ready, ECT_LAN9252_NOT_READY},
@@ -345,7 +345,7 @@ static void stuck(void **state)
         const char *what;
         bool ram, write;
         uint16_t address;
-        unsigned int transfers; /* until it is given up */
+        unsigned int transfers; /* until the timeout */
     } rows[] = {
         {"register, read", false, false, 0x0120, 1 + PATIENCE},
         {"register, write", false, true, 0x0130, 1 + PATIENCE},
@@ -365,7 +365,7 @@ static void stuck(void **state)
                      b.transfers);
         b.transfers = 0;
         if (!rows[n].ram)
-            assert_int_equal(read_esc(&b, RAM, bytes, 2), -1); /* still busy: what was given up is waited for */
+            assert_int_equal(read_esc(&b, RAM, bytes, 2), -1); /* still busy: the abandoned access is awaited */
         assert_true(b.transfers <= 5 + 3 * PATIENCE);
         b.chip.csr_stuck = b.chip.ram_stuck = false;
         b.chip.csr_left = 0;
@@ -403,8 +403,8 @@ static void failing_transfers(void **state)
     }
 }
 
-/* 16 bits of each byte, there and back. One is let pass: without the bit that starts it a command reads as if it
- * had been carried out. */
+/* 16 bits of each byte, there and back. One is let pass: without the bit that starts it, a command reads as if it had
+ * been executed. */
 static void damaged_command(void **state)
 {
     enum { START_BIT = 6 * 16 + 7 };
@@ -468,7 +468,7 @@ static void boot_to_op(void **state)
             wire_poll(&b.w);
             b.chip.transfers = 0;
             wire_poll(&b.w);
-            assert_int_equal(b.chip.transfers, 0); /* nothing came, so no poll reads the chip */
+            assert_int_equal(b.chip.transfers, 0); /* no event, so no poll reads the chip */
             (void)ect_slave_poll(b.slave, b.w.now_ns);
             assert_int_equal(b.chip.transfers > 0, with_line == 0);
             board_close(&b);
@@ -669,10 +669,12 @@ int main(void)
         T("the interrupt pin: polarity and kind as configured, driven where it is active high", interrupt_pin),
         T("the virtual chip's interrupt pin obeys polarity and kind", pin_of_the_virtual_chip),
         T("a start that cannot be: the result names the cause, in bounded time", refused_starts),
-        T("a chip that stays busy is given up after `patience` looks, and settled before the next access", stuck),
+        T("an access to a chip that stays busy is abandoned after `patience` reads, and completed before the next "
+          "access",
+          stuck),
         T("at whichever transfer the SPI fails, the access reports it, and the next one is right", failing_transfers),
-        T("a command that arrives as another is seen, but for one that lost its start bit", damaged_command),
-        T("a slave reaches OP, exchanges process data and answers SDO; with the pin an idle poll costs nothing",
+        T("a command that arrives damaged is detected, except a command that lost its start bit", damaged_command),
+        T("a slave reaches OP, exchanges process data and replies to SDOs; with the pin an idle poll costs nothing",
           boot_to_op),
         T("a reset by the pin is a power cycle", reset_and_again),
         T("with the pin, a reset by the master or a brown-out is noticed within check_ms, and the slave starts again",

@@ -16,8 +16,8 @@ static const uint8_t widths[] = {1, 2, 4};
 
 /* --- the processor's own accesses, to memory ---------------------------------------------------------------------- */
 
-/* The memory ends where the access does, and begins where it begins: a wider one would be out of it, which the address
- * sanitizer reports. */
+/* The memory has exactly the range of the access: a wider access leaves the memory, which the address sanitizer
+ * reports. */
 static void direct(void **state)
 {
     (void)state;
@@ -110,7 +110,7 @@ static void note(board_t *b, uint16_t address, unsigned int bytes)
 static int load(void *ctx, uint16_t address, unsigned int bytes, uint32_t *value)
 {
     board_t *b = ctx;
-    uint8_t word[4] = {0xA5, 0xA5, 0xA5, 0xA5}; /* what was not asked for is anything */
+    uint8_t word[4] = {0xA5, 0xA5, 0xA5, 0xA5}; /* the other bytes are undefined */
     note(b, address, bytes);
     assert_int_equal(b->real.read(b->real.ctx, address, word, (uint16_t)bytes), 0);
     *value = ect_load_le32(word);

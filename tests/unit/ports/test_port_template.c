@@ -37,7 +37,7 @@ static void access_esc(chip_t *c, uint32_t value)
     c->parts++;
     if ((value & ECT_WINDOW_READ) != 0) {
         assert_int_equal(c->esc.read(c->esc.ctx, address, bytes, n), 0);
-        c->data = ect_load_le32(bytes) | (n < 4 ? 0xA5000000u : 0); /* what was not asked for is undefined */
+        c->data = ect_load_le32(bytes) | (n < 4 ? 0xA5000000u : 0); /* the other bytes are undefined */
     } else {
         ect_store_le32(bytes, c->data);
         assert_int_equal(c->esc.write(c->esc.ctx, address, bytes, n), 0);
@@ -160,7 +160,7 @@ static void patience_ends(void **state)
         assert_int_equal(b.pdi.read(b.pdi.ctx, RAM, bytes, 4), 0);
         b.chip.busy_for = 3 * PATIENCE;
         b.chip.waits = 0;
-        for (unsigned int n = 1; n <= 3; n++) { /* one that is given up, and two that do not get so far */
+        for (unsigned int n = 1; n <= 3; n++) { /* one that is abandoned, and two that are not started */
             int result = writing != 0 ? b.pdi.write(b.pdi.ctx, RAM, bytes, 4) : b.pdi.read(b.pdi.ctx, RAM, bytes, 4);
             assert_int_equal(result, -1);
             assert_int_equal(b.chip.waits, n * PATIENCE);
@@ -220,9 +220,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         {"reads and writes any bytes, each once, in ascending order", every_address_and_length, NULL, NULL, NULL},
         {"an access has as few parts as alignment allows", widest_parts, NULL, NULL, NULL},
-        {"a chip that does not get ready is given up, and asked before the next access", patience_ends, NULL, NULL,
+        {"an access to a chip that does not become ready is abandoned, and the chip is polled before the next access",
+         patience_ends, NULL, NULL, NULL},
+        {"behind the window a slave reaches OP, exchanges process data and replies to SDOs", boot_to_op, NULL, NULL,
          NULL},
-        {"behind the window a slave reaches OP, exchanges process data and answers SDO", boot_to_op, NULL, NULL, NULL},
         {"a chip that hangs for a while costs no state", a_chip_that_hangs, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("port_template", tests, NULL, NULL);

@@ -130,7 +130,7 @@ static void addresses_of_several_words(void **state)
     assert_int_equal(read32(b, CSR_DATA), 0x11223344);
     assert_int_equal(read32(b, CSR_COMMAND), 0x3FF81000);
     assert_int_equal(b->chip.mistakes, 0);
-    assert_int_equal(read32(b, 0x067), 0x87654321); /* the lowest two bits are none of the address */
+    assert_int_equal(read32(b, 0x067), 0x87654321); /* the lowest two bits do not belong to the address */
 }
 
 static void before_ready(void **state)

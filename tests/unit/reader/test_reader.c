@@ -156,7 +156,7 @@ static bool has_failed(liar_t *l, uint8_t *d, uint16_t ado, uint8_t *data, uint1
     return true;
 }
 
-/* ETG.1000.4 clause 6.4: a command is refused while an error of the one before is shown. */
+/* ETG.1000.4 clause 6.4: a command is refused while an error of the previous command is pending. */
 static void an_error_of_the_eeprom_is_cleared_before_a_command(void **state)
 {
     static const uint16_t errors[] = {0x0000, 0x2000, 0x4000, 0x6000, 0x1800};
@@ -200,7 +200,7 @@ static void the_largest_eeprom_is_read_whole(void **state)
 }
 
 /* A slave whose PDI owns the interface, or uses it: the bytes at 0500h and 0501h, the low half of the number. The high
- * half has what the reader writes, a digit a byte and its value plus one. */
+ * half has the writes of the reader, one digit for each byte, and the value plus one. */
 static bool says_who_owns(liar_t *l, uint8_t *d, uint16_t ado, uint8_t *data, uint16_t length, uint8_t *wkc)
 {
     (void)wkc;
@@ -367,7 +367,7 @@ static bool keep_frame(liar_t *l, uint8_t *d, uint16_t ado, uint8_t *data, uint1
     return true;
 }
 
-/* The controller answers any destination; a source that is a group address would make it no Ethernet frame. */
+/* The controller replies to any destination; a source that is a group address would make it no Ethernet frame. */
 static void frames_are_broadcasts_from_a_local_address(void **state)
 {
     static const uint8_t header[14] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x02, 0, 0, 0, 0, 1, 0x88, 0xA4};
@@ -745,7 +745,7 @@ static void mails_of_another_service_are_no_list(void **state)
     close_reader(&l);
 }
 
-/* The entry of 1000h without a type, or without a length: not a gap, for a gap has neither. */
+/* The entry of 1000h without a type, or without a length: not a gap, because a gap has neither. */
 static void change_entry(liar_t *l, uint8_t *mail)
 {
     if (mail[7] >> 4 != 8 || (mail[8] & 0x7F) != 6 || ect_load_le16(mail + 12) != 0x1000)
@@ -772,7 +772,7 @@ static void a_gap_has_neither_type_nor_length(void **state)
     }
 }
 
-/* The name of 1000h begins with letters of every kind that JSON, or a terminal, does not take as they are. */
+/* The name of 1000h begins with every kind of letter that must be escaped in JSON or on a terminal. */
 static void change_name(liar_t *l, uint8_t *mail)
 {
     static const uint8_t letters[] = {0x01, 0x1F, ' ', '~', 0x7F, 0xE9, '"', '\\'};
@@ -790,7 +790,7 @@ static void letters_of_a_name_are_escaped(void **state)
     free(json);
 }
 
-/* Ten bytes with the reply to the start; the one segment after it ends the transfer with none. */
+/* Ten bytes with the reply to the start; the only segment after it ends the transfer without data. */
 static liar_mail_t last_segment_without_bytes(liar_t *l, const uint8_t *r)
 {
     static const uint8_t start[18] = {0x41, 0x18, 0x10, 1,   12,  0,   0,   0,   'a',

@@ -54,7 +54,7 @@ static void frames_are_tried_as_often_as_configured(void **state)
     }
 }
 
-/* Each frame: to all, from 02-00-00-00-00-01, its index one more than that of the one before. */
+/* Each frame: broadcast, from 02-00-00-00-00-01, its index one more than that of the previous frame. */
 static bool watches_headers(liar_t *l, uint8_t *d, uint16_t ado, uint8_t *data, uint16_t length, uint8_t *wkc)
 {
     static const uint8_t header[] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x02, 0, 0, 0, 0, 1, 0x88, 0xA4};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The reader leaves a bus as it is: what it writes, the states it keeps, the master it hears, and what it did not get.
+/* The reader does not change a bus: its writes, the states it keeps, the detection of a master, and missing data.
  */
 #define _GNU_SOURCE
 #include "reader/reader.h"

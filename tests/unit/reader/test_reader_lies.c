@@ -822,7 +822,7 @@ static void expect(const struct row *row, const char *call, int expected, ect_re
         fail_msg("%s: %s returned %d with the text '%s'", row->kind.name, call, (int)result, reader.text);
 }
 
-/* What `ectwin verify` makes of it: facts, from whatever came. */
+/* The result of `ectwin verify`: facts, from any replies. */
 static void make_facts(size_t size, const char *json)
 {
     ect_facts_t known = {.source = "EEPROM"}, found = {.source = "dictionary"};
@@ -956,7 +956,7 @@ static void three_requests_without_a_reply_end_a_dictionary(void **state)
     liar_close(&l);
 }
 
-/* Two of three uploads stay without a reply: never three in a row. */
+/* Two of three uploads stay without a reply: never three in succession. */
 static liar_mail_t two_of_three_silent(liar_t *l, const uint8_t *r)
 {
     if (!is_upload(r))

@@ -90,7 +90,7 @@ static void receives(void **state)
         size_t length;
         unsigned int receives, waits, then_ms;
     } rows[] = {
-        {"a frame that is there", AT_1, NEVER, {60}, 60, 1, 0, AT_1},
+        {"a queued frame", AT_1, NEVER, {60}, 60, 1, 0, AT_1},
         {"a frame of one byte", AT_1, NEVER, {1}, 1, 1, 0, AT_1},
         {"a frame that comes", AT_1, AT_1_5, {ECT_PACKET_NONE, 60}, 60, 2, 1, AT_1_5},
         {"one that is discarded, then a frame", AT_1, AT_1_5, {ECT_PACKET_STALE, 60}, 60, 2, 1, AT_1_5},

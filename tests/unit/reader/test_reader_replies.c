@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * SDO uploads byte by byte (ETG.1000.6 clause 5.6.2): scripted replies of a slave, what the reader makes of them, and
- * the requests that it sends.
+ * SDO uploads byte by byte (ETG.1000.6 clause 5.6.2): scripted replies of a slave, the reader's results, and the
+ * requests that it sends.
  */
 #define _GNU_SOURCE
 #include "reader/reader.h"
@@ -99,7 +99,7 @@ static const struct script {
      "",
      {0x40, 0x60, 0x70},
      0},
-    {"the first bytes beside the size",
+    {"the first bytes together with the size",
      {{RESPONSE, 10, {0x41, TO_2345_06, 5, 0, 0, 0, 1, 2}}, {RESPONSE, 8, {0x09, 3, 4, 5, 0xEE, 0xEE, 0xEE, 0xEE}}},
      ECT_READER_OK,
      5,
@@ -439,9 +439,9 @@ static void first_and_last_index(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        {"CF-069 CF-071 CF-072 replies to an upload: expedited, normal, segmented, aborted, and what is none",
+        {"CF-069 CF-071 CF-072 replies to an upload: expedited, normal, segmented, aborted, and invalid ones",
          each_reply, NULL, NULL, NULL},
-        {"CF-076 lists of objects in one fragment and in several, and what is no list", each_list, NULL, NULL, NULL},
+        {"CF-076 lists of objects in one fragment and in several, and invalid ones", each_list, NULL, NULL, NULL},
         {"CF-076 each index of a list is requested, 0000h and FFFFh too", first_and_last_index, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

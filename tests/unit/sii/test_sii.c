@@ -482,7 +482,7 @@ static void everything(void **state)
     const uint8_t *spare = tx->data + 16, *virtual_one = spare + 24;
     assert_int_equal(spare[3], 0xFF); /* not assigned: fixed, not mandatory */
     assert_int_equal(ect_load_le16(spare + 6), 0x0010);
-    expect_text(&image, "entry that is not there", spare[16 + 3], "");
+    expect_text(&image, "missing entry", spare[16 + 3], "");
     assert_int_equal(ect_load_le16(virtual_one + 6), 0x0021); /* from the description */
 }
 
@@ -833,7 +833,7 @@ int main(int argc, char **argv)
         {"CF-061 CF-064: PDOs equal the mapping objects entry by entry, their sum is the SyncManager's length", pdos,
          NULL, NULL, NULL},
         {"CF-057: identity words equal 1018h", identity_object, NULL, NULL, NULL},
-        {"CF-058: each advertised protocol answers, each other one gets mailbox error 2", protocols_answer, NULL, NULL,
+        {"CF-058: each advertised protocol replies, each other one gets mailbox error 2", protocols_answer, NULL, NULL,
          NULL},
         {"CF-054 CF-066: the image read over the bus, PDI control and alias register equal it", over_the_bus, NULL,
          NULL, NULL},
@@ -845,7 +845,7 @@ int main(int argc, char **argv)
         {"CF-060: an EEPROM that is too small is refused, at every size", every_eeprom_size, NULL, NULL, NULL},
         {"CF-064: more than 255 strings, or one of more than 255 characters, are refused", string_table_overflow, NULL,
          NULL, NULL},
-        {"CF-064: the name of an entry is left out when it is empty or has more than 255 characters, and only then",
+        {"CF-064: the name of an entry is omitted only if it is empty or has more than 255 characters",
          long_names_of_entries, NULL, NULL, NULL},
         {"CF-060 CF-064: every category and string of an image is found again", reading_whole_images, NULL, NULL, NULL},
         {"CF-060: truncated at every byte, an image is read up to its end only", truncated_images, NULL, NULL, NULL},

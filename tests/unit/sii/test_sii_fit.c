@@ -20,7 +20,7 @@ static void check_layout(const ect_device_t *on)
         uint32_t bytes =
             ect_device_sm_bytes(on, n) > on->sm[n].maximum ? ect_device_sm_bytes(on, n) : on->sm[n].maximum;
         if (on->sm[n].type == ECT_SM_UNUSED) {
-            assert_int_equal(on->sm[n].start, 0); /* with an address, a master would take it for process data */
+            assert_int_equal(on->sm[n].start, 0); /* with an address, a master would regard it as process data */
             continue;
         }
         assert_true(on->sm[n].start >= end && on->sm[n].start % 4 == 0);
@@ -219,7 +219,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         {"every product fits into a LAN9252, and is a description without a fault there", products, NULL, NULL, NULL},
         {"every product goes to OP on one", products_to_op, NULL, NULL, NULL},
-        {"each SyncManager gets what it takes of the memory, and registers stay where they are", laid_out, NULL, NULL,
+        {"each SyncManager gets the memory that it needs, and registers keep their addresses", laid_out, NULL, NULL,
          NULL},
         {"CF-089: SYNC0 is an AL event, and the pin SYNC0's, exactly for a device that goes by it", sync0_event, NULL,
          NULL, NULL},

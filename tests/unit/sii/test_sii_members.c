@@ -49,7 +49,7 @@ static ect_device_t small_device(void)
 
 /* --- texts -------------------------------------------------------------------------------------------------------- */
 
-/* Neither a missing nor an empty text is a string of the table, even beside a string of one character. */
+/* Neither a missing nor an empty text is a string of the table, even next to a string of one character. */
 static void missing_texts(void **state)
 {
     static uint8_t image[IMAGE];

@@ -175,7 +175,7 @@ static void cyclic_bits(void **unused)
     static const struct {
         const char *what;
         uint8_t bit10, bit12;
-        unsigned int standing, moving, ready; /* in its window, out of it, without torque */
+        unsigned int standing, moving, ready; /* in its window, outside, without torque */
         bool toggles;
     } rows[] = {
         {"DRV-510 DRV-511 the twin's own", 0, 0, ATTAINED, ATTAINED, 0, false},
@@ -438,8 +438,8 @@ int main(void)
         {"DRV-528: 6060h of 0 keeps the mode, or ends it", mode_zero, NULL, NULL, NULL},
         {"DRV-529: a mode changes at any time, at a standstill, or below Operation enabled", mode_changes, NULL, NULL,
          NULL},
-        {"DRV-530: bits 0 to 3 beside the reset of a fault", resets, NULL, NULL, NULL},
-        {"DRV-159: 60C2h beside another cycle is fault 8700h and the end of OP", wrong_cycles, NULL, NULL, NULL},
+        {"DRV-530: bits 0 to 3 during the reset of a fault", resets, NULL, NULL, NULL},
+        {"DRV-159: 60C2h unequal to the cycle causes fault 8700h and the end of OP", wrong_cycles, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("CiA 402 choices of vendors", tests, NULL, NULL);
 }

@@ -216,7 +216,7 @@ static void switch_and_torque(void **state)
 
 /* --- supervision -------------------------------------------------------------------------------------------------- */
 
-/* @return the step that finds trouble, 0: none of a hundred */
+/* @return the step with an error, 0: no error in a hundred steps */
 static unsigned int step_of_trouble(uint8_t trouble)
 {
     for (unsigned int n = 1; n <= 100; n++) {

@@ -42,7 +42,7 @@ static void slippage(void **unused)
     }
 }
 
-/* 500 per mille less 1000 per mille a second: half of it is left after 250 ms. The shaft is not braked. */
+/* 500 per mille, falling by 1000 per mille per second: half remains after 250 ms. The shaft is not braked. */
 static void releases(void **unused)
 {
     static const struct {

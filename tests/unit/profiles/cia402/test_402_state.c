@@ -277,8 +277,8 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"PLZ-022: every control word stands for the command of the truth table: bit 1 before 2 before 0 before 3",
          control_words, NULL, NULL, NULL},
-        {"PLZ-021 PLZ-022 DRV-126: each command leads from each state to the one of the table", transitions, NULL, NULL,
-         NULL},
+        {"PLZ-021 PLZ-022 DRV-126: each command leads from each state to the state in the table", transitions, NULL,
+         NULL, NULL},
         {"PLZ-021: no single word enables: Ready to Switch On, Switched On, and an edge of bit 3", whole_sequence, NULL,
          NULL, NULL},
         {"PLZ-022 PLZ-023: bits 0, 2 and 3 falling brake first, bit 1 does not", ramps, NULL, NULL, NULL},

@@ -132,7 +132,7 @@ static void loses_op(void **unused)
         {"0: nothing is a loss of supply", 0, true, true, 0x40, 0},
         {"1: a fault", 1, true, true, 0x08, 0x7500},
         {"2: off", 2, true, true, 0x40, 0},
-        {"3: quick stop leaves the axis as it is", 3, true, true, 0x27, 0},
+        {"3: quick stop does not affect the axis", 3, true, true, 0x27, 0},
         {"without 6007h: a fault", 0, false, true, 0x08, 0x7500},
         {"an axis without torque", 1, true, false, 0x40, 0},
     };
@@ -178,7 +178,7 @@ static void loses_supply(void **unused)
                      rows[i].code, rows[i].error_register, r.code, r.error_register, state());
         control(0);
         control(0x80);
-        assert_int_equal(state(), 0x08); /* the cause is there: it cannot be reset */
+        assert_int_equal(state(), 0x08); /* the cause still exists: no reset */
         r.around.sto = 0;
         r.around.power = 1;
         control(0);
@@ -1160,7 +1160,7 @@ int main(void)
         {"A jammed shaft does not move", jammed, NULL, NULL, NULL},
         {"DRV-041: 6080h limits the speed, from one turn a minute on", motor_speeds, NULL, NULL, NULL},
         {"DRV-519: speeds in turns a minute, and in tenths", speed_units, NULL, NULL, NULL},
-        {"DRV-097 DRV-519: each setting acts at its place in the axis", settings, NULL, NULL, NULL},
+        {"DRV-097 DRV-519: each setting has its effect in the axis", settings, NULL, NULL, NULL},
         {"DRV-036 DRV-037 DRV-038 DRV-231 DRV-235 DRV-237: limits and ranges by offset and polarity", ranges, NULL,
          NULL, NULL},
         {"DRV-096 DRV-223 DRV-263: pairs that cross, and values out of range", refused_pairs, NULL, NULL, NULL},
@@ -1168,10 +1168,10 @@ int main(void)
         {"DRV-026 DRV-035 DRV-058 DRV-080 DRV-231 DRV-256: set values by mode, offset and polarity", set_values, NULL,
          NULL, NULL},
         {"DRV-311: 60FDh and bits 4, 7 and 11, by input", inputs_and_bits, NULL, NULL, NULL},
-        {"DRV-230: a finer unit leaves the machine as it is", finer_units, NULL, NULL, NULL},
+        {"DRV-230: a finer unit does not change the machine", finer_units, NULL, NULL, NULL},
         {"DRV-004 DRV-154 DRV-151: control words by SDO below OP", by_mailbox_below_op, NULL, NULL, NULL},
         {"DRV-301 DRV-302 DRV-304 DRV-306 DRV-307: edges of probes, once and all", probes, NULL, NULL, NULL},
-        {"A fault by hand; the names of states", fault_by_hand, NULL, NULL, NULL},
+        {"A manual fault; the names of states", fault_by_hand, NULL, NULL, NULL},
         {"DRV-241: 8611h beyond 6065h, FFFFFFFFh is off", following_error, NULL, NULL, NULL},
         {"DRV-151: edges count from the first control word in OP", first_word_in_op, NULL, NULL, NULL},
         {"The machine at first power-on, and at the next", first_surroundings, NULL, NULL, NULL},

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A device without a network stack that answers: one reply at a time. */
+/* A device without a network stack that replies: one reply at a time. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

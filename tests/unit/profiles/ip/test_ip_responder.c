@@ -250,7 +250,7 @@ int main(void)
         {"RFC 826: ARP for the own address has a reply", replies_to_arp, NULL, NULL, NULL},
         {"RFC 792: pings of 0 to 1472 bytes have a reply", replies_to_ping, NULL, NULL, NULL},
         {"RFC 1624: the checksum of a reply is right for each request", checksum_of_each_ping, NULL, NULL, NULL},
-        {"RFC 862: UDP to port 7 comes back", replies_to_udp, NULL, NULL, NULL},
+        {"RFC 862: UDP to port 7 is returned", replies_to_udp, NULL, NULL, NULL},
         {"Other frames, and wrong ones, have none", no_reply, NULL, NULL, NULL},
         {"A frame that is cut off anywhere has none", every_length_is_safe, NULL, NULL, NULL},
         {"Without an IP address nothing is replied to; without a MAC one is made", address_unknown, NULL, NULL, NULL},

@@ -16,7 +16,7 @@
 
 /** The chip. Every address takes writes, but AL status follows AL control. */
 static uint8_t memory[65536];
-/** Called before each datagram; NULL: none. @return false: the frame does not come back */
+/** Called before each datagram; NULL: none. @return false: the frame does not return */
 static bool (*on_datagram)(cf_datagram_t *d);
 static unsigned int frames_sent;
 

@@ -68,7 +68,7 @@ static void registers(void **state)
                         "FPWR 1001:0120 AL control, 2 bytes, WKC 1");
     assert_string_equal(one(CF_ITEM_SENT, CF_APWR, CF_AT(0xFFFF, 0x080E), "00", 0), "APWR FFFF:080E SM1, 1 byte: 00");
     assert_string_equal(one(CF_ITEM_SENT, CF_BRD, CF_AT(0, 0x0620), "00", 0), "BRD 0000:0620 FMMU2, 1 byte");
-    /* data that nothing answered are not shown */
+    /* data without a reply are not shown */
     assert_string_equal(one(CF_ITEM_RECEIVED, CF_FPRD, CF_AT(0x1002, 0x0F00), "AA", 0),
                         "FPRD 1002:0F00, 1 byte, WKC 0");
 }
@@ -137,7 +137,7 @@ static void sdo_words(void **state)
     }
 }
 
-/* First and last address of each block of registers, and the addresses beside it. */
+/* First and last address of each block of registers, and the adjacent addresses. */
 static void places(void **state)
 {
     static const struct {

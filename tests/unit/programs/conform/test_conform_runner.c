@@ -834,7 +834,7 @@ static void kills(cf_t *c)
     cf_get8(c, 0);
 }
 
-/* Only the slave's software is dead: it takes no more requests. */
+/* Only the slave's software has stopped: it accepts no more requests. */
 static bool stuck;
 
 static bool sticks(cf_datagram_t *d)
@@ -937,7 +937,7 @@ static void lost_frames(void **state)
     end_run(&run);
 }
 
-/* A slave that cannot do what the canary wants is judged case by case from the start. */
+/* A slave that never passes the canary is judged case by case from the start. */
 static void never_able(void **state)
 {
     cf_run_t run;

@@ -296,7 +296,7 @@ static void many_events(void **state)
         from_bus(line);
     }
     snprintf(line, sizeof line, "{\"number\":99,\"text\":\"%0600d\"}\n", 0);
-    from_bus(line); /* too long, and left out */
+    from_bus(line); /* too long, and omitted */
     size_t count = 0;
     for (size_t length; (length = page_next(page, &buses, message)) > 0; count += members(message, "\"number\"")) {
         message[length] = 0;
@@ -632,7 +632,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"Values are sent when they are due, the newest of each signal alone", values, begin, finish, NULL},
-        {"Replies come in the order of the requests, beside changes", requests, begin, finish, NULL},
+        {"Replies are in the order of the requests, between changes", requests, begin, finish, NULL},
         {"SEC: a signal that a page holds is released, each once, unless the page has released it", held_signals, begin,
          finish, NULL},
         {"SEC: a hold that cannot be released is refused", refused_holds, begin, finish, NULL},
@@ -645,7 +645,7 @@ int main(int argc, char **argv)
         {"A reply that is too long becomes a short one", a_long_reply, begin, finish, NULL},
         {"SEC: a seventeenth request without a reply ends the connection", too_many_requests, begin, finish, NULL},
         {"SEC: a page that breaks the rules is closed", rules, begin, finish, NULL},
-        {"Signals and values that one message has no room for come in several", many_signals, begin, finish, NULL},
+        {"Signals and values that exceed one message are sent in several", many_signals, begin, finish, NULL},
         {"More signals than a connection watches: the reason is shown", too_many_signals, begin, finish, NULL},
         {"A bus that was restarted is described again", another_connection, begin, finish, NULL},
         {"SEC: a socket that does not speak the protocol is closed", lines_of_no_twin, begin, finish, NULL},
@@ -654,7 +654,7 @@ int main(int argc, char **argv)
         {"SEC: a page that is too late loses the oldest changes", a_late_page, begin, finish, NULL},
         {"SEC: a page plots at most 128 signals, and those of the list", too_many_traces, begin, finish, NULL},
         {"A signal whose name has wildcards is not traced", wildcards, begin, finish, NULL},
-        {"Faults that do not fit are left out of the list", faults_that_do_not_fit, begin, finish, NULL},
+        {"Faults that do not fit are omitted from the list", faults_that_do_not_fit, begin, finish, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

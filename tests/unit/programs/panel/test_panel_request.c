@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Decisions on what a browser sends to the panel (request.h), and the files that it may get. */
+/* Decisions on requests of a browser to the panel (request.h), and the files that it may get. */
 #include "request.h"
 
 #include <setjmp.h>
