@@ -14,6 +14,13 @@
 #include "bus/inprocess/sanitizer.h"
 #include "bus/inprocess/threads.h"
 #include "bus/inprocess/time.h"
+#include "bus/inprocess/user.h"
+
+static int fail(int error)
+{
+    errno = error;
+    return -1;
+}
 
 static uint64_t charged_now(const void *caller)
 {
@@ -23,13 +30,23 @@ static uint64_t charged_now(const void *caller)
     return ect_virtual_now();
 }
 
+static int put_time(struct timespec *time, uint64_t time_ns)
+{
+    const struct timespec its = ect_timespec_of(time_ns);
+    return ect_user_write(time, &its, sizeof its) ? 0 : fail(EFAULT);
+}
+
+/* Not inlined, because the header excludes the address 0 of a time, and the compiler relies on this. */
+static __attribute__((noinline)) bool put_if_wanted(void *to, const void *from, size_t length)
+{
+    return !to || ect_user_write(to, from, length);
+}
+
 /* Processor time remains real: it is a measure of the program, not of the bus. */
 REPLACES int clock_gettime(clockid_t clock, struct timespec *time)
 {
-    if (ect_in_dlsym) {
-        *time = ect_timespec_of(ECT_VIRTUAL_START_NS);
-        return 0;
-    }
+    if (ect_in_dlsym)
+        return put_time(time, ECT_VIRTUAL_START_NS);
     if (ect_inside > 0)
         return REAL(clock_gettime)(clock, time);
     switch (clock) {
@@ -37,13 +54,11 @@ REPLACES int clock_gettime(clockid_t clock, struct timespec *time)
     case CLOCK_MONOTONIC_RAW:
     case CLOCK_MONOTONIC_COARSE:
     case CLOCK_BOOTTIME:
-        *time = ect_timespec_of(charged_now(__builtin_return_address(0)));
-        return 0;
+        return put_time(time, charged_now(__builtin_return_address(0)));
     case CLOCK_REALTIME:
     case CLOCK_REALTIME_COARSE:
     case CLOCK_TAI:
-        *time = ect_timespec_of(charged_now(__builtin_return_address(0)) + ECT_DAY_OFFSET_NS);
-        return 0;
+        return put_time(time, charged_now(__builtin_return_address(0)) + ECT_DAY_OFFSET_NS);
     default:
         return REAL(clock_gettime)(clock, time);
     }
@@ -54,9 +69,11 @@ REPLACES int gettimeofday(struct timeval *restrict time, void *restrict zone)
     if (ect_inside > 0)
         return REAL(gettimeofday)(time, zone);
     uint64_t now_ns = charged_now(__builtin_return_address(0)) + ECT_DAY_OFFSET_NS;
-    *time = (struct timeval){.tv_sec = (time_t)(now_ns / ECT_NS_PER_S),
-                             .tv_usec = (suseconds_t)(now_ns % ECT_NS_PER_S / 1000u)};
-    return 0;
+    const struct timeval its = {.tv_sec = (time_t)(now_ns / ECT_NS_PER_S),
+                                .tv_usec = (suseconds_t)(now_ns % ECT_NS_PER_S / 1000u)};
+    const struct timezone utc = {0};
+    bool given = put_if_wanted(time, &its, sizeof its) && put_if_wanted(zone, &utc, sizeof utc);
+    return given ? 0 : fail(EFAULT);
 }
 
 REPLACES time_t time(time_t *result)
@@ -64,9 +81,7 @@ REPLACES time_t time(time_t *result)
     if (ect_inside > 0)
         return REAL(time)(result);
     time_t now = (time_t)((charged_now(__builtin_return_address(0)) + ECT_DAY_OFFSET_NS) / ECT_NS_PER_S);
-    if (result)
-        *result = now;
-    return now;
+    return put_if_wanted(result, &now, sizeof now) ? now : (time_t)fail(EFAULT);
 }
 
 /* @return the remaining time if a signal handler has ended the sleep; 0: complete */
@@ -84,8 +99,7 @@ REPLACES int usleep(useconds_t microseconds)
         return REAL(usleep)(microseconds);
     if (sleep_until(ect_virtual_now() + microseconds * 1000ull) == 0)
         return 0;
-    errno = EINTR;
-    return -1;
+    return fail(EINTR);
 }
 
 REPLACES unsigned int sleep(unsigned int seconds)
@@ -100,29 +114,30 @@ REPLACES int nanosleep(const struct timespec *time, struct timespec *left)
 {
     if (ect_inside > 0)
         return REAL(nanosleep)(time, left);
-    if (!ect_is_time(time)) {
-        errno = EINVAL;
-        return -1;
-    }
-    uint64_t left_ns = sleep_until(ect_virtual_now() + ect_ns_of(time));
-    if (left_ns == 0)
-        return 0;
-    if (left)
-        *left = ect_timespec_of(left_ns);
-    errno = EINTR;
-    return -1;
+    struct timespec its;
+    if (!ect_user_read(&its, time, sizeof its))
+        return fail(EFAULT);
+    if (!ect_is_time(&its))
+        return fail(EINVAL);
+    uint64_t left_ns = sleep_until(ect_virtual_now() + ect_ns_of(&its));
+    if (left_ns == 0 || (left && put_time(left, left_ns) != 0))
+        return left_ns == 0 ? 0 : -1;
+    return fail(EINTR);
 }
 
 REPLACES int clock_nanosleep(clockid_t clock, int flags, const struct timespec *time, struct timespec *left)
 {
     if (ect_inside > 0)
         return REAL(clock_nanosleep)(clock, flags, time, left);
-    if (!ect_is_time(time))
+    struct timespec its;
+    if (!ect_user_read(&its, time, sizeof its))
+        return EFAULT;
+    if (!ect_is_time(&its))
         return EINVAL;
     bool absolute = (flags & TIMER_ABSTIME) != 0;
-    uint64_t left_ns = sleep_until(absolute ? ect_deadline_on(clock, time) : ect_virtual_now() + ect_ns_of(time));
-    if (left_ns > 0 && left && !absolute)
-        *left = ect_timespec_of(left_ns);
+    uint64_t left_ns = sleep_until(absolute ? ect_deadline_on(clock, &its) : ect_virtual_now() + ect_ns_of(&its));
+    if (left_ns > 0 && left && !absolute && put_time(left, left_ns) != 0)
+        return EFAULT;
     return left_ns > 0 ? EINTR : 0;
 }
 

@@ -20,6 +20,7 @@
 #include "bus/inprocess/sanitizer.h"
 #include "bus/inprocess/threads.h"
 #include "bus/inprocess/time.h"
+#include "bus/inprocess/user.h"
 
 /* --- threads -------------------------------------------------------------------------------------------------------
  */
@@ -436,21 +437,31 @@ REPLACES int pthread_barrier_wait(pthread_barrier_t *barrier)
 /* --- futexes: the locks of Rust's standard library
  * -------------------------------------------------------------------- */
 
+static long fail(int error)
+{
+    errno = error;
+    return -1;
+}
+
 static long wait_futex(const int *word, int operation, int expected, const struct timespec *timeout)
 {
     bool absolute = (operation & FUTEX_CMD_MASK) == FUTEX_WAIT_BITSET;
     clockid_t clock = (operation & FUTEX_CLOCK_REALTIME) != 0 ? CLOCK_REALTIME : CLOCK_MONOTONIC;
-    uint64_t until_ns = absolute && timeout ? ect_deadline_on(clock, timeout) : ect_deadline_in(timeout);
+    struct timespec time;
+    if (timeout && !ect_user_read(&time, timeout, sizeof time))
+        return fail(EFAULT);
+    const struct timespec *limit = timeout ? &time : NULL;
+    uint64_t until_ns = absolute && limit ? ect_deadline_on(clock, limit) : ect_deadline_in(limit);
     (void)ect_virtual_now(); /* takes the turn: no wake-up can be lost between this comparison and the wait */
-    if (__atomic_load_n(word, __ATOMIC_SEQ_CST) != expected) {
-        errno = EAGAIN;
-        return -1;
-    }
+    int present;             /* may be half of a change */
+    if (!ect_user_read(&present, word, sizeof present))
+        return fail(EFAULT);
+    if (__atomic_load_n(word, __ATOMIC_SEQ_CST) != expected)
+        return fail(EAGAIN);
     ect_wait_t result = ect_virtual_wait(word, until_ns);
     if (result == ECT_WAIT_WOKEN)
         return 0;
-    errno = result == ECT_WAIT_TIMED_OUT ? ETIMEDOUT : EINTR;
-    return -1;
+    return fail(result == ECT_WAIT_TIMED_OUT ? ETIMEDOUT : EINTR);
 }
 
 REPLACES long syscall(long number, ...)

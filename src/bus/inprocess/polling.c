@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
@@ -22,11 +23,20 @@
 #include "bus/inprocess/signals.h"
 #include "bus/inprocess/threads.h"
 #include "bus/inprocess/time.h"
+#include "bus/inprocess/user.h"
 
+static int fail(int error)
+{
+    errno = error;
+    return -1;
+}
+
+/* A condition is evaluated in any thread: it stores the error number of its call. */
 typedef struct polling {
     struct pollfd *fds;
     nfds_t count;
     int result;
+    int error;
 } polling_t;
 
 /* @return whether all descriptors are sockets of the bus, as with most masters */
@@ -59,16 +69,16 @@ static bool poll_now(void *arg)
     }
     ect_ports_show();
     p->result = REAL(poll)(p->fds, p->count, 0);
+    p->error = errno;
     return p->result != 0;
 }
 
 /* @return the result of a call whose wait may have been interrupted by a signal handler */
-static int result_of(ect_wait_t wait, int ready)
+static int result_of(ect_wait_t wait, int ready, int error)
 {
-    if (wait != ECT_WAIT_INTERRUPTED)
-        return ready;
-    errno = EINTR;
-    return -1;
+    if (wait == ECT_WAIT_INTERRUPTED)
+        return fail(EINTR);
+    return ready < 0 ? fail(error) : ready;
 }
 
 /* @return whether there is a pipe, probably to a child process */
@@ -85,15 +95,50 @@ static int poll_until(struct pollfd *fds, nfds_t count, const char *call, uint64
 {
     polling_t p = {.fds = fds, .count = count};
     ect_wait_t wait;
-    if (!fds && count > 0) {
-        errno = EFAULT;
-        return -1;
-    }
     if (!are_ports(fds, count) && !poll_now(&p) && has_pipe(fds, count))
         wait = ect_virtual_wait_for_process(poll_now, &p, call, until_ns);
     else
         wait = ect_virtual_wait_until(poll_now, &p, are_ports(fds, count) ? NULL : call, until_ns);
-    return result_of(wait, p.result);
+    return result_of(wait, p.result, p.error);
+}
+
+/* As the kernel, sets the events of every descriptor also if the wait was interrupted. */
+static bool put_events(struct pollfd *to, const struct pollfd *from, nfds_t count)
+{
+    nfds_t i = 0;
+    while (i < count && ect_user_write(ect_user_at(to, i * sizeof *to + offsetof(struct pollfd, revents)),
+                                       &from[i].revents, sizeof from[i].revents))
+        i++;
+    return i == count;
+}
+
+/* Polls a list of the program. */
+static int poll_list(struct pollfd *fds, nfds_t count, const char *call, uint64_t until_ns)
+{
+    enum { USUAL = 32, MOST = 1048576 };
+    struct pollfd usual[USUAL];
+    if (count > MOST)
+        return fail(EINVAL);
+    struct pollfd *copy = count <= USUAL ? usual : malloc(count * sizeof *copy);
+    if (!copy)
+        return fail(ENOMEM);
+    bool good = ect_user_read(copy, fds, count * sizeof *copy);
+    int result = good ? poll_until(copy, count, call, until_ns) : -1;
+    int error = errno;
+    good = good && put_events(fds, copy, count);
+    if (copy != usual)
+        free(copy);
+    return !good ? fail(EFAULT) : result < 0 ? fail(error) : result;
+}
+
+/* Reads a time span of the program. @return the end of the span, which begins now; NULL: no limit */
+static bool read_deadline(const struct timespec *span, uint64_t *until_ns)
+{
+    struct timespec its;
+    bool good = !span || ect_user_read(&its, span, sizeof its);
+    if (good)
+        *until_ns = ect_deadline_in(span ? &its : NULL);
+    return good;
 }
 
 REPLACES int poll(struct pollfd *fds, nfds_t count, int timeout_ms)
@@ -101,7 +146,7 @@ REPLACES int poll(struct pollfd *fds, nfds_t count, int timeout_ms)
     if (ect_inside > 0)
         return REAL(poll)(fds, count, timeout_ms);
     ect_virtual_charge(ECT_COST_SOCKET_NS);
-    return poll_until(fds, count, "poll()", ect_deadline_in_ms(timeout_ms));
+    return poll_list(fds, count, "poll()", ect_deadline_in_ms(timeout_ms));
 }
 
 int __poll_chk(struct pollfd *fds, nfds_t count, int timeout_ms, size_t room);
@@ -116,9 +161,12 @@ REPLACES int ppoll(struct pollfd *fds, nfds_t count, const struct timespec *time
         return REAL(ppoll)(fds, count, timeout, mask);
     ect_virtual_charge(ECT_COST_SOCKET_NS);
     sigset_t before;
+    uint64_t until_ns;
+    if (!read_deadline(timeout, &until_ns))
+        return fail(EFAULT);
     int result = ect_signals_mask(mask, &before);
     if (result == 0)
-        result = poll_until(fds, count, "ppoll()", ect_deadline_in(timeout));
+        result = poll_list(fds, count, "ppoll()", until_ns);
     ect_signals_unmask(mask, &before);
     return result;
 }
@@ -133,10 +181,11 @@ REPLACES int __ppoll_chk(struct pollfd *fds, nfds_t count, const struct timespec
 
 typedef struct selecting {
     int count;
-    size_t size; /* of the sets in bytes: those of a system call may be smaller than an fd_set */
-    fd_set *sets[3];
+    size_t size;     /* of the sets in bytes: those of a system call may be smaller than an fd_set */
+    fd_set *sets[3]; /* of the program, and maybe larger: the kernel knows how much of them it uses */
     fd_set wanted[3];
     int result;
+    int error;
 } selecting_t;
 
 static bool select_now(void *arg)
@@ -145,10 +194,14 @@ static bool select_now(void *arg)
     struct timeval none = {0};
     ect_ports_show();
     for (unsigned int i = 0; i < 3; i++) {
-        if (s->sets[i])
-            memcpy(s->sets[i], &s->wanted[i], s->size);
+        if (s->sets[i] && !ect_user_write(s->sets[i], &s->wanted[i], s->size)) {
+            s->result = -1;
+            s->error = EFAULT;
+            return true;
+        }
     }
     s->result = REAL(select)(s->count, s->sets[0], s->sets[1], s->sets[2], &none);
+    s->error = errno;
     return s->result != 0;
 }
 
@@ -163,12 +216,12 @@ static int select_until(int count, fd_set *to_read, fd_set *to_write, fd_set *ex
 {
     selecting_t s = {.count = count, .size = size_of_set(count), .sets = {to_read, to_write, except}};
     for (unsigned int i = 0; i < 3; i++) {
-        if (s.sets[i])
-            memcpy(&s.wanted[i], s.sets[i], s.size);
+        if (s.sets[i] && !ect_user_read(&s.wanted[i], s.sets[i], s.size))
+            return fail(EFAULT);
     }
     ect_virtual_charge(ECT_COST_SOCKET_NS);
     ect_wait_t wait = ect_virtual_wait_until(select_now, &s, "select()", until_ns);
-    return result_of(wait, s.result);
+    return result_of(wait, s.result, s.error);
 }
 
 REPLACES int select(int count, fd_set *restrict to_read, fd_set *restrict to_write, fd_set *restrict except,
@@ -176,7 +229,10 @@ REPLACES int select(int count, fd_set *restrict to_read, fd_set *restrict to_wri
 {
     if (ect_inside > 0)
         return REAL(select)(count, to_read, to_write, except, timeout);
-    uint64_t until_ns = timeout ? ect_virtual_now() + ect_ns_of_timeval(timeout) : UINT64_MAX;
+    struct timeval span;
+    if (timeout && !ect_user_read(&span, timeout, sizeof span))
+        return fail(EFAULT);
+    uint64_t until_ns = timeout ? ect_virtual_now() + ect_ns_of_timeval(&span) : UINT64_MAX;
     return select_until(count, to_read, to_write, except, until_ns);
 }
 
@@ -186,18 +242,22 @@ REPLACES int pselect(int count, fd_set *restrict to_read, fd_set *restrict to_wr
     if (ect_inside > 0)
         return REAL(pselect)(count, to_read, to_write, except, timeout, mask);
     sigset_t before;
+    uint64_t until_ns;
+    if (!read_deadline(timeout, &until_ns))
+        return fail(EFAULT);
     int result = ect_signals_mask(mask, &before);
     if (result == 0)
-        result = select_until(count, to_read, to_write, except, ect_deadline_in(timeout));
+        result = select_until(count, to_read, to_write, except, until_ns);
     ect_signals_unmask(mask, &before);
     return result;
 }
 
 typedef struct epolling {
     int fd;
-    struct epoll_event *events;
+    struct epoll_event *events; /* of the program: the kernel alone writes them */
     int most;
     int result;
+    int error;
 } epolling_t;
 
 static bool epoll_now(void *arg)
@@ -205,6 +265,7 @@ static bool epoll_now(void *arg)
     epolling_t *e = arg;
     ect_ports_show();
     e->result = REAL(epoll_wait)(e->fd, e->events, e->most, 0);
+    e->error = errno;
     return e->result != 0;
 }
 
@@ -213,7 +274,7 @@ static int epoll_until(int fd, struct epoll_event *events, int most, uint64_t un
     epolling_t e = {.fd = fd, .events = events, .most = most};
     ect_virtual_charge(ECT_COST_SOCKET_NS);
     ect_wait_t wait = ect_virtual_wait_until(epoll_now, &e, "epoll_wait()", until_ns);
-    return result_of(wait, e.result);
+    return result_of(wait, e.result, e.error);
 }
 
 static int epoll_masked(int fd, struct epoll_event *events, int most, uint64_t until_ns, const sigset_t *mask)
@@ -246,7 +307,10 @@ REPLACES int epoll_pwait2(int fd, struct epoll_event *events, int most, const st
 {
     if (ect_inside > 0)
         return REAL(epoll_pwait2)(fd, events, most, timeout, mask);
-    return epoll_masked(fd, events, most, ect_deadline_in(timeout), mask);
+    uint64_t until_ns;
+    if (!read_deadline(timeout, &until_ns))
+        return fail(EFAULT);
+    return epoll_masked(fd, events, most, until_ns, mask);
 }
 
 static uint64_t receive_deadline(int fd)
@@ -330,8 +394,8 @@ REPLACES int timerfd_gettime(int fd, struct itimerspec *value)
     const timer_fd_t *its = ect_inside > 0 ? NULL : timer_of(fd);
     if (!its)
         return REAL(timerfd_gettime)(fd, value);
-    *value = ect_timer_left(&its->timer);
-    return 0;
+    const struct itimerspec left = ect_timer_left(&its->timer);
+    return ect_user_write(value, &left, sizeof left) ? 0 : fail(EFAULT);
 }
 
 REPLACES int timerfd_settime(int fd, int flags, const struct itimerspec *value, struct itimerspec *before)
@@ -340,11 +404,13 @@ REPLACES int timerfd_settime(int fd, int flags, const struct itimerspec *value, 
     eventfd_t expiries;
     if (!its)
         return REAL(timerfd_settime)(fd, flags, value, before);
-    if (before)
-        (void)timerfd_gettime(fd, before);
+    struct itimerspec set;
+    if (!ect_user_read(&set, value, sizeof set))
+        return fail(EFAULT);
+    const struct itimerspec left = ect_timer_left(&its->timer);
     struct pollfd one = {.fd = fd, .events = POLLIN};
     if (REAL(poll)(&one, 1, 0) > 0)
         (void)!REAL(read)(fd, &expiries, sizeof expiries);
-    ect_timer_set(&its->timer, its->clock, (flags & TFD_TIMER_ABSTIME) != 0, value);
-    return 0;
+    ect_timer_set(&its->timer, its->clock, (flags & TFD_TIMER_ABSTIME) != 0, &set);
+    return !before || ect_user_write(before, &left, sizeof left) ? 0 : fail(EFAULT);
 }

@@ -44,9 +44,6 @@ void ect_raw_thread(void);
 /** Executes a call from the text of the C library. @return the kernel's result: negative error numbers */
 long ect_raw_pass(const ect_raw_call_t *call);
 
-/** @return whether the process can read `length` bytes at an address; true as well if the kernel refuses the check */
-bool ect_raw_can_read(long address, size_t length);
-
 /** @return whether the dispatch is on in this process */
 bool ect_raw_is_on(void);
 

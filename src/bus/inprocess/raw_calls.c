@@ -2,6 +2,7 @@
 /* Direct system calls of the program, mapped to the functions that this library replaces. */
 #define _GNU_SOURCE
 #include <fcntl.h>
+#include <limits.h>
 #include <stdint.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
@@ -11,6 +12,7 @@
 #include <unistd.h>
 
 #include "bus/inprocess/raw.h"
+#include "bus/inprocess/user.h"
 
 static long make_socket(const long *a)
 {
@@ -178,64 +180,24 @@ static const ect_raw_entry_t table[] = {{SYS_socket, make_socket},
                                         {SYS_newfstatat, make_newfstatat},
                                         {SYS_readlinkat, make_readlinkat}};
 
-/* Checks the address of a path, because the replaced functions read the path. */
+/* Checks the address of a path, because a sanitizer of the program reads the path before the replaced function. */
 static bool has_bad_path(const ect_raw_call_t *call)
 {
     static const struct {
         long number;
         size_t at;
     } paths[] = {{SYS_open, 0}, {SYS_openat, 1}, {SYS_newfstatat, 1}, {SYS_readlinkat, 1}};
+    char copy[PATH_MAX];
     size_t i = 0;
     while (i < sizeof paths / sizeof *paths && paths[i].number != call->number)
         i++;
-    if (i == sizeof paths / sizeof *paths)
-        return false;
-    const ect_raw_call_t look = {.number = SYS_access, .a = {call->a[paths[i].at], F_OK}};
-    return ect_raw_pass(&look) == -EFAULT;
-}
-
-/* Checks the address of a signal mask, a time or a descriptor set, because the replaced functions copy the object. */
-static bool has_bad_argument(const ect_raw_call_t *call)
-{
-    enum { MASK = 8, TIME = 16, TIMES = 32, WORD = sizeof(long) };
-    static const struct {
-        long number;
-        size_t at, size;
-        bool required; /* the address 0 is a bad one */
-    } rows[] = {{SYS_ppoll, 3, MASK, false},
-                {SYS_epoll_pwait, 4, MASK, false},
-                {SYS_epoll_pwait2, 4, MASK, false},
-                {SYS_rt_sigsuspend, 0, MASK, false},
-                {SYS_rt_sigtimedwait, 0, MASK, false},
-                {SYS_nanosleep, 0, TIME, true},
-                {SYS_clock_nanosleep, 2, TIME, true},
-                {SYS_ppoll, 2, TIME, false},
-                {SYS_epoll_pwait2, 3, TIME, false},
-                {SYS_rt_sigtimedwait, 2, TIME, false},
-                {SYS_timerfd_settime, 2, TIMES, true},
-                {SYS_select, 4, TIME, false},
-                {SYS_pselect6, 4, TIME, false},
-                {SYS_select, 1, 1, false},
-                {SYS_select, 2, 1, false},
-                {SYS_select, 3, 1, false},
-                {SYS_pselect6, 1, 1, false},
-                {SYS_pselect6, 2, 1, false},
-                {SYS_pselect6, 3, 1, false}};
-    const long *pair = (const long *)call->a[5];
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        if (rows[i].number == call->number && (rows[i].required || call->a[rows[i].at] != 0) &&
-            !ect_raw_can_read(call->a[rows[i].at], rows[i].size))
-            return true;
-    }
-    if (call->number != SYS_pselect6 || !pair)
-        return false;
-    return !ect_raw_can_read(call->a[5], 2 * WORD) || (pair[0] != 0 && !ect_raw_can_read(pair[0], MASK));
+    return i < sizeof paths / sizeof *paths && !ect_user_string(copy, (const char *)call->a[paths[i].at], sizeof copy);
 }
 
 static long make(const ect_raw_call_t *call)
 {
     long result;
-    if (has_bad_path(call) || has_bad_argument(call))
+    if (has_bad_path(call))
         return ect_raw_pass(call);
     if (ect_raw_on_clock(call, &result) || ect_raw_find(table, sizeof table / sizeof *table, call, &result))
         return result;

@@ -17,23 +17,29 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "bus/inprocess/actions.h"
 #include "bus/inprocess/raw.h"
-#include "bus/inprocess/raw_signals.h"
 #include "bus/inprocess/real.h"
+#include "bus/inprocess/user.h"
 
 static const char vector_path[] = "/proc/self/auxv";
 
-/* Converts a signal mask of the kernel, which is shorter than that of the C library. */
-static const sigset_t *mask_of(long address, sigset_t *its)
+/* Converts a signal mask of the kernel, which is shorter than that of the C library; a sanitizer reads all of the
+ * latter.
+ * @param[out] mask  `room`; NULL: no mask @return false: a bad address */
+static bool read_mask(const sigset_t **mask, sigset_t *room, long address)
 {
-    uint64_t mask;
+    uint64_t its;
+    *mask = NULL;
     if (address == 0)
-        return NULL;
-    memcpy(&mask, (const void *)address, sizeof mask);
-    mask = ect_raw_mask(mask);
-    sigemptyset(its);
-    memcpy(its, &mask, sizeof mask);
-    return its;
+        return true;
+    if (!ect_user_read(&its, (const void *)address, sizeof its))
+        return false;
+    its = ect_action_mask(its);
+    sigemptyset(room);
+    memcpy(room, &its, sizeof its);
+    *mask = room;
+    return true;
 }
 
 static long make_clock_gettime(const long *a)
@@ -74,9 +80,11 @@ static long make_poll(const long *a)
 
 static long make_ppoll(const long *a)
 {
-    sigset_t mask;
-    return ect_raw_result(
-        ppoll((struct pollfd *)a[0], (nfds_t)a[1], (const struct timespec *)a[2], mask_of(a[3], &mask)));
+    const sigset_t *mask;
+    sigset_t room;
+    if (!read_mask(&mask, &room, a[3]))
+        return -EFAULT;
+    return ect_raw_result(ppoll((struct pollfd *)a[0], (nfds_t)a[1], (const struct timespec *)a[2], mask));
 }
 
 static long make_select(const long *a)
@@ -84,13 +92,16 @@ static long make_select(const long *a)
     return ect_raw_result(select((int)a[0], (fd_set *)a[1], (fd_set *)a[2], (fd_set *)a[3], (struct timeval *)a[4]));
 }
 
-/* The sixth argument points to address and length of the mask. */
+/* The sixth argument points to the address of the mask, before its length. */
 static long make_pselect6(const long *a)
 {
-    sigset_t mask;
-    const long *its = (const long *)a[5];
-    return ect_raw_result(pselect((int)a[0], (fd_set *)a[1], (fd_set *)a[2], (fd_set *)a[3],
-                                  (const struct timespec *)a[4], its ? mask_of(its[0], &mask) : NULL));
+    const sigset_t *mask;
+    sigset_t room;
+    long its = 0;
+    if ((a[5] != 0 && !ect_user_read(&its, (const void *)a[5], sizeof its)) || !read_mask(&mask, &room, its))
+        return -EFAULT;
+    return ect_raw_result(
+        pselect((int)a[0], (fd_set *)a[1], (fd_set *)a[2], (fd_set *)a[3], (const struct timespec *)a[4], mask));
 }
 
 static long make_epoll_wait(const long *a)
@@ -100,17 +111,22 @@ static long make_epoll_wait(const long *a)
 
 static long make_epoll_pwait(const long *a)
 {
-    sigset_t mask;
-    return ect_raw_result(
-        epoll_pwait((int)a[0], (struct epoll_event *)a[1], (int)a[2], (int)a[3], mask_of(a[4], &mask)));
+    const sigset_t *mask;
+    sigset_t room;
+    if (!read_mask(&mask, &room, a[4]))
+        return -EFAULT;
+    return ect_raw_result(epoll_pwait((int)a[0], (struct epoll_event *)a[1], (int)a[2], (int)a[3], mask));
 }
 
 int epoll_pwait2(int fd, struct epoll_event *events, int most, const struct timespec *timeout, const sigset_t *mask);
 static long make_epoll_pwait2(const long *a)
 {
-    sigset_t mask;
-    return ect_raw_result(epoll_pwait2((int)a[0], (struct epoll_event *)a[1], (int)a[2], (const struct timespec *)a[3],
-                                       mask_of(a[4], &mask)));
+    const sigset_t *mask;
+    sigset_t room;
+    if (!read_mask(&mask, &room, a[4]))
+        return -EFAULT;
+    return ect_raw_result(
+        epoll_pwait2((int)a[0], (struct epoll_event *)a[1], (int)a[2], (const struct timespec *)a[3], mask));
 }
 
 static long make_timerfd_create(const long *a)
@@ -152,14 +168,20 @@ static long make_pause(const long *a)
 
 static long make_rt_sigsuspend(const long *a)
 {
-    sigset_t mask;
-    return ect_raw_result(sigsuspend(mask_of(a[0], &mask)));
+    const sigset_t *mask;
+    sigset_t room;
+    if (!read_mask(&mask, &room, a[0]))
+        return -EFAULT;
+    return ect_raw_result(sigsuspend(mask));
 }
 
 static long make_rt_sigtimedwait(const long *a)
 {
-    sigset_t mask;
-    return ect_raw_result(sigtimedwait(mask_of(a[0], &mask), (siginfo_t *)a[1], (const struct timespec *)a[2]));
+    const sigset_t *mask;
+    sigset_t room;
+    if (!read_mask(&mask, &room, a[0]))
+        return -EFAULT;
+    return ect_raw_result(sigtimedwait(mask, (siginfo_t *)a[1], (const struct timespec *)a[2]));
 }
 
 static long make_wait4(const long *a)
@@ -226,7 +248,9 @@ static long open_vector(long flags)
 
 bool ect_raw_on_clock(const ect_raw_call_t *call, long *result)
 {
-    if (call->number == SYS_openat && strcmp((const char *)call->a[1], vector_path) == 0) {
+    char path[sizeof vector_path];
+    if (call->number == SYS_openat && ect_user_string(path, (const char *)call->a[1], sizeof path) &&
+        strcmp(path, vector_path) == 0) {
         *result = open_vector(call->a[2]);
         return true;
     }

@@ -17,11 +17,12 @@
 #include <ucontext.h>
 #include <unistd.h>
 
+#include "bus/inprocess/actions.h"
 #include "bus/inprocess/raw.h"
 #include "bus/inprocess/raw_objects.h"
-#include "bus/inprocess/raw_signals.h"
 #include "bus/inprocess/real.h"
 #include "bus/inprocess/time.h"
+#include "bus/inprocess/user.h"
 
 /* Constants missing from older headers. */
 enum {
@@ -62,17 +63,6 @@ long ect_raw_pass(const ect_raw_call_t *call)
     return ect_raw_result(result);
 }
 
-bool ect_raw_can_read(long address, size_t length)
-{
-    enum { MOST = 64 };
-    char copy[MOST];
-    const struct iovec to = {.iov_base = copy, .iov_len = length < MOST ? length : MOST};
-    const long from[] = {address, (long)to.iov_len}; /* an iovec */
-    const ect_raw_call_t look = {.number = SYS_process_vm_readv, .a = {getpid(), (long)&to, 1, (long)from, 1, 0}};
-    long got = ect_raw_pass(&look);
-    return got == (long)to.iov_len || (got < 0 && got != -EFAULT);
-}
-
 bool ect_raw_find(const ect_raw_entry_t *table, size_t count, const ect_raw_call_t *call, long *result)
 {
     for (size_t i = 0; i < count; i++) {
@@ -95,14 +85,25 @@ void ect_raw_hide_vdso(ElfW(auxv_t) * entry)
 /* --- calls that concern the handler itself -------------------------------------------------------------------------
  */
 
+/* Copies memory of the program by the kernel: these calls are also made where SIGSEGV is blocked, and by crash handlers
+ * that try addresses. @return false: a bad address */
+static bool copy_in(void *to, long from, size_t length)
+{
+    const struct iovec own = {.iov_base = to, .iov_len = length};
+    const long its[] = {from, (long)length}; /* an iovec */
+    const ect_raw_call_t copy = {.number = SYS_process_vm_readv, .a = {getpid(), (long)&own, 1, (long)its, 1, 0}};
+    long copied = ect_raw_pass(&copy);
+    bool refused_call = copied < 0 && copied != -EFAULT; /* by a sandbox */
+    return refused_call ? ect_user_read(to, (const void *)from, length) : copied == (long)length;
+}
+
 /* Sets the mask in the context, which becomes the thread's mask when the handler returns. */
 static long set_mask(const ect_raw_call_t *call, ucontext_t *at)
 {
     ect_raw_call_t its = *call;
     uint64_t mask;
-    if (call->a[1] && call->a[3] == KERNEL_MASK && ect_raw_can_read(call->a[1], sizeof mask)) {
-        memcpy(&mask, (const void *)call->a[1], sizeof mask);
-        mask = call->a[0] == SIG_UNBLOCK ? mask : ect_raw_mask(mask);
+    if (call->a[1] && call->a[3] == KERNEL_MASK && copy_in(&mask, call->a[1], sizeof mask)) {
+        mask = call->a[0] == SIG_UNBLOCK ? mask : ect_action_mask(mask);
         its.a[1] = (long)&mask;
     }
     long result = ect_raw_pass(&its);
@@ -117,36 +118,32 @@ static struct sigaction action_of(const kernel_action_t *from)
     return to;
 }
 
-/* The kernel refuses a bad address of `before`; a good one finally gets the program's own action. */
+/* Sets the program's action of a signal that the library has taken. */
 static long set_own_action(const ect_raw_call_t *call)
 {
-    const kernel_action_t *action = (const kernel_action_t *)call->a[1];
     kernel_action_t *before = (kernel_action_t *)call->a[2];
-    const ect_raw_call_t look = {.number = call->number, .a = {SIGSYS, 0, call->a[2], call->a[3]}};
-    if (action && !ect_raw_can_read(call->a[1], sizeof *action))
+    kernel_action_t action;
+    struct sigaction set, was;
+    if (call->a[3] != KERNEL_MASK)
+        return -EINVAL;
+    if (call->a[1] && !copy_in(&action, call->a[1], sizeof action))
         return -EFAULT;
-    long result = ect_raw_pass(&look);
-    if (result != 0)
-        return result;
-    const struct sigaction set = action ? action_of(action) : (struct sigaction){0};
-    struct sigaction was;
-    ect_raw_own_action(action ? &set : NULL, &was);
-    if (before) {
-        *before = (kernel_action_t){.handler = was.sa_sigaction, .flags = (unsigned long)was.sa_flags};
-        memcpy(&before->mask, &was.sa_mask, sizeof before->mask);
-    }
-    return 0;
+    if (call->a[1])
+        set = action_of(&action);
+    ect_action_exchange((int)call->a[0], call->a[1] ? &set : NULL, &was);
+    action = (kernel_action_t){.handler = was.sa_sigaction, .flags = (unsigned long)was.sa_flags};
+    memcpy(&action.mask, &was.sa_mask, sizeof action.mask);
+    return !before || ect_user_write(before, &action, sizeof action) ? 0 : -EFAULT;
 }
 
 static long set_action(const ect_raw_call_t *call)
 {
     ect_raw_call_t its = *call;
     kernel_action_t action;
-    if (call->a[0] == SIGSYS)
+    if (ect_action_is_taken((int)call->a[0]))
         return set_own_action(call);
-    if (call->a[1] && ect_raw_can_read(call->a[1], sizeof action)) {
-        action = *(const kernel_action_t *)call->a[1];
-        action.mask = ect_raw_mask(action.mask);
+    if (call->a[1] && copy_in(&action, call->a[1], sizeof action)) {
+        action.mask = ect_action_mask(action.mask);
         its.a[1] = (long)&action;
     }
     return ect_raw_pass(&its);
@@ -242,7 +239,7 @@ __attribute__((no_sanitize("address"))) static void on_call(int number, siginfo_
     ucontext_t *at = context;
     greg_t *registers = at->uc_mcontext.gregs;
     if (info->si_code != BY_DISPATCH) {
-        ect_raw_own_signal(number, info, context);
+        ect_action_run(number, info, context);
         return;
     }
     int error = errno;
@@ -297,11 +294,11 @@ static bool turn_on(void)
 {
     if (!library_is_known() || objects.c_library.end == 0)
         return false;
-    if (ect_raw_take_signal(on_call) != 0)
+    if (ect_action_take(SIGSYS, on_call, ECT_IN_CALL) != 0)
         return false;
     if (find_restorer() && dispatch())
         return true;
-    ect_raw_leave_signal();
+    ect_action_leave(SIGSYS);
     return false;
 }
 

@@ -12,6 +12,13 @@
 #include "bus/inprocess/deadline.h"
 #include "bus/inprocess/real.h"
 #include "bus/inprocess/threads.h"
+#include "bus/inprocess/user.h"
+
+static int fail(int error)
+{
+    errno = error;
+    return -1;
+}
 
 /* @return whether a signal is pending that is not in the mask */
 static bool is_due(const sigset_t *mask)
@@ -24,16 +31,24 @@ static bool is_due(const sigset_t *mask)
     return due;
 }
 
+/* Copies a mask of the program, which is as long as that of the kernel: that of a direct system call is not longer. */
+static bool read_mask(sigset_t *to, const sigset_t *from)
+{
+    sigemptyset(to);
+    return ect_user_read(to, from, (size_t)(SIGRTMAX + 7) / 8);
+}
+
 int ect_signals_mask(const sigset_t *mask, sigset_t *before)
 {
+    sigset_t its;
     if (!mask)
         return 0;
-    bool due = is_due(mask);
-    pthread_sigmask(SIG_SETMASK, mask, before);
-    if (!due)
-        return 0;
-    errno = EINTR;
-    return -1;
+    bool good = read_mask(&its, mask);
+    bool due = good && is_due(&its);
+    pthread_sigmask(SIG_SETMASK, good ? &its : NULL, before);
+    if (!good)
+        return fail(EFAULT);
+    return due ? fail(EINTR) : 0;
 }
 
 void ect_signals_unmask(const sigset_t *mask, const sigset_t *before)
@@ -76,8 +91,7 @@ static bool never(void *unused)
 static int wait_for_handler(const char *call, bool ended)
 {
     (void)ect_virtual_wait_until(handles_ends_of_children() ? child_has_ended : never, &ended, call, UINT64_MAX);
-    errno = EINTR;
-    return -1;
+    return fail(EINTR);
 }
 
 REPLACES int pause(void)
@@ -89,16 +103,18 @@ REPLACES int sigsuspend(const sigset_t *mask)
 {
     if (ect_inside > 0)
         return REAL(sigsuspend)(mask);
-    sigset_t before;
+    sigset_t its, before;
+    if (!read_mask(&its, mask))
+        return fail(EFAULT);
     bool ended = has_ended_child(); /* before setting the mask: a later end ends the wait */
-    if (ect_signals_mask(mask, &before) == 0)
+    if (ect_signals_mask(&its, &before) == 0)
         (void)wait_for_handler("sigsuspend()", ended);
-    ect_signals_unmask(mask, &before);
+    ect_signals_unmask(&its, &before);
     return -1;
 }
 
 typedef struct accepted {
-    const sigset_t *set;
+    sigset_t set;
     siginfo_t info;
     int number;
 } accepted_t;
@@ -107,24 +123,22 @@ static bool accept_now(void *arg)
 {
     static const struct timespec none = {0};
     accepted_t *its = arg;
-    its->number = REAL(sigtimedwait)(its->set, &its->info, &none);
+    its->number = REAL(sigtimedwait)(&its->set, &its->info, &none);
     return its->number > 0;
 }
 
 /* @return the number of the signal; -1 (errno) */
 static int accept_until(const sigset_t *set, siginfo_t *info, const char *call, uint64_t until_ns)
 {
-    accepted_t its = {.set = set};
+    accepted_t its;
+    if (!read_mask(&its.set, set))
+        return fail(EFAULT);
     if (!accept_now(&its)) {
         ect_wait_t result = ect_virtual_wait_until(accept_now, &its, call, until_ns);
-        if (result != ECT_WAIT_WOKEN) {
-            errno = result == ECT_WAIT_TIMED_OUT ? EAGAIN : EINTR;
-            return -1;
-        }
+        if (result != ECT_WAIT_WOKEN)
+            return fail(result == ECT_WAIT_TIMED_OUT ? EAGAIN : EINTR);
     }
-    if (info)
-        *info = its.info;
-    return its.number;
+    return !info || ect_user_write(info, &its.info, sizeof its.info) ? its.number : fail(EFAULT);
 }
 
 REPLACES int sigtimedwait(const sigset_t *restrict set, siginfo_t *restrict info,
@@ -132,7 +146,10 @@ REPLACES int sigtimedwait(const sigset_t *restrict set, siginfo_t *restrict info
 {
     if (ect_inside > 0)
         return REAL(sigtimedwait)(set, info, timeout);
-    return accept_until(set, info, "sigtimedwait()", ect_deadline_in(timeout));
+    struct timespec span;
+    if (timeout && !ect_user_read(&span, timeout, sizeof span))
+        return fail(EFAULT);
+    return accept_until(set, info, "sigtimedwait()", ect_deadline_in(timeout ? &span : NULL));
 }
 
 REPLACES int sigwaitinfo(const sigset_t *restrict set, siginfo_t *restrict info)
@@ -150,6 +167,7 @@ REPLACES int sigwait(const sigset_t *restrict set, int *restrict number)
     do
         accepted = accept_until(set, NULL, "sigwait()", UINT64_MAX);
     while (accepted < 0 && errno == EINTR);
-    *number = accepted;
+    if (accepted > 0 && !ect_user_write(number, &accepted, sizeof accepted))
+        return EFAULT;
     return accepted > 0 ? 0 : errno;
 }

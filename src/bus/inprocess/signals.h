@@ -8,13 +8,13 @@
 
 /**
  * Sets the mask of a wait.
- * @param mask         NULL: unchanged
+ * @param mask         of the program (user.h); NULL: unchanged
  * @param[out] before  the present mask, for ::ect_signals_unmask
- * @return 0: wait; -1 (EINTR): the handler of a previously blocked signal has run
+ * @return 0: wait; -1: the handler of a previously blocked signal has run (EINTR), a bad address (EFAULT)
  */
 int ect_signals_mask(const sigset_t *mask, sigset_t *before);
 
-/** Restores the mask; errno is unchanged. */
+/** Restores the mask, also after a failure; errno is unchanged. */
 void ect_signals_unmask(const sigset_t *mask, const sigset_t *before);
 
 #endif

@@ -13,6 +13,7 @@
 #include "bus/inprocess/deadline.h"
 #include "bus/inprocess/real.h"
 #include "bus/inprocess/threads.h"
+#include "bus/inprocess/user.h"
 
 typedef struct posix_timer {
     ect_timer_t timer; /* first */
@@ -97,25 +98,31 @@ static bool set_up(posix_timer_t *its, struct sigevent *event)
     }
 }
 
+static int fail(int error)
+{
+    errno = error;
+    return -1;
+}
+
 REPLACES int timer_create(clockid_t clock, struct sigevent *restrict event, timer_t *restrict timer)
 {
     bool of_processor = clock == CLOCK_PROCESS_CPUTIME_ID || clock == CLOCK_THREAD_CPUTIME_ID || clock < 0;
     if (ect_inside > 0 || of_processor)
         return REAL(timer_create)(clock, event, timer);
     posix_timer_t *its = calloc(1, sizeof *its);
-    struct sigevent alarm = {.sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGALRM, .sigev_value.sival_ptr = its};
+    struct sigevent how = {.sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGALRM, .sigev_value.sival_ptr = its};
+    const timer_t name = its;
     (void)ect_virtual_now(); /* takes the turn */
     if (its)
         *its = (posix_timer_t){.timer.next_ns = UINT64_MAX, .clock = clock};
-    if (!its || !set_up(its, event ? event : &alarm)) {
+    bool good = (!event || ect_user_read(&how, event, sizeof how)) && ect_user_write(timer, &name, sizeof name);
+    if (!its || !good || !set_up(its, &how)) {
         free(its);
-        errno = EAGAIN;
-        return -1;
+        return fail(good ? EAGAIN : EFAULT);
     }
     ect_virtual_add_timer(&its->timer);
     its->next = posix_timers;
     posix_timers = its;
-    *timer = its;
     return 0;
 }
 
@@ -151,8 +158,8 @@ REPLACES int timer_gettime(timer_t timer, struct itimerspec *value)
     const posix_timer_t *its = *place_of(timer);
     if (!its)
         return REAL(timer_gettime)(timer, value);
-    *value = ect_timer_left(&its->timer);
-    return 0;
+    const struct itimerspec left = ect_timer_left(&its->timer);
+    return ect_user_write(value, &left, sizeof left) ? 0 : fail(EFAULT);
 }
 
 REPLACES int timer_settime(timer_t timer, int flags, const struct itimerspec *restrict value,
@@ -161,14 +168,14 @@ REPLACES int timer_settime(timer_t timer, int flags, const struct itimerspec *re
     posix_timer_t *its = *place_of(timer);
     if (!its)
         return REAL(timer_settime)(timer, flags, value, before);
-    if (!ect_is_time(&value->it_value) || !ect_is_time(&value->it_interval)) {
-        errno = EINVAL;
-        return -1;
-    }
-    if (before)
-        *before = ect_timer_left(&its->timer);
-    ect_timer_set(&its->timer, its->clock, (flags & TIMER_ABSTIME) != 0, value);
-    return 0;
+    struct itimerspec set;
+    if (!ect_user_read(&set, value, sizeof set))
+        return fail(EFAULT);
+    if (!ect_is_time(&set.it_value) || !ect_is_time(&set.it_interval))
+        return fail(EINVAL);
+    const struct itimerspec left = ect_timer_left(&its->timer);
+    ect_timer_set(&its->timer, its->clock, (flags & TIMER_ABSTIME) != 0, &set);
+    return !before || ect_user_write(before, &left, sizeof left) ? 0 : fail(EFAULT);
 }
 
 REPLACES int timer_getoverrun(timer_t timer)
@@ -209,8 +216,8 @@ REPLACES int getitimer(__itimer_which_t which, struct itimerval *value)
 {
     if (ect_inside > 0 || which != ITIMER_REAL)
         return REAL(getitimer)(which, value);
-    *value = alarm_left();
-    return 0;
+    const struct itimerval left = alarm_left();
+    return ect_user_write(value, &left, sizeof left) ? 0 : fail(EFAULT);
 }
 
 REPLACES int setitimer(__itimer_which_t which, const struct itimerval *restrict value,
@@ -218,14 +225,16 @@ REPLACES int setitimer(__itimer_which_t which, const struct itimerval *restrict 
 {
     if (ect_inside > 0 || which != ITIMER_REAL)
         return REAL(setitimer)(which, value, before);
-    if (before)
-        *before = alarm_left();
-    const struct itimerspec spec = {.it_value = ect_timespec_of(value ? ect_ns_of_timeval(&value->it_value) : 0),
-                                    .it_interval = ect_timespec_of(value ? ect_ns_of_timeval(&value->it_interval) : 0)};
+    struct itimerval set = {0};
+    if (value && !ect_user_read(&set, value, sizeof set))
+        return fail(EFAULT);
+    const struct itimerval left = alarm_left();
+    const struct itimerspec spec = {.it_value = ect_timespec_of(ect_ns_of_timeval(&set.it_value)),
+                                    .it_interval = ect_timespec_of(ect_ns_of_timeval(&set.it_interval))};
     ect_virtual_remove_timer(&alarm_timer);
     ect_timer_set(&alarm_timer, CLOCK_MONOTONIC, false, &spec);
     ect_virtual_add_timer(&alarm_timer);
-    return 0;
+    return !before || ect_user_write(before, &left, sizeof left) ? 0 : fail(EFAULT);
 }
 
 REPLACES unsigned int alarm(unsigned int seconds)

@@ -19,6 +19,7 @@
 #include <cmocka.h>
 
 #include "bus/inprocess/real.h"
+#include "bus/inprocess/user.h"
 
 /* Declares the replacement of a function, as in_process_source() names it. */
 #define OURS(name) extern __typeof__(name) ours_##name
@@ -82,6 +83,32 @@ static void forget_calls(void)
     memset(&fakes, 0, sizeof fakes);
 }
 
+/* Memory of the program: an address below a page, as of AT(), and the address that a test names are bad. */
+static struct {
+    const void *unreadable, *unwritable;
+} bad_memory;
+
+static bool is_good(const void *address, const void *its_bad)
+{
+    return (uintptr_t)address >= 4096 && address != its_bad;
+}
+
+bool ect_user_read(void *to, const void *from, size_t length)
+{
+    bool good = length == 0 || is_good(from, bad_memory.unreadable);
+    if (good && length > 0)
+        memcpy(to, from, length);
+    return good;
+}
+
+bool ect_user_write(void *to, const void *from, size_t length)
+{
+    bool good = length == 0 || is_good(to, bad_memory.unwritable);
+    if (good && length > 0)
+        memcpy(to, from, length);
+    return good;
+}
+
 /* Each test begins and ends with no call logged. */
 __attribute__((unused)) static int begin_fakes(void **state)
 {
@@ -89,6 +116,7 @@ __attribute__((unused)) static int begin_fakes(void **state)
     forget_calls();
     ect_inside = 0;
     ect_in_dlsym = false;
+    memset(&bad_memory, 0, sizeof bad_memory);
     errno = 0;
     return 0;
 }

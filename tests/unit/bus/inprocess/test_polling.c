@@ -48,7 +48,7 @@ static ect_timer_t *added;
 
 static int fake_poll(struct pollfd *fds, nfds_t count, int timeout_ms)
 {
-    long result = CALLED(poll, count > 0 && (long)fds > 4096 ? fds->fd : (long)fds, (long)count, timeout_ms);
+    long result = CALLED(poll, count > 0 ? fds->fd : 0, (long)count, timeout_ms);
     if (count > 0 && result > 0)
         fds->revents = revents;
     return (int)result;

@@ -7,8 +7,8 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include "bus/inprocess/actions.h"
 #include "bus/inprocess/raw.h"
-#include "bus/inprocess/raw_signals.h"
 #include "fakes.h"
 
 static uint8_t written[64 * sizeof(ElfW(auxv_t))];
@@ -137,7 +137,7 @@ long fake_sigtimedwait(const sigset_t *mask, long b, long c)
  * ----------------------------------------------------------------------------------------------- */
 
 /* No thread may block the highest signal of this test. */
-uint64_t ect_raw_mask(uint64_t mask)
+uint64_t ect_action_mask(uint64_t mask)
 {
     return mask & ~0x100ull;
 }

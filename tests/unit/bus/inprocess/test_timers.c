@@ -378,6 +378,48 @@ static void refuses_what_is_no_time(void **state)
     delete (timer);
 }
 
+/* A bad new time changes nothing; the previous one is stored after the change, as in a kernel. */
+static void refuses_bad_addresses(void **state)
+{
+    const struct itimerspec value = {.it_value = {2, 3}};
+    timer_t name = NULL;
+    (void)state;
+    assert_int_equal(ours_timer_create(CLOCK_MONOTONIC, AT(5), &name), -1);
+    assert_int_equal(errno, EFAULT);
+    errno = 0;
+    assert_int_equal(ours_timer_create(CLOCK_MONOTONIC, NULL, AT(5)), -1);
+    assert_int_equal(errno, EFAULT);
+    assert_null(name);
+    EXPECT_CALLS("no timer", "");
+    timer_t timer = new_timer(CLOCK_MONOTONIC);
+    errno = 0;
+    assert_int_equal(ours_timer_settime(timer, 0, AT(5), NULL), -1);
+    assert_int_equal(errno, EFAULT);
+    assert_true(added->next_ns == UINT64_MAX);
+    errno = 0;
+    assert_int_equal(ours_timer_settime(timer, 0, &value, AT(5)), -1);
+    assert_int_equal(errno, EFAULT);
+    assert_true(added->next_ns == ECT_VIRTUAL_START_NS + 2 * ECT_NS_PER_S + 3);
+    errno = 0;
+    assert_int_equal(ours_timer_gettime(timer, AT(5)), -1);
+    assert_int_equal(errno, EFAULT);
+    delete (timer);
+    const struct itimerval alarm = {.it_value = {2, 3}}, none = {0};
+    errno = 0;
+    assert_int_equal(ours_setitimer(ITIMER_REAL, AT(5), NULL), -1);
+    assert_int_equal(errno, EFAULT);
+    EXPECT_CALLS("no alarm", "");
+    errno = 0;
+    assert_int_equal(ours_setitimer(ITIMER_REAL, &alarm, AT(5)), -1);
+    assert_int_equal(errno, EFAULT);
+    EXPECT_CALLS("an alarm", "remove(0) add() ");
+    errno = 0;
+    assert_int_equal(ours_getitimer(ITIMER_REAL, AT(5)), -1);
+    assert_int_equal(errno, EFAULT);
+    assert_int_equal(ours_setitimer(ITIMER_REAL, &none, NULL), 0);
+    forget_calls();
+}
+
 /* --- interval timers ---------------------------------------------------------------------------------------------- */
 
 static void alarms(void **state)
@@ -473,6 +515,7 @@ int main(void)
         {"Without an event the signal is SIGALRM", sends_alarm_by_default, begin, NULL, NULL},
         {"Expiries while the signal is pending are overruns", counts_overruns, begin, NULL, NULL},
         {"A thread calls the function of a timer once for each expiry", calls_a_function, begin, NULL, NULL},
+        {"A bad address is refused with EFAULT", refuses_bad_addresses, begin, NULL, NULL},
         {"Without memory or a thread there is no timer", refuses_without_resources, begin, NULL, NULL},
         {"Timers of processors, and unknown ones, are real", leaves_timers_of_processors_real, begin, NULL, NULL},
         {"A timer runs for a span, and stops", runs_and_stops, begin, NULL, NULL},

@@ -283,6 +283,42 @@ static void leaves_a_complete_sleep_without_rest(void **state)
     forget_calls();
 }
 
+static void refuses_bad_addresses(void **state)
+{
+    const struct timespec span = {.tv_sec = 5};
+    struct timeval day;
+    int (*volatile of_day)(struct timeval *, void *) = ours_gettimeofday; /* the header excludes address 0 */
+    (void)state;
+    const struct {
+        const char *title;
+        long result;
+    } rows[] = {{"clock_gettime", ours_clock_gettime(CLOCK_MONOTONIC, AT(5))},
+                {"clock_gettime of the day", ours_clock_gettime(CLOCK_REALTIME, AT(5))},
+                {"gettimeofday", ours_gettimeofday(AT(5), NULL)},
+                {"its zone", ours_gettimeofday(&day, AT(5))},
+                {"time", ours_time(AT(5))},
+                {"nanosleep", ours_nanosleep(AT(5), NULL)}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        if (rows[i].result != -1)
+            fail_msg("%s: result %ld", rows[i].title, rows[i].result);
+    }
+    assert_int_equal(errno, EFAULT);
+    assert_int_equal(ours_clock_nanosleep(CLOCK_MONOTONIC, 0, AT(5), NULL), EFAULT);
+    assert_int_equal(of_day(NULL, NULL), 0); /* neither is wanted */
+    forget_calls();
+    end_of_wait = ECT_WAIT_INTERRUPTED;
+    interrupted_ns = ECT_VIRTUAL_START_NS + ECT_NS_PER_S;
+    now_ns = ECT_VIRTUAL_START_NS;
+    errno = 0;
+    assert_int_equal(ours_nanosleep(&span, AT(5)), -1);
+    assert_int_equal(errno, EFAULT);
+    now_ns = ECT_VIRTUAL_START_NS;
+    assert_int_equal(ours_clock_nanosleep(CLOCK_MONOTONIC, 0, &span, AT(5)), EFAULT);
+    end_of_wait = ECT_WAIT_TIMED_OUT;
+    assert_int_equal(ours_nanosleep(&span, AT(5)), 0); /* a complete sleep leaves nothing */
+    forget_calls();
+}
+
 static void leaves_the_library_alone(void **state)
 {
     (void)state;
@@ -311,6 +347,7 @@ int main(void)
         {"A time with too many nanoseconds, or a negative one, is refused", refuses_what_is_no_time, begin, NULL, NULL},
         {"A handler ends a sleep; the rest is that of a span", ends_with_a_handler, begin, NULL, NULL},
         {"A complete sleep leaves no rest", leaves_a_complete_sleep_without_rest, begin, NULL, NULL},
+        TEST("A bad address is refused with EFAULT", refuses_bad_addresses),
         {"The library itself sleeps in real time", leaves_the_library_alone, begin, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
