@@ -9,6 +9,7 @@
 #include <net/if.h>
 #include <net/if_arp.h>
 #include <netpacket/packet.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
@@ -16,6 +17,7 @@
 #include "bus/inprocess/bus.h"
 #include "bus/inprocess/ports.h"
 #include "bus/inprocess/real.h"
+#include "bus/inprocess/user.h"
 
 enum { ADDRESS = 6, MTU = 1500 };
 
@@ -67,45 +69,75 @@ bool ect_interface_has(unsigned long request)
     return i < sizeof requests / sizeof *requests;
 }
 
+static int bad_address(void)
+{
+    errno = EFAULT;
+    return -1;
+}
+
+/* @return whether the entry of an interface is now in a list */
+static bool add(const struct ifconf *list, const char *name)
+{
+    struct ifreq one = {.ifr_addr.sa_family = AF_INET};
+    strncpy(one.ifr_name, name, IFNAMSIZ - 1);
+    return ect_user_write(ect_user_at(list->ifc_req, (size_t)list->ifc_len), &one, sizeof one);
+}
+
 /* A kernel lists only interfaces with an IPv4 address; those of the bus are listed with 0.0.0.0, because masters search
  * adapters here. Without a buffer the result is the length. */
-static int list(int fd, struct ifconf *its)
+static int list(int fd, struct ifconf *argument)
 {
-    int room = its->ifc_req ? its->ifc_len : 0;
-    bool counts = !its->ifc_req;
-    int result = ect_port_of(fd) ? (its->ifc_len = 0) : REAL(ioctl)(fd, SIOCGIFCONF, its);
+    struct ifconf its;
+    if (!ect_user_read(&its, argument, sizeof its))
+        return bad_address();
+    int room = its.ifc_len;
+    bool counts = !its.ifc_req;
+    int result = ect_port_of(fd) ? (its.ifc_len = 0) : REAL(ioctl)(fd, SIOCGIFCONF, &its);
     for (unsigned int end = 0; result == 0 && end < ECT_BUS_ENDS; end++) {
         const char *name = ect_bus_name(end);
-        if (!name || (!counts && room - its->ifc_len < (int)sizeof(struct ifreq)))
+        if (!name || (!counts && room - its.ifc_len < (int)sizeof(struct ifreq)))
             continue;
-        if (!counts) {
-            struct ifreq *one = &its->ifc_req[(size_t)its->ifc_len / sizeof *one];
-            *one = (struct ifreq){.ifr_addr.sa_family = AF_INET};
-            strncpy(one->ifr_name, name, IFNAMSIZ - 1);
-        }
-        its->ifc_len += (int)sizeof(struct ifreq);
+        if (!counts && !add(&its, name))
+            return bad_address();
+        its.ifc_len += (int)sizeof(struct ifreq);
     }
-    return result;
+    if (result != 0)
+        return result;
+    return ect_user_write(ect_user_at(argument, offsetof(struct ifconf, ifc_len)), &its.ifc_len, sizeof its.ifc_len)
+               ? 0
+               : bad_address();
+}
+
+/* @return whether the kernel writes the argument of a request */
+static bool is_output(unsigned long request)
+{
+    return request != SIOCSIFFLAGS && request != SIOCSIFMTU;
 }
 
 bool ect_interface_request(int fd, unsigned long request, void *argument, int *result)
 {
-    struct ifreq *its = argument;
-    if (!argument)
-        return false;
+    struct ifreq its;
     if (request == SIOCGIFCONF) {
         *result = list(fd, argument);
         return true;
     }
-    if (request == SIOCGIFNAME && ect_bus_end_of_index(its->ifr_ifindex) >= 0) {
-        *result = if_indextoname((unsigned int)its->ifr_ifindex, its->ifr_name) ? 0 : -1;
+    bool has = ect_interface_has(request) || request == SIOCGIFADDR;
+    if (!has && request != SIOCGIFNAME)
+        return false;
+    if (!ect_user_read(&its, argument, sizeof its)) {
+        *result = bad_address();
         return true;
     }
-    bool has = ect_interface_has(request) || request == SIOCGIFADDR;
-    int end = has ? ect_bus_end_of_name(its->ifr_name) : -1;
-    if (end >= 0)
-        *result = about(request, its, (unsigned int)end);
-    return end >= 0;
+    its.ifr_name[IFNAMSIZ - 1] = 0;
+    int end = has ? ect_bus_end_of_name(its.ifr_name) : ect_bus_end_of_index(its.ifr_ifindex);
+    if (end < 0)
+        return false;
+    *result = has                                                           ? about(request, &its, (unsigned int)end)
+              : if_indextoname((unsigned int)its.ifr_ifindex, its.ifr_name) ? 0
+                                                                            : -1;
+    if (*result == 0 && is_output(request) && !ect_user_write(argument, &its, sizeof its))
+        *result = bad_address();
+    return true;
 }
 
 /* --- names and indices ---------------------------------------------------------------------------------------------

@@ -15,25 +15,30 @@
 #include "bus/inprocess/bus.h"
 #include "bus/inprocess/ports.h"
 #include "bus/inprocess/real.h"
+#include "bus/inprocess/user.h"
 
 static const char system_folder[] = "/sys/class/net";
 
-/* @return the part of a path after /sys/class/net, without leading slashes; NULL: another path */
-static const char *inside_of(const char *path)
+/* @return whether a path begins with /sys/class/net; false, too, for a bad address, which the real function refuses */
+static bool begins_with_folder(const char *path)
 {
     size_t length = sizeof system_folder - 1;
-    if (!path || strncmp(path, system_folder, length) != 0 || (path[length] != '/' && path[length] != 0))
-        return NULL;
-    return path + length + strspn(path + length, "/");
+    size_t i = 0;
+    char one;
+    while (i < length && ect_user_read(&one, ect_user_at(path, i), 1) && one == system_folder[i])
+        i++;
+    return i == length;
 }
 
-/* @return the mapped path */
-static const char *path_of(const char *path, char room[PATH_MAX])
+/* @return the mapped path. Not inlined, because the copy takes a page of the stack. */
+static __attribute__((noinline)) const char *mapped(const char *path, char room[PATH_MAX])
 {
-    const char *rest = ect_inside > 0 ? NULL : inside_of(path);
-    const char *folder = rest ? getenv("ECTWIN_INPROCESS_NET") : NULL;
-    if (!folder)
+    char copy[PATH_MAX];
+    const char *folder = getenv("ECTWIN_INPROCESS_NET");
+    const char *rest = copy + sizeof system_folder - 1;
+    if (!folder || !ect_user_string(copy, path, sizeof copy) || (*rest != '/' && *rest != 0))
         return path;
+    rest += strspn(rest, "/");
     char name[IF_NAMESIZE];
     size_t length = strcspn(rest, "/");
     snprintf(name, sizeof name, "%.*s", (int)length, rest);
@@ -43,6 +48,11 @@ static const char *path_of(const char *path, char room[PATH_MAX])
     const char *state = end >= 0 && !ect_port_is_up((unsigned int)end) ? "down" : "up";
     snprintf(room, PATH_MAX, "%s/%s/%s", folder, state, rest);
     return room;
+}
+
+static const char *path_of(const char *path, char room[PATH_MAX])
+{
+    return ect_inside > 0 || !begins_with_folder(path) ? path : mapped(path, room);
 }
 
 /* --- open --------------------------------------------------------------------------------------------------------- */

@@ -17,6 +17,7 @@
 #include "bus/inprocess/bus.h"
 #include "bus/inprocess/real.h"
 #include "bus/inprocess/time.h"
+#include "bus/inprocess/user.h"
 #include "bus/library.h"
 
 enum {
@@ -162,21 +163,6 @@ static int fail(int error)
     return -1;
 }
 
-/* A buffer at address 0, as the kernel refuses it, is checked; another bad address is the program's own fault, because
- * a check of it would cost a system call each frame. */
-static bool is_there(const void *address, size_t length)
-{
-    return address != NULL || length == 0;
-}
-
-static bool are_there(const struct iovec *pieces, size_t count)
-{
-    size_t i = 0;
-    while (pieces && i < count && is_there(pieces[i].iov_base, pieces[i].iov_len))
-        i++;
-    return i == count;
-}
-
 /* Removes the VLAN tag, as the kernel does before a packet socket gets the frame. */
 static size_t without_tag(const uint8_t *frame, size_t length, size_t *tag)
 {
@@ -245,15 +231,18 @@ void ect_port_take(unsigned int end, bool up)
     ect_time_unlock();
 }
 
+static bool read_address(struct sockaddr_ll *to, const struct sockaddr *address, socklen_t length)
+{
+    return ect_user_read(to, address, length < sizeof *to ? length : sizeof *to);
+}
+
 int ect_port_bind(ect_port_t *port, const struct sockaddr *address, socklen_t length)
 {
-    struct sockaddr_ll to;
-    if (!is_there(address, length))
+    struct sockaddr_ll to = {0};
+    if (!read_address(&to, address, length))
         return fail(EFAULT);
-    if (length < offsetof(struct sockaddr_ll, sll_addr) || address->sa_family != AF_PACKET)
+    if (length < offsetof(struct sockaddr_ll, sll_addr) || to.sll_family != AF_PACKET)
         return fail(EINVAL);
-    memset(&to, 0, sizeof to);
-    memcpy(&to, address, length < sizeof to ? length : sizeof to);
     int end = ect_bus_end_of_index(to.sll_ifindex);
     if (end < 0)
         return fail(ENODEV);
@@ -276,11 +265,11 @@ int ect_port_bind(ect_port_t *port, const struct sockaddr *address, socklen_t le
 
 int ect_port_set(ect_port_t *port, int level, int name, const void *value, socklen_t length)
 {
+    int number;
     if (level == SOL_SOCKET && name == SO_RCVTIMEO && length >= sizeof(struct timeval)) {
         struct timeval time;
-        if (!value)
+        if (!ect_user_read(&time, value, sizeof time))
             return fail(EFAULT);
-        memcpy(&time, value, sizeof time);
         ect_time_lock();
         port->timeout_ns = (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_usec * 1000u;
         ect_time_unlock();
@@ -289,7 +278,7 @@ int ect_port_set(ect_port_t *port, int level, int name, const void *value, sockl
     /* Refused, so that the master uses system calls, as with a kernel without these options. */
     if (level == SOL_PACKET && (name == PACKET_RX_RING || name == PACKET_TX_RING || name == PACKET_FANOUT))
         return fail(ENOPROTOOPT);
-    return 0;
+    return ect_user_read(&number, value, length < sizeof number ? length : sizeof number) ? 0 : fail(EFAULT);
 }
 
 int ect_port_get(ect_port_t *port, int level, int name, void *value, socklen_t *length)
@@ -297,7 +286,8 @@ int ect_port_get(ect_port_t *port, int level, int name, void *value, socklen_t *
     struct timeval time = {.tv_sec = (time_t)(port->timeout_ns / 1000000000u),
                            .tv_usec = (suseconds_t)(port->timeout_ns % 1000000000u / 1000u)};
     int number = 0;
-    if (!length || !is_there(value, *length))
+    socklen_t room;
+    if (!ect_user_read(&room, length, sizeof room))
         return fail(EFAULT);
     const void *from = &number;
     size_t size = sizeof number;
@@ -311,12 +301,12 @@ int ect_port_get(ect_port_t *port, int level, int name, void *value, socklen_t *
     } else if (level == SOL_SOCKET && (name == SO_RCVBUF || name == SO_SNDBUF)) {
         number = 212992;
     }
-    memcpy(value, from, *length < size ? *length : size);
-    *length = (socklen_t)(*length < size ? *length : size);
-    return 0;
+    room = (socklen_t)(room < size ? room : size);
+    return ect_user_write(value, from, room) && ect_user_write(length, &room, sizeof room) ? 0 : fail(EFAULT);
 }
 
-static void put_address(const ect_port_t *port, uint16_t protocol, struct sockaddr *address, socklen_t *length)
+/* @return false: a bad address */
+static bool put_address(const ect_port_t *port, uint16_t protocol, struct sockaddr *address, socklen_t *length)
 {
     struct sockaddr_ll its = {.sll_family = AF_PACKET,
                               .sll_protocol = protocol,
@@ -325,53 +315,65 @@ static void put_address(const ect_port_t *port, uint16_t protocol, struct sockad
                               .sll_pkttype = PACKET_HOST,
                               .sll_halen = 6,
                               .sll_addr = {2, 0, 0, 0, 0, 1}};
-    memcpy(address, &its, *length < sizeof its ? *length : sizeof its);
-    *length = sizeof its;
+    const socklen_t size = sizeof its;
+    socklen_t room;
+    return ect_user_read(&room, length, sizeof room) && ect_user_write(address, &its, room < size ? room : size) &&
+           ect_user_write(length, &size, sizeof size);
 }
 
 int ect_port_name(ect_port_t *port, struct sockaddr *address, socklen_t *length)
 {
-    if (!length || !is_there(address, *length))
-        return fail(EFAULT);
-    put_address(port, port->protocol, address, length);
-    return 0;
+    return put_address(port, port->protocol, address, length) ? 0 : fail(EFAULT);
 }
 
-static size_t gather(const struct iovec *pieces, size_t count, uint8_t *frame, size_t room)
+/* AddressSanitizer of the program checks the buffers of frames, as in the functions of the C library. */
+void __asan_loadN(const void *address, size_t length) __attribute__((weak));
+void __asan_storeN(void *address, size_t length) __attribute__((weak));
+
+/* @return the length, at most `room` + 1; -1: a bad address */
+static ssize_t gather(const struct iovec *pieces, size_t count, uint8_t *frame, size_t room)
 {
     size_t length = 0;
     for (size_t i = 0; i < count; i++) {
-        size_t part = pieces[i].iov_len < room - length ? pieces[i].iov_len : room - length;
-        memcpy(frame + length, pieces[i].iov_base, part);
+        struct iovec piece;
+        if (!ect_user_read(&piece, ect_user_at(pieces, i * sizeof piece), sizeof piece))
+            return -1;
+        size_t part = piece.iov_len < room - length ? piece.iov_len : room - length;
+        if (!ect_user_read(frame + length, piece.iov_base, part))
+            return -1;
+        if (__asan_loadN && part > 0)
+            __asan_loadN(piece.iov_base, part);
         length += part;
-        if (part < pieces[i].iov_len)
-            return room + 1;
+        if (part < piece.iov_len)
+            return (ssize_t)room + 1;
     }
-    return length;
+    return (ssize_t)length;
 }
 
-ssize_t ect_port_send(ect_port_t *port, const struct iovec *pieces, size_t count, const struct sockaddr *to)
+ssize_t ect_port_send(ect_port_t *port, const struct iovec *pieces, size_t count, const struct sockaddr *to,
+                      socklen_t to_length)
 {
     uint8_t frame[LONGEST];
-    if (!are_there(pieces, count))
+    struct sockaddr_ll address = {0};
+    if (to && !read_address(&address, to, to_length))
         return fail(EFAULT);
-    size_t length = gather(pieces, count, frame, sizeof frame);
-    int end = port->end;
-    if (to && to->sa_family == AF_PACKET)
-        end = ect_bus_end_of_index(((const struct sockaddr_ll *)(const void *)to)->sll_ifindex);
+    ssize_t length = gather(pieces, count, frame, sizeof frame);
+    if (length < 0)
+        return fail(EFAULT);
+    int end = address.sll_family == AF_PACKET ? ect_bus_end_of_index(address.sll_ifindex) : port->end;
     if (end < 0)
         return fail(ENXIO);
     if (length < HEADER)
         return fail(EINVAL);
-    if (length > sizeof frame)
+    if ((size_t)length > sizeof frame)
         return fail(EMSGSIZE);
     ect_time_charge(ECT_COST_SOCKET_NS);
     ect_time_lock();
     bool running = ect_bus_is_up((unsigned int)end) && start_bus();
     if (running)
-        ect_time_bus_next(ect_bus_frame((unsigned int)end, frame, length, ect_time_now()));
+        ect_time_bus_next(ect_bus_frame((unsigned int)end, frame, (size_t)length, ect_time_now()));
     ect_time_unlock();
-    return running ? (ssize_t)length : fail(ENETDOWN);
+    return running ? length : fail(ENETDOWN);
 }
 
 static bool is_waiting(const void *arg)
@@ -395,15 +397,32 @@ static void take(ect_port_t *port)
     port->spare = one;
 }
 
-static size_t scatter(const waiting_t *one, const struct iovec *pieces, size_t count)
+/* @return the length; -1: a bad address */
+static ssize_t scatter(const waiting_t *one, const struct iovec *pieces, size_t count)
 {
     size_t done = 0;
     for (size_t i = 0; i < count && done < one->length; i++) {
-        size_t part = pieces[i].iov_len < one->length - done ? pieces[i].iov_len : one->length - done;
-        memcpy(pieces[i].iov_base, one->frame + done, part);
+        struct iovec piece;
+        if (!ect_user_read(&piece, ect_user_at(pieces, i * sizeof piece), sizeof piece))
+            return -1;
+        size_t part = piece.iov_len < one->length - done ? piece.iov_len : one->length - done;
+        if (!ect_user_write(piece.iov_base, one->frame + done, part))
+            return -1;
+        if (__asan_storeN && part > 0)
+            __asan_storeN(piece.iov_base, part);
         done += part;
     }
-    return done;
+    return (ssize_t)done;
+}
+
+/* The kernel reads the list before it waits: a bad list loses no frame. */
+static bool can_read(const struct iovec *pieces, size_t count)
+{
+    struct iovec piece;
+    size_t i = 0;
+    while (i < count && ect_user_read(&piece, ect_user_at(pieces, i * sizeof piece), sizeof piece))
+        i++;
+    return i == count;
 }
 
 void ect_port_set_nonblocking(ect_port_t *port, bool on)
@@ -419,6 +438,8 @@ static bool waits(const ect_port_t *port, int flags)
 ssize_t ect_port_receive(ect_port_t *port, const struct iovec *pieces, size_t count, int flags, int *result_flags,
                          struct sockaddr *from, socklen_t *from_length)
 {
+    if (!can_read(pieces, count))
+        return fail(EFAULT);
     ect_time_charge(ECT_COST_SOCKET_NS);
     ect_time_lock();
     int error = EAGAIN;
@@ -432,19 +453,18 @@ ssize_t ect_port_receive(ect_port_t *port, const struct iovec *pieces, size_t co
         return fail(error);
     }
     const waiting_t *one = port->first;
-    size_t length = one->length;
-    bool whole = are_there(pieces, count);
-    size_t done = whole ? scatter(one, pieces, count) : 0;
+    ssize_t length = (ssize_t)one->length;
+    ssize_t done = scatter(one, pieces, count);
     uint16_t protocol;
     memcpy(&protocol, one->frame + 12, sizeof protocol);
-    if (from && from_length)
-        put_address(port, protocol, from, from_length);
+    if (done >= 0 && from && !put_address(port, protocol, from, from_length))
+        done = -1;
     if ((flags & MSG_PEEK) == 0)
         take(port);
     ect_time_unlock();
-    if (!whole)
+    if (done < 0)
         return fail(EFAULT); /* the frame is lost, as with a kernel */
     if (result_flags)
         *result_flags = done < length ? MSG_TRUNC : 0;
-    return (ssize_t)((flags & MSG_TRUNC) != 0 ? length : done);
+    return (flags & MSG_TRUNC) != 0 ? length : done;
 }

@@ -40,13 +40,16 @@ void ect_port_take(unsigned int end, bool up);
 /** Sets or clears O_NONBLOCK. */
 void ect_port_set_nonblocking(ect_port_t *port, bool on);
 
-/** Socket functions, with results as those of the system calls: -1 and errno on failure. */
+/** Socket functions, with results as those of the system calls: -1 and errno on failure. Addresses are the program's
+ * (user.h): a bad one gives EFAULT. */
 int ect_port_bind(ect_port_t *port, const struct sockaddr *address, socklen_t length);
 int ect_port_set(ect_port_t *port, int level, int name, const void *value, socklen_t length);
 int ect_port_get(ect_port_t *port, int level, int name, void *value, socklen_t *length);
 int ect_port_name(ect_port_t *port, struct sockaddr *address, socklen_t *length);
-ssize_t ect_port_send(ect_port_t *port, const struct iovec *pieces, size_t count, const struct sockaddr *to);
-/** @param flags  MSG_DONTWAIT, MSG_PEEK, MSG_TRUNC @param from  NULL: not wanted */
+ssize_t ect_port_send(ect_port_t *port, const struct iovec *pieces, size_t count, const struct sockaddr *to,
+                      socklen_t to_length);
+/** @param flags  MSG_DONTWAIT, MSG_PEEK, MSG_TRUNC @param[out] result_flags  not the program's @param from  NULL: not
+ * wanted */
 ssize_t ect_port_receive(ect_port_t *port, const struct iovec *pieces, size_t count, int flags, int *result_flags,
                          struct sockaddr *from, socklen_t *from_length);
 

@@ -4,8 +4,10 @@
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <net/if.h>
 #include <stdarg.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
@@ -17,16 +19,39 @@
 #include "bus/inprocess/raw.h"
 #include "bus/inprocess/real.h"
 #include "bus/inprocess/time.h"
+#include "bus/inprocess/user.h"
 
 static ect_port_t *ours(int fd)
 {
     return ect_inside > 0 ? NULL : ect_port_of(fd);
 }
 
-static int bad_address(void)
+static int fail(int error)
 {
-    errno = EFAULT;
+    errno = error;
     return -1;
+}
+
+/* @return whether a number of pieces is one that readv(2) and writev(2) accept */
+static bool is_count(int count)
+{
+    return count >= 0 && count <= IOV_MAX;
+}
+
+/* Copies a message of the program. @return false (errno): the kernel refuses the message */
+static bool read_message(struct msghdr *to, const struct msghdr *from)
+{
+    if (!ect_user_read(to, from, sizeof *to))
+        return fail(EFAULT) == 0;
+    return to->msg_iovlen <= IOV_MAX || fail(EMSGSIZE) == 0;
+}
+
+/* Stores the length of one of several messages. @return false (errno): a bad address */
+static bool put_length(struct mmsghdr *message, ssize_t length)
+{
+    const unsigned int its = (unsigned int)length;
+    return ect_user_write(ect_user_at(message, offsetof(struct mmsghdr, msg_len)), &its, sizeof its) ||
+           fail(EFAULT) == 0;
 }
 
 REPLACES int socket(int domain, int type, int protocol)
@@ -66,12 +91,13 @@ REPLACES int getsockname(int fd, __SOCKADDR_ARG address, socklen_t *restrict len
 
 static int on_port(int fd, unsigned long request, void *argument)
 {
-    if (request == FIONBIO && !argument)
-        return bad_address();
     if (request == FIONBIO) {
+        int on;
+        if (!ect_user_read(&on, argument, sizeof on))
+            return fail(EFAULT);
         int flags = REAL(fcntl)(fd, F_GETFL) & ~O_NONBLOCK;
-        ect_port_set_nonblocking(ours(fd), *(const int *)argument != 0);
-        return REAL(fcntl)(fd, F_SETFL, flags | (*(const int *)argument != 0 ? O_NONBLOCK : 0));
+        ect_port_set_nonblocking(ours(fd), on != 0);
+        return REAL(fcntl)(fd, F_SETFL, flags | (on != 0 ? O_NONBLOCK : 0));
     }
     if (request == FIOCLEX || request == FIONCLEX)
         return REAL(ioctl)(fd, request);
@@ -104,23 +130,44 @@ REPLACES ssize_t send(int fd, const void *data, size_t size, int flags)
 {
     ect_port_t *port = ours(fd);
     const struct iovec piece = {.iov_base = (void *)(uintptr_t)data, .iov_len = size};
-    return port ? ect_port_send(port, &piece, 1, NULL) : REAL(send)(fd, data, size, flags);
+    return port ? ect_port_send(port, &piece, 1, NULL, 0) : REAL(send)(fd, data, size, flags);
 }
 
 REPLACES ssize_t sendto(int fd, const void *data, size_t size, int flags, __CONST_SOCKADDR_ARG to, socklen_t length)
 {
     ect_port_t *port = ours(fd);
     const struct iovec piece = {.iov_base = (void *)(uintptr_t)data, .iov_len = size};
-    return port ? ect_port_send(port, &piece, 1, to.__sockaddr__) : REAL(sendto)(fd, data, size, flags, to, length);
+    return port ? ect_port_send(port, &piece, 1, to.__sockaddr__, length)
+                : REAL(sendto)(fd, data, size, flags, to, length);
+}
+
+/* Control data have no effect on a packet socket; a byte of each page is read, because the kernel reads all. */
+static bool can_read_control(const struct msghdr *message)
+{
+    enum { PAGE = 4096 };
+    size_t length = message->msg_control ? message->msg_controllen : 0;
+    char byte;
+    size_t i = 0;
+    while (i < length && ect_user_read(&byte, ect_user_at(message->msg_control, i), sizeof byte))
+        i += PAGE;
+    return i >= length &&
+           (length == 0 || ect_user_read(&byte, ect_user_at(message->msg_control, length - 1), sizeof byte));
+}
+
+static ssize_t send_message(ect_port_t *port, const struct msghdr *message)
+{
+    struct msghdr its;
+    if (!read_message(&its, message))
+        return -1;
+    if (!can_read_control(&its))
+        return fail(EFAULT);
+    return ect_port_send(port, its.msg_iov, its.msg_iovlen, its.msg_name, its.msg_namelen);
 }
 
 REPLACES ssize_t sendmsg(int fd, const struct msghdr *message, int flags)
 {
     ect_port_t *port = ours(fd);
-    if (port && !message)
-        return bad_address();
-    return port ? ect_port_send(port, message->msg_iov, message->msg_iovlen, message->msg_name)
-                : REAL(sendmsg)(fd, message, flags);
+    return port ? send_message(port, message) : REAL(sendmsg)(fd, message, flags);
 }
 
 REPLACES int sendmmsg(int fd, struct mmsghdr *messages, unsigned int count, int flags)
@@ -128,14 +175,11 @@ REPLACES int sendmmsg(int fd, struct mmsghdr *messages, unsigned int count, int 
     ect_port_t *port = ours(fd);
     if (!port)
         return REAL(sendmmsg)(fd, messages, count, flags);
-    if (!messages && count > 0)
-        return bad_address();
     for (unsigned int i = 0; i < count; i++) {
-        const struct msghdr *message = &messages[i].msg_hdr;
-        ssize_t sent = ect_port_send(port, message->msg_iov, message->msg_iovlen, message->msg_name);
-        if (sent < 0)
+        struct mmsghdr *one = ect_user_at(messages, i * sizeof *one);
+        ssize_t sent = send_message(port, (const struct msghdr *)one); /* its first member */
+        if (sent < 0 || !put_length(one, sent))
             return i > 0 ? (int)i : -1;
-        messages[i].msg_len = (unsigned int)sent;
     }
     return (int)count;
 }
@@ -144,13 +188,15 @@ REPLACES ssize_t write(int fd, const void *data, size_t size)
 {
     ect_port_t *port = ours(fd);
     const struct iovec piece = {.iov_base = (void *)(uintptr_t)data, .iov_len = size};
-    return port ? ect_port_send(port, &piece, 1, NULL) : REAL(write)(fd, data, size);
+    return port ? ect_port_send(port, &piece, 1, NULL, 0) : REAL(write)(fd, data, size);
 }
 
 REPLACES ssize_t writev(int fd, const struct iovec *pieces, int count)
 {
     ect_port_t *port = ours(fd);
-    return port ? ect_port_send(port, pieces, (size_t)count, NULL) : REAL(writev)(fd, pieces, count);
+    if (!port)
+        return REAL(writev)(fd, pieces, count);
+    return is_count(count) ? ect_port_send(port, pieces, (size_t)count, NULL, 0) : fail(EINVAL);
 }
 
 /* --- receiving -----------------------------------------------------------------------------------------------------
@@ -191,48 +237,57 @@ REPLACES ssize_t recvfrom(int fd, void *restrict data, size_t size, int flags, _
 
 static ssize_t receive_message(ect_port_t *port, struct msghdr *message, int flags)
 {
-    socklen_t length = message->msg_name ? message->msg_namelen : 0;
-    ssize_t got = ect_port_receive(port, message->msg_iov, message->msg_iovlen, flags, &message->msg_flags,
-                                   message->msg_name, message->msg_name ? &length : NULL);
-    if (got >= 0) {
-        message->msg_namelen = length;
-        message->msg_controllen = 0;
-    }
-    return got;
+    struct msghdr its;
+    if (!read_message(&its, message))
+        return -1;
+    socklen_t length = its.msg_name ? its.msg_namelen : 0;
+    ssize_t got = ect_port_receive(port, its.msg_iov, its.msg_iovlen, flags, &its.msg_flags, its.msg_name,
+                                   its.msg_name ? &length : NULL);
+    if (got < 0)
+        return got;
+    its.msg_namelen = length;
+    its.msg_controllen = 0;
+    return ect_user_write(message, &its, sizeof its) ? got : fail(EFAULT);
 }
 
 REPLACES ssize_t recvmsg(int fd, struct msghdr *message, int flags)
 {
     ect_port_t *port = ours(fd);
-    if (port && !message)
-        return bad_address();
     if (port)
         return receive_message(port, message, flags);
     before("recvmsg()", fd, flags);
     return REAL(recvmsg)(fd, message, flags);
 }
 
+/* The time limit has no effect; the kernel reads it before the first frame and writes it after the last one. */
 REPLACES int recvmmsg(int fd, struct mmsghdr *messages, unsigned int count, int flags, struct timespec *timeout)
 {
     ect_port_t *port = ours(fd);
+    struct timespec limit;
     if (!port)
         return REAL(recvmmsg)(fd, messages, count, flags, timeout);
-    if (!messages && count > 0)
-        return bad_address();
-    for (unsigned int i = 0; i < count; i++) {
-        int how = i > 0 && (flags & MSG_WAITFORONE) != 0 ? flags | MSG_DONTWAIT : flags;
-        ssize_t got = receive_message(port, &messages[i].msg_hdr, how);
-        if (got < 0)
-            return i > 0 ? (int)i : -1;
-        messages[i].msg_len = (unsigned int)got;
+    if (timeout && !ect_user_read(&limit, timeout, sizeof limit))
+        return fail(EFAULT);
+    unsigned int done = 0;
+    while (done < count) {
+        int how = done > 0 && (flags & MSG_WAITFORONE) != 0 ? flags | MSG_DONTWAIT : flags;
+        struct mmsghdr *one = ect_user_at(messages, done * sizeof *one);
+        ssize_t got = receive_message(port, (struct msghdr *)one, how); /* its first member */
+        if (got < 0 || !put_length(one, got))
+            break;
+        done++;
     }
-    return (int)count;
+    if (done > 0 && timeout && !ect_user_write(timeout, &limit, sizeof limit))
+        return fail(EFAULT);
+    return done > 0 || count == 0 ? (int)done : -1;
 }
 
 REPLACES ssize_t readv(int fd, const struct iovec *pieces, int count)
 {
     ect_port_t *port = ours(fd);
-    return port ? ect_port_receive(port, pieces, (size_t)count, 0, NULL, NULL, NULL) : REAL(readv)(fd, pieces, count);
+    if (!port)
+        return REAL(readv)(fd, pieces, count);
+    return is_count(count) ? ect_port_receive(port, pieces, (size_t)count, 0, NULL, NULL, NULL) : fail(EINVAL);
 }
 
 REPLACES ssize_t read(int fd, void *data, size_t size)

@@ -187,7 +187,7 @@ static void leaves_other_requests(void **state)
     (void)state;
     assert_int_equal(request(SIOCGIFINDEX, "lo", &its), -2);
     assert_int_equal(request(SIOCGIFMETRIC, "ect0", &its), -2);
-    assert_false(ect_interface_request(OTHER, SIOCGIFINDEX, NULL, &result));
+    assert_false(ect_interface_request(OTHER, SIOCGIFMETRIC, NULL, &result));
     assert_int_equal(result, 7);
     static const unsigned long has[] = {SIOCGIFINDEX,  SIOCGIFFLAGS, SIOCGIFMTU,
                                         SIOCGIFHWADDR, SIOCSIFFLAGS, SIOCSIFMTU};
@@ -271,8 +271,45 @@ static void lists_only_interfaces_with_a_name(void **state)
     plan("ioctl", -1, EBADF);
     assert_true(ect_interface_request(OTHER, SIOCGIFCONF, &its, &result));
     assert_int_equal(result, -1);
-    assert_int_equal(its.ifc_len, sizeof *rows);
+    assert_int_equal(its.ifc_len, sizeof rows);
     forget_calls();
+}
+
+static void refuses_bad_addresses(void **state)
+{
+    struct ifreq its = {.ifr_ifindex = ECT_BUS_INDEX}, rows[3];
+    struct ifconf all = {.ifc_len = sizeof rows, .ifc_req = rows};
+    struct ifconf nowhere = {.ifc_len = sizeof rows, .ifc_req = AT(5)};
+    const struct {
+        const char *title;
+        unsigned long request;
+        void *argument, *unwritable;
+        int result;
+    } cases[] = {{"SIOCGIFINDEX", SIOCGIFINDEX, AT(5), NULL, -1},
+                 {"SIOCGIFINDEX at address 0", SIOCGIFINDEX, NULL, NULL, -1},
+                 {"SIOCSIFFLAGS", SIOCSIFFLAGS, AT(5), NULL, -1},
+                 {"SIOCGIFADDR", SIOCGIFADDR, AT(5), NULL, -1},
+                 {"SIOCGIFNAME", SIOCGIFNAME, AT(5), NULL, -1},
+                 {"SIOCGIFCONF", SIOCGIFCONF, AT(5), NULL, -1},
+                 {"the rows of SIOCGIFCONF", SIOCGIFCONF, &nowhere, NULL, -1},
+                 {"the length of SIOCGIFCONF", SIOCGIFCONF, &all, &all.ifc_len, -1},
+                 {"the reply of SIOCGIFMTU", SIOCGIFMTU, &its, &its, -1},
+                 {"the reply of SIOCGIFNAME", SIOCGIFNAME, &its, &its, -1},
+                 {"SIOCSIFMTU, which has none", SIOCSIFMTU, &its, &its, 0},
+                 {"SIOCSIFFLAGS, which has none", SIOCSIFFLAGS, &its, &its, 0}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        int result = 7;
+        if (cases[i].request != SIOCGIFNAME)
+            strcpy(its.ifr_name, "ect0");
+        bad_memory.unwritable = cases[i].unwritable;
+        errno = 0;
+        if (!ect_interface_request(PORT, cases[i].request, cases[i].argument, &result) || result != cases[i].result ||
+            errno != (cases[i].result != 0 ? EFAULT : 0))
+            fail_msg("%s: result %d, errno %d", cases[i].title, result, errno);
+        its.ifr_ifindex = ECT_BUS_INDEX;
+    }
+    EXPECT_CALLS("the requests", "take(0,1) "); /* the index is in the place of the flags */
 }
 
 /* --- names and indices -------------------------------------------------------------------------------------------- */
@@ -411,6 +448,7 @@ int main(void)
         {"SIOCGIFNAME names an interface of the bus", names_an_index, begin, NULL, NULL},
         {"SIOCGIFCONF lists the interfaces of the machine, then those of the bus", lists_interfaces, begin, NULL, NULL},
         {"SIOCGIFCONF fills the room that it gets", lists_what_there_is_room_for, begin, NULL, NULL},
+        {"A bad address is refused with EFAULT", refuses_bad_addresses, begin, NULL, NULL},
         {"SIOCGIFCONF lists no end without an interface", lists_only_interfaces_with_a_name, begin, NULL, NULL},
         {"Names and indices map both ways", maps_names_and_indices, begin, NULL, NULL},
         {"if_nameindex() lists the machine, then the bus", lists_names, begin, NULL, NULL},

@@ -171,6 +171,7 @@ static void maps_paths(void **state)
         {"/sys/class/net/lo/flags", "/sys/class/net/lo/flags"},
         {"/sys/class/network/ect0", "/sys/class/network/ect0"},
         {"/sys/class/ne", "/sys/class/ne"},
+        {"xsys/class/net/ect0", "xsys/class/net/ect0"},
         {"/tmp/ect0", "/tmp/ect0"},
         {"", ""},
     };
@@ -198,16 +199,33 @@ static void leaves_other_paths(void **state)
     forget_calls();
 }
 
+static void leaves_bad_paths(void **state)
+{
+    static const char path[] = "/sys/class/net/ect0";
+    static char too_long[PATH_MAX + 100] = "/sys/class/net/ect0/";
+    (void)state;
+    for (size_t i = 0; i < sizeof path; i++) { /* the path ends with the memory */
+        bad_memory.unreadable = &path[i];
+        (void)ours_access(path, 8);
+        assert_string_equal(path_given, path);
+    }
+    memset(too_long + strlen(too_long), 'x', sizeof too_long - 1 - strlen(too_long));
+    (void)ours_access(too_long, 8);
+    assert_memory_equal(path_given, "/sys/class/net/ect0/xxx", 23);
+    forget_calls();
+}
+
 static void cuts_a_path_that_is_too_long(void **state)
 {
-    static char path[PATH_MAX + 100];
+    static char path[PATH_MAX];
     static const char begin_of[] = "/sys/class/net/ect0/";
     (void)state;
+    folder = "/a/longer/name/than/that/of/the/system";
     memset(path, 'x', sizeof path - 1);
     memcpy(path, begin_of, sizeof begin_of - 1);
     (void)ours_access(path, 8);
     assert_int_equal(strlen(path_given), PATH_MAX - 1);
-    assert_memory_equal(path_given, "/f/up/ect0/xxx", 14);
+    assert_memory_equal(path_given, "/a/longer/name/than/that/of/the/system/up/ect0/xxx", 50);
     forget_calls();
 }
 
@@ -270,6 +288,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         {"A path of an interface of the bus is one of its folder, up or down", maps_paths, begin, NULL, NULL},
         {"Other paths, and those of the library, are unchanged", leaves_other_paths, begin, NULL, NULL},
+        {"A path at a bad address, or longer than any path, is the C library's", leaves_bad_paths, begin, NULL, NULL},
         {"A path that is too long is cut", cuts_a_path_that_is_too_long, begin, NULL, NULL},
         {"Files and folders are opened in that folder", maps_the_paths_of_files, begin, NULL, NULL},
         {"Attributes are read in that folder", maps_the_paths_of_attributes, begin, NULL, NULL},

@@ -141,10 +141,11 @@ int ect_port_name(ect_port_t *port, struct sockaddr *address, socklen_t *length)
     return (int)CALLED(port_name, (long)port, (long)address, (long)length);
 }
 
-ssize_t ect_port_send(ect_port_t *port, const struct iovec *pieces, size_t count, const struct sockaddr *to)
+ssize_t ect_port_send(ect_port_t *port, const struct iovec *pieces, size_t count, const struct sockaddr *to,
+                      socklen_t to_length)
 {
     return CALLED(port_send, (long)port, count > 0 ? (long)pieces->iov_base : 0, count > 0 ? (long)pieces->iov_len : 0,
-                  (long)count, (long)to);
+                  (long)count, (long)to, to_length);
 }
 
 /* Flags and length of an address are results, too. */
@@ -233,9 +234,9 @@ static const row_t rows[] = {
     ROW(setsockopt, "setsockopt(5,10,11,12,13) ", "port_set(700,10,11,12,13) ", "port_set"),
     ROW(getsockopt, "getsockopt(5,10,11,12,13) ", "port_get(700,10,11,12,13) ", "port_get"),
     ROW(getsockname, "getsockname(5,10,11) ", "port_name(700,10,11) ", "port_name"),
-    ROW(send, "send(5,10,11,12) ", "port_send(700,10,11,1,0) ", "port_send"),
-    ROW(sendto, "sendto(5,10,11,12,13,14) ", "port_send(700,10,11,1,13) ", "port_send"),
-    ROW(write, "write(5,10,11) ", "port_send(700,10,11,1,0) ", "port_send"),
+    ROW(send, "send(5,10,11,12) ", "port_send(700,10,11,1,0,0) ", "port_send"),
+    ROW(sendto, "sendto(5,10,11,12,13,14) ", "port_send(700,10,11,1,13,14) ", "port_send"),
+    ROW(write, "write(5,10,11) ", "port_send(700,10,11,1,0,0) ", "port_send"),
     ROW(recv, "before recv(5,12) recv(5,10,11,12) ", "port_receive(700,10,11,1,12,0,0) ", "port_receive"),
     ROW(recvfrom, "before recvfrom(5,12) recvfrom(5,10,11,12,13,14) ", "port_receive(700,10,11,1,12,13,14) ",
         "port_receive"),
@@ -306,12 +307,12 @@ static void opens_raw_packet_sockets(void **state)
 
 static void sends_pieces(void **state)
 {
-    struct msghdr message = {.msg_iov = &pieces, .msg_iovlen = 1, .msg_name = AT(62)};
+    struct msghdr message = {.msg_iov = &pieces, .msg_iovlen = 1, .msg_name = AT(62), .msg_namelen = 8};
     char want[96];
     (void)state;
     plan("port_send", 61, 0);
     assert_int_equal(ours_sendmsg(PORT, &message, 0), 61);
-    EXPECT_CALLS("sendmsg", "port_send(700,60,61,1,62) ");
+    EXPECT_CALLS("sendmsg", "port_send(700,60,61,1,62,8) ");
     assert_int_equal(ours_sendmsg(PORT, NULL, 0), -1);
     assert_int_equal(errno, EFAULT);
     EXPECT_CALLS("no message", "");
@@ -320,7 +321,7 @@ static void sends_pieces(void **state)
     EXPECT_CALLS("another", "sendmsg(5,8,9) ");
     plan("port_send", 61, 0);
     assert_int_equal(ours_writev(PORT, &pieces, 1), 61);
-    EXPECT_CALLS("writev", "port_send(700,60,61,1,0) ");
+    EXPECT_CALLS("writev", "port_send(700,60,61,1,0,0) ");
     plan("writev", 7, 0);
     assert_int_equal(ours_writev(OTHER, &pieces, 1), 7);
     snprintf(want, sizeof want, "writev(5,%ld,1) ", (long)&pieces);
@@ -329,23 +330,24 @@ static void sends_pieces(void **state)
 
 static void sends_messages(void **state)
 {
-    struct mmsghdr messages[2] = {{.msg_hdr = {.msg_iov = &pieces, .msg_iovlen = 1, .msg_name = AT(62)}},
-                                  {.msg_hdr = {.msg_iov = &pieces, .msg_iovlen = 1}}};
+    struct mmsghdr messages[2] = {
+        {.msg_hdr = {.msg_iov = &pieces, .msg_iovlen = 1, .msg_name = AT(62), .msg_namelen = 8}},
+        {.msg_hdr = {.msg_iov = &pieces, .msg_iovlen = 1}}};
     (void)state;
     plan("port_send", 61, 0);
     plan("port_send", 59, 0);
     assert_int_equal(ours_sendmmsg(PORT, messages, 2, 0), 2);
     assert_int_equal(messages[0].msg_len, 61);
     assert_int_equal(messages[1].msg_len, 59);
-    EXPECT_CALLS("two", "port_send(700,60,61,1,62) port_send(700,60,61,1,0) ");
+    EXPECT_CALLS("two", "port_send(700,60,61,1,62,8) port_send(700,60,61,1,0,0) ");
     plan("port_send", 0, 0);
     plan("port_send", -1, ENXIO);
     assert_int_equal(ours_sendmmsg(PORT, messages, 2, 0), 1);
-    EXPECT_CALLS("the second fails", "port_send(700,60,61,1,62) port_send(700,60,61,1,0) ");
+    EXPECT_CALLS("the second fails", "port_send(700,60,61,1,62,8) port_send(700,60,61,1,0,0) ");
     plan("port_send", -1, ENXIO);
     assert_int_equal(ours_sendmmsg(PORT, messages, 2, 0), -1);
     assert_int_equal(errno, ENXIO);
-    EXPECT_CALLS("the first fails", "port_send(700,60,61,1,62) ");
+    EXPECT_CALLS("the first fails", "port_send(700,60,61,1,62,8) ");
     assert_int_equal(ours_sendmmsg(PORT, NULL, 1, 0), -1);
     assert_int_equal(errno, EFAULT);
     assert_int_equal(ours_sendmmsg(PORT, NULL, 0, 0), 0);
@@ -354,6 +356,94 @@ static void sends_messages(void **state)
     plan("sendmmsg", 3, 0);
     assert_int_equal(ours_sendmmsg(OTHER, AT(8), 9, 10), 3);
     EXPECT_CALLS("another", "sendmmsg(5,8,9,10) ");
+}
+
+/* Numbers of pieces, of which the kernel takes 1024 at most, and refuses more in two ways. */
+static void limits_the_number_of_pieces(void **state)
+{
+    static const struct {
+        int count, of_vector, of_message; /* the errors */
+    } cases[] = {{0, 0, 0}, {1024, 0, 0}, {1025, EINVAL, EMSGSIZE}, {-1, EINVAL, EMSGSIZE}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct msghdr message = {.msg_iov = &pieces, .msg_iovlen = (size_t)cases[i].count};
+        errno = 0;
+        assert_int_equal(ours_writev(PORT, &pieces, cases[i].count), cases[i].of_vector == 0 ? 0 : -1);
+        assert_int_equal(errno, cases[i].of_vector);
+        errno = 0;
+        assert_int_equal(ours_readv(PORT, &pieces, cases[i].count), cases[i].of_vector == 0 ? 0 : -1);
+        assert_int_equal(errno, cases[i].of_vector);
+        assert_int_equal(ours_sendmsg(PORT, &message, 0), cases[i].of_message == 0 ? 0 : -1);
+        assert_int_equal(ours_recvmsg(PORT, &message, 0), cases[i].of_message == 0 ? 0 : -1);
+        assert_int_equal(errno, cases[i].of_message);
+        forget_calls();
+    }
+}
+
+static void reads_control_data(void **state)
+{
+    enum { LENGTH = 10000 };
+    static char data[LENGTH];
+    static const struct {
+        size_t length, bad;
+        bool sent;
+    } cases[] = {{LENGTH, 0, false},
+                 {LENGTH, 4096, false},
+                 {LENGTH, 8192, false},
+                 {LENGTH, LENGTH - 1, false},
+                 {LENGTH - 1, LENGTH - 1, true},
+                 {4096, 4096, true},
+                 {4096, 4095, false},
+                 {0, 0, true}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const struct msghdr message = {.msg_control = data, .msg_controllen = cases[i].length};
+        bad_memory.unreadable = &data[cases[i].bad];
+        errno = 0;
+        assert_int_equal(ours_sendmsg(PORT, &message, 0), cases[i].sent ? 0 : -1);
+        assert_int_equal(errno, cases[i].sent ? 0 : EFAULT);
+    }
+    const struct msghdr none = {.msg_controllen = 5};
+    assert_int_equal(ours_sendmsg(PORT, &none, 0), 0);
+    forget_calls();
+}
+
+static void stores_results_at_good_addresses(void **state)
+{
+    struct mmsghdr messages[2] = {{.msg_len = 7}, {.msg_len = 7}};
+    struct timespec limit = {.tv_sec = 1};
+    struct msghdr message = {0};
+    (void)state;
+    for (size_t i = 0; i < 2; i++)
+        messages[i].msg_hdr = (struct msghdr){.msg_iov = &pieces, .msg_iovlen = 1};
+    bad_memory.unwritable = &messages[0].msg_len;
+    assert_int_equal(ours_sendmmsg(PORT, messages, 2, 0), -1);
+    assert_int_equal(errno, EFAULT);
+    errno = 0;
+    assert_int_equal(ours_recvmmsg(PORT, messages, 2, 0, NULL), -1);
+    assert_int_equal(errno, EFAULT);
+    bad_memory.unwritable = &messages[1].msg_len;
+    assert_int_equal(ours_sendmmsg(PORT, messages, 2, 0), 1);
+    assert_int_equal(ours_recvmmsg(PORT, messages, 2, 0, &limit), 1);
+    bad_memory.unwritable = &limit;
+    errno = 0;
+    assert_int_equal(ours_recvmmsg(PORT, messages, 2, 0, &limit), -1);
+    assert_int_equal(errno, EFAULT);
+    forget_calls();
+    plan("port_receive", -1, EAGAIN); /* the limit is not written without a frame */
+    assert_int_equal(ours_recvmmsg(PORT, messages, 2, 0, &limit), -1);
+    assert_int_equal(errno, EAGAIN);
+    bad_memory.unreadable = &limit;
+    forget_calls();
+    assert_int_equal(ours_recvmmsg(PORT, messages, 2, 0, &limit), -1);
+    assert_int_equal(errno, EFAULT);
+    EXPECT_CALLS("an unreadable limit", "");
+    bad_memory.unwritable = &message;
+    errno = 0;
+    message.msg_iov = &pieces;
+    assert_int_equal(ours_recvmsg(PORT, &message, 0), -1);
+    assert_int_equal(errno, EFAULT);
+    forget_calls();
 }
 
 static void receives_a_message(void **state)
@@ -593,6 +683,10 @@ int main(void)
         TEST("A raw packet socket is one of the bus", opens_raw_packet_sockets),
         TEST("A message is sent in its pieces, to its address", sends_pieces),
         TEST("Messages are sent up to the first that fails", sends_messages),
+        TEST("More than 1024 pieces are refused", limits_the_number_of_pieces),
+        TEST("Control data must be readable", reads_control_data),
+        TEST("A result that cannot be stored is EFAULT, or ends a series of messages",
+             stores_results_at_good_addresses),
         TEST("A received message has flags, length of its address, and no control data", receives_a_message),
         TEST("Messages are received up to the first that is missing", receives_messages),
         TEST("accept waits on the virtual clock first", accepts_after_waiting),
