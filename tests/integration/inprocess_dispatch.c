@@ -207,6 +207,46 @@ static void own_action_of_sigsys_stays(void **state)
     assert_dispatched();
 }
 
+/* The actions of the signals that the library has taken, by direct calls: no call replaces the library's handlers. */
+static void own_actions_of_faults_stay(void **state)
+{
+    const struct {
+        void (*handler)(int number);
+        unsigned long flags;
+        void (*restorer)(void);
+        uint64_t mask;
+    } action = {.handler = count}, none = {0};
+    static const int numbers[] = {SIGSEGV, SIGBUS};
+    (void)state;
+    for (size_t i = 0; i < 2; i++) {
+        long before[4] = {0}, number = numbers[i];
+        handled = 0;
+        assert_int_equal(raw_call(SYS_rt_sigaction, number, (long)&action, (long)before, KERNEL_MASK, 0, 0), 0);
+        assert_int_equal(raw_call(SYS_access, 1, F_OK, 0, 0, 0, 0), -EFAULT);
+        assert_int_equal(raw_call(SYS_openat, AT_FDCWD, 1, O_RDONLY, 0, 0, 0), -EFAULT);
+        assert_int_equal(raw_call(SYS_rt_sigaction, number, (long)&none, (long)before, KERNEL_MASK, 0, 0), 0);
+        assert_ptr_equal((void *)before[0], (void *)count);
+        assert_int_equal(raw_call(SYS_rt_sigaction, number, (long)&action, 0, KERNEL_MASK, 0, 0), 0);
+        assert_int_equal(handled, 0);
+        assert_int_equal(raw_call(SYS_tgkill, getpid(), gettid(), number, 0, 0, 0), 0);
+        assert_int_equal(handled, number);
+    }
+    assert_dispatched();
+}
+
+/* Crash handlers try addresses by such a call while the signal is blocked. */
+static void an_address_is_tried_while_faults_are_blocked(void **state)
+{
+    sigset_t all, before;
+    (void)state;
+    sigfillset(&all);
+    assert_int_equal(pthread_sigmask(SIG_BLOCK, &all, &before), 0);
+    assert_int_equal(raw_call(SYS_rt_sigprocmask, ~0, 1, 0, KERNEL_MASK, 0, 0), -EFAULT);
+    assert_int_equal(raw_call(SYS_rt_sigprocmask, ~0, (long)&all, 0, KERNEL_MASK, 0, 0), -EINVAL);
+    assert_int_equal(pthread_sigmask(SIG_SETMASK, &before, NULL), 0);
+    assert_dispatched();
+}
+
 static void sigsys_ends_a_program_without_an_action(void **state)
 {
     int status = 0;
@@ -442,6 +482,9 @@ int main(int argc, char **argv)
          NULL},
         {"Floating point registers survive calls", floating_point_survives, NULL, NULL, NULL},
         {"The program's own action of SIGSYS stays", own_action_of_sigsys_stays, NULL, NULL, NULL},
+        {"The program's own actions of SIGSEGV and SIGBUS stay", own_actions_of_faults_stay, NULL, NULL, NULL},
+        {"A call tries an address while faults are blocked", an_address_is_tried_while_faults_are_blocked, NULL, NULL,
+         NULL},
         {"SIGSYS ends a program without an action", sigsys_ends_a_program_without_an_action, NULL, NULL, NULL},
         {"A mask of every signal holds, and outlives the call", a_mask_of_every_signal_holds, NULL, NULL, NULL},
         {"Handlers make calls, also when they block every signal", handlers_make_calls, NULL, NULL, NULL},

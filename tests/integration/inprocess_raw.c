@@ -209,19 +209,17 @@ HIDDEN int poll(struct pollfd *fds, nfds_t count, int timeout_ms)
     return (int)make(SYS_poll, (long)fds, (long)count, timeout_ms, 0, 0, 0);
 }
 
+/* The kernel stores the time left where the C library would keep the limit. */
 HIDDEN int ppoll(struct pollfd *fds, nfds_t count, const struct timespec *timeout, const sigset_t *mask)
 {
-    struct timespec left = timeout ? *timeout : (struct timespec){0};
-    return (int)make(SYS_ppoll, (long)fds, (long)count, timeout ? (long)&left : 0, (long)mask, KERNEL_MASK, 0);
+    return (int)make(SYS_ppoll, (long)fds, (long)count, (long)timeout, (long)mask, KERNEL_MASK, 0);
 }
 
 HIDDEN int pselect(int count, fd_set *restrict to_read, fd_set *restrict to_write, fd_set *restrict except,
                    const struct timespec *restrict timeout, const sigset_t *restrict mask)
 {
-    struct timespec left = timeout ? *timeout : (struct timespec){0};
     const long its[] = {(long)mask, KERNEL_MASK};
-    return (int)make(SYS_pselect6, count, (long)to_read, (long)to_write, (long)except, timeout ? (long)&left : 0,
-                     (long)its);
+    return (int)make(SYS_pselect6, count, (long)to_read, (long)to_write, (long)except, (long)timeout, (long)its);
 }
 
 HIDDEN int select(int count, fd_set *restrict to_read, fd_set *restrict to_write, fd_set *restrict except,
