@@ -61,6 +61,9 @@ enum {
 /* Default of --pcap-size. */
 #define PCAP_SIZE 1000000000ull
 
+/* Characters of a path in a message: the end, which has the name of the file. */
+#define PATH_SHOWN 40
+
 static const struct argp_option options[] = {
     {"vendor-id", KEY_VENDOR_ID, "[N:]ID", 0,
      "Vendor id of twin N, or of all twins without N, 0..4294967295 (default: the placeholder of the device). May be "
@@ -373,7 +376,8 @@ static void read_faults(twin_args_t *args, const struct argp_state *state, const
         argp_failure(state, EXIT_OPEN, errno, "%s %s", option, path);
     for (unsigned int number = 1; file && getline(&line, &room, file) >= 0; number++) {
         char where[64];
-        snprintf(where, sizeof where, "%.40s line %u", path, number);
+        snprintf(where, sizeof where, "%.40s line %u",
+                 path + (strlen(path) > PATH_SHOWN ? strlen(path) - PATH_SHOWN : 0), number);
         args->scenario.line = number;
         add_fault(args, state, line, where);
     }

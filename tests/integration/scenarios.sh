@@ -111,6 +111,10 @@ mistakes_are_found_before_the_run() {
   "$ectwin" with --in-process --scenario "$work/script.txt" fzm1 -- true 2>"$work/err"
   check "a line without sense" 1 $?
   check "... by its number" yes "$(grep -q "script.txt line 2: expected 'expect NAME=VALUE'" "$work/err" && echo yes)"
+  mkdir "$work/a-folder-whose-name-takes-more-than-40-characters"
+  cp "$work/script.txt" "$work/a-folder-whose-name-takes-more-than-40-characters"
+  "$ectwin" with --in-process --scenario "$work/a-folder-whose-name-takes-more-than-40-characters/script.txt" fzm1 -- true 2>"$work/err"
+  check "... by the end of a long path" yes "$(grep -q "40-characters/script.txt line 2: expected" "$work/err" && echo yes)"
   "$ectwin" with --in-process --scenario "$work/none.txt" fzm1 -- true 2>"$work/err"
   check "a non-existent file" 2 $?
 }
