@@ -41,6 +41,7 @@ run_cases() {
     } >"$work.log" 2>&1 &
   done
   wait
+  work=$all # the folder that the script removes
   for ((number = 1; number <= count; number++)); do
     cat "$all/$number.log"
     [ "$(cat "$all/$number.failed")" = 0 ] || failed=1
