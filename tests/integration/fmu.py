@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import traceback
 import unittest
 import zipfile
 
@@ -19,6 +20,7 @@ TANK = os.path.join(ROOT, "examples", "tank")
 FMPY = os.path.expanduser("~/.cache/ectwin/fmpy-0.3.32")
 sys.path[:0] = [os.path.join(ROOT, "python"), TANK, FMPY]
 import ectwin  # noqa: E402
+import ectwin.fmu  # noqa: E402
 import tank_fmu  # noqa: E402
 
 try:
@@ -63,11 +65,27 @@ def command(*words):
 
 
 def refusal(*words):
-    """The messages of a command that fails at its start."""
-    process = command(*words)
-    output, messages = process.communicate(timeout=PATIENCE)
-    assert process.returncode == 1 and output == "", (process.returncode, output, messages)
-    return messages
+    """The messages of a command that fails at its start. Its process is a copy of this one: the import of FMPy is most of the time of a start."""
+    with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as messages:
+        process = os.fork()
+        if process == 0:
+            os.environ["TMPDIR"], tempfile.tempdir = path_of("tmp"), None
+            os.dup2(output.fileno(), 1)
+            os.dup2(messages.fileno(), 2)
+            status = 70
+            try:
+                status = ectwin.fmu.main(list(words))
+            except BaseException:  # pylint: disable=broad-exception-caught
+                traceback.print_exc()
+            sys.stdout.flush()
+            sys.stderr.flush()
+            os._exit(status)
+        status = os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
+        output.seek(0)
+        messages.seek(0)
+        printed, text = output.read().decode(), messages.read().decode()
+    assert status == 1 and printed == "", (status, printed, text)
+    return text
 
 
 class OnTheVirtualClock(unittest.TestCase):
