@@ -6,6 +6,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 . tools/dev/stages.sh
+. tools/dev/memory_folder.sh
 shown packages tools/bootstrap.sh test
 stage build preset asan
 if [ $# -gt 0 ]; then
