@@ -38,6 +38,13 @@ def with_a_master(browser, url):
     check("the control shows the twin's value again", "0", browser.wait("return document.querySelector('[data-signal=\"scene\"] input.number').value.replace('999', '')"))
 
 
+def blinking_lamps(browser):
+    lamp = "const lamp = document.querySelector('.lamp[data-pattern=flickering]'); return lamp && getComputedStyle(lamp).animationName"
+    for motion, animation in (("no-preference", "lamp"), ("reduce", "none")):
+        browser.command("Emulation.setEmulatedMedia", features=[{"name": "prefers-reduced-motion", "value": motion}])
+        becomes(browser, f"a lamp that flickers, with prefers-reduced-motion: {motion}", animation, lamp)
+
+
 def events(browser):
     """The list of events has the way to OP, and an emergency."""
     check("the way to OP is in the list of events", True, browser.wait(
@@ -362,6 +369,7 @@ def cases(browser, folder):
     with panel() as url:
         with bus("gripper=fzm1,axis=pmctendo-dd5,fzm1", [MASTER, "{}"]):
             with_a_master(browser, url)
+            blinking_lamps(browser)
             events(browser)
             objects(browser)
             faults_and_plots(browser)
