@@ -564,6 +564,11 @@ static bool is_hidden(const ect_chain_t *chain, const ect_names_t *names, size_t
     return false;
 }
 
+static bool same_signals(const ect_twin_config_t *a, const ect_twin_config_t *b)
+{
+    return !(a->plant && a->plant->present) && a->plant == b->plant && a->beside.plant == b->beside.plant;
+}
+
 bool ect_chain_set_names(ect_chain_t *chain, const ect_names_t *names, char *message)
 {
     const char scenario[] = "scenario"; /* signals added later (ect_chain_show) */
@@ -573,9 +578,7 @@ bool ect_chain_set_names(ect_chain_t *chain, const ect_names_t *names, char *mes
         return false;
     }
     for (size_t i = 0; names && i < chain->cabling.count; i++) {
-        const ect_twin_config_t *twin = &chain->twins[i].config, *before = &chain->twins[i > 0 ? i - 1 : 0].config;
-        bool known = i > 0 && !(twin->plant && twin->plant->present) && twin->plant == before->plant &&
-                     twin->beside.plant == before->beside.plant;
+        bool known = i > 0 && same_signals(&chain->twins[i].config, &chain->twins[i - 1].config);
         if (!known && is_hidden(chain, names, i, message))
             return false;
     }
