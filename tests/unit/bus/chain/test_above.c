@@ -391,6 +391,36 @@ static void sizes_of_process_data_alone(void **state)
     }
 }
 
+/* The length of SM2 as the stack reads it; one without data stays without. */
+static void sizes_of_any_length(void **state)
+{
+    static const struct {
+        const char *fault;
+        uint16_t length, read;
+    } rows[] = {
+        {"pdo-size 1 slave 2", 0, 0},
+        {"pdo-size 1 slave 2", 1, 0},
+        {"pdo-size 1 slave 2", 2, 1},
+        {"pdo-size 2 slave 2", 0x0102, 0x0100},
+        {"pdo-size -1 slave 2", 0, 0},
+        {"pdo-size -1 slave 2", 1, 2},
+        {"pdo-size -1 slave 2", 0x00FF, 0x0100},
+    };
+    wire_t *w = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t registers[3 * ECT_SM_SIZE], length[2];
+        ect_store_le16(length, rows[i].length);
+        assert_int_equal(wire_write(w, 1, ECT_REG_SM + 2 * ECT_SM_SIZE + ECT_SM_LENGTH, length, 2), 1);
+        set(w, rows[i].fault);
+        const ect_pdi_t *pdi = ect_chain_slave(w->chain, 1)->config.pdi;
+        assert_int_equal(pdi->read(pdi->ctx, ECT_REG_SM, registers, sizeof registers), 0);
+        const uint16_t read = ect_load_le16(registers + 2 * ECT_SM_SIZE + ECT_SM_LENGTH);
+        if (read != rows[i].read)
+            fail_msg("%s, %u bytes: expected %u, got %u", rows[i].fault, rows[i].length, rows[i].read, read);
+        ect_chain_fault_end(w->chain, 0);
+    }
+}
+
 /* A twin with a fault sleeps until an event, unless a mail of it is lost: the stack has to see the empty buffer. */
 static void sleeps(void **state)
 {
@@ -489,6 +519,7 @@ int main(int argc, char **argv)
         TEST("a slave never reaches a state", never_comes),
         TEST("process data of another size are refused, after a reset too", sizes),
         TEST("the sizes of process data change, and nothing else that is read", sizes_of_process_data_alone),
+        TEST("a SyncManager without data has none with a fault of sizes either", sizes_of_any_length),
         TEST("a twin with a fault sleeps until there is work", sleeps),
         TEST("faults above the wire are listed, at most eight of a slave, and ended", listed),
         TEST("SDO transfers are counted", counts),

@@ -21,6 +21,7 @@
 
 #include "bus/chain/deadlines.h"
 #include "bus/chain/fast.h"
+#include "bus/chain/names.h"
 #include "bus/chain/settings.h"
 #include "bus/kernel/plan.h"
 #include "devices/eclink/eclink.h"
@@ -894,6 +895,110 @@ static void lamps_within_reach(void **state)
     wire_close(&w);
 }
 
+/* A PDI may set all 16 bits; the second read is the one that the sum replies to. */
+static void status_of_all(void **state)
+{
+    static const ect_device_t *const devices[] = {&testdev, &testdev};
+    static const uint8_t status[2][2] = {{0x02, 0x12}, {0x14, 0x80}}, want[] = {0x16, 0x92, 0};
+    wire_t w;
+    (void)state;
+    wire_open(&w, devices, 2);
+    for (size_t i = 0; i < 2; i++)
+        assert_int_equal(ect_esc_pdi_write(ect_chain_esc(w.chain, i), ECT_REG_AL_STATUS, status[i], 2), 0);
+    wire_poll(&w);
+    for (uint16_t length = 1; length <= sizeof want; length++) {
+        for (unsigned int n = 0; n < 2; n++) {
+            uint8_t data[sizeof want] = {0};
+            assert_int_equal(wire_send(&w, BRD, 0, ECT_REG_AL_STATUS, data, length), 2);
+            assert_memory_equal(data, want, length);
+        }
+    }
+    wire_close(&w);
+}
+
+static bool let_pass(void *ctx, ect_crossing_t *crossing)
+{
+    (void)ctx;
+    (void)crossing;
+    return true;
+}
+
+/* Times that a frame writes take effect at its end, in the order of the datagrams. One of two equal chains has a guard,
+ * so its frames go the way of the reference. */
+static void times_within_a_frame(void **state)
+{
+    enum { SLAVES = 3, MOST_OF_A_FRAME = 3 };
+    static const ect_device_t *const devices[SLAVES] = {&testdev, &testdev, &testdev};
+    typedef struct part {
+        uint8_t command;
+        uint16_t slave, register_address;
+    } part_t;
+    static const part_t frames[][MOST_OF_A_FRAME] = {
+        {{FRMW, 0, ECT_REG_DC_SYSTEM_TIME}, {FPWR, 1, ECT_REG_DC_SYSTEM_TIME}},
+        {{FPWR, 1, ECT_REG_DC_SYSTEM_TIME}, {FRMW, 0, ECT_REG_DC_SYSTEM_TIME}},
+        {{FRMW, 0, ECT_REG_DC_SYSTEM_TIME}, {FPWR, 0, ECT_REG_DC_SYSTEM_TIME}},
+        {{FRMW, 2, ECT_REG_DC_SYSTEM_TIME}, {FPRD, 1, ECT_REG_DC_DIFFERENCE}},
+        {{FRMW, 1, ECT_REG_DC_SYSTEM_TIME}, {FRMW, 2, ECT_REG_DC_SYSTEM_TIME}, {FPRD, 0, ECT_REG_DC_DIFFERENCE}},
+        {{FRMW, 1, ECT_REG_DC_SYSTEM_TIME}, {FPWR, 2, ECT_REG_DC_SYSTEM_TIME}, {FRMW, 0, ECT_REG_DC_SYSTEM_TIME}},
+        {{FPRD, 1, ECT_REG_DC_DIFFERENCE}, {FRMW, 0, ECT_REG_DC_SYSTEM_TIME}, {FPWR, 1, ECT_REG_DC_SYSTEM_TIME}},
+    };
+    (void)state;
+    for (size_t f = 0; f < sizeof frames / sizeof frames[0]; f++) {
+        wire_t w[2];
+        for (unsigned int k = 0; k < 2; k++) {
+            wire_open(&w[k], devices, SLAVES);
+            w[k].manual_poll = true;
+            for (size_t i = 0; i < SLAVES; i++)
+                ect_esc_set_drift(ect_chain_esc(w[k].chain, i), (int32_t)i * 50000);
+            for (uint8_t n = 0; n < 3; n++) {
+                w[k].now_ns += 1 * MS;
+                for (unsigned int d = 0; d < MOST_OF_A_FRAME && frames[f][d].command != NOP; d++) {
+                    const uint8_t time[8] = {(uint8_t)(100 * (d + 1)), n};
+                    (d == 0 ? wire_build : wire_append)(&w[k], frames[f][d].command,
+                                                        (uint16_t)(WIRE_STATION + frames[f][d].slave),
+                                                        frames[f][d].register_address, time, 8);
+                }
+                if (k == 1)
+                    ect_chain_guard(w[k].chain, let_pass, NULL);
+                assert_true(wire_transmit(&w[k]));
+            }
+        }
+        assert_memory_equal(w[0].frame, w[1].frame, w[1].frame_length);
+        for (size_t i = 0; i < SLAVES; i++) {
+            const uint8_t *fast = ect_chain_esc(w[0].chain, i)->memory + ECT_REG_DC_SYSTEM_TIME;
+            const uint8_t *slow = ect_chain_esc(w[1].chain, i)->memory + ECT_REG_DC_SYSTEM_TIME;
+            for (unsigned int at = 0; at < 0x40; at++) {
+                if (fast[at] != slow[at])
+                    fail_msg("frame %zu: 0x%04X of slave %zu: the fast way 0x%02X, the reference 0x%02X", f,
+                             ECT_REG_DC_SYSTEM_TIME + at, i, fast[at], slow[at]);
+            }
+        }
+        wire_close(&w[0]);
+        wire_close(&w[1]);
+    }
+}
+
+/* The alias is the highest address, so that the last place of the table of stations is free without it. */
+static void an_alias_that_is_switched_off(void **state)
+{
+    enum { ALIAS = 0x5000, ENABLE = ECT_REG_DL_CONTROL + 3 };
+    ect_twin_config_t twins[] = {ect_twin_default(&testdev, NULL), ect_twin_default(&testdev, NULL)};
+    wire_t w;
+    (void)state;
+    twins[1].alias = ALIAS;
+    wire_open_twins(&w, twins, 2);
+    for (unsigned int n = 0; n < 4; n++) {
+        const bool on = n % 2 == 0;
+        uint8_t type = 0, time[8] = {100};
+        assert_int_equal(wire_write8(&w, 1, ENABLE, on), 1);
+        assert_int_equal(wire_send(&w, FPRD, ALIAS, ECT_REG_TYPE, &type, 1), on);
+        assert_int_equal(type != 0, on);
+        assert_int_equal(wire_send(&w, FRMW, ALIAS, ECT_REG_DC_SYSTEM_TIME, time, 8), 2);
+        assert_int_equal(ect_load_le64(time) != 100, on); /* read from the slave */
+    }
+    wire_close(&w);
+}
+
 void *__real_calloc(size_t count, size_t size);
 void *__wrap_calloc(size_t count, size_t size);
 
@@ -926,6 +1031,13 @@ static void memory_runs_out(void **state)
         callocs_left = UINT_MAX;
     }
     ect_deadlines_free(deadlines);
+    ect_names_t *names = NULL;
+    for (unsigned int left = 0; !names; left++) {
+        callocs_left = left;
+        names = ect_names_new(3);
+        callocs_left = UINT_MAX;
+    }
+    ect_names_free(names);
 }
 
 int main(int argc, char **argv)
@@ -941,7 +1053,13 @@ int main(int argc, char **argv)
          NULL, NULL},
         {"CF-088: a recorded system time is taken before any access, also when more come than are kept", times_wait,
          NULL, NULL, NULL},
+        {"CF-002: a broadcast read of AL status gets all bits of all slaves, in one byte or two", status_of_all, NULL,
+         NULL, NULL},
+        {"CF-004: a station alias that is switched off gets no reply and no system time", an_alias_that_is_switched_off,
+         NULL, NULL, NULL},
         {"a line without memory is none, and keeps none", memory_runs_out, NULL, NULL, NULL},
+        {"CF-088: system times of one frame take effect at its end, in the order of its datagrams",
+         times_within_a_frame, NULL, NULL, NULL},
         {"link lamps flicker of those whom frames reach", lamps_within_reach, NULL, NULL, NULL},
     };
     if (argc > 1)

@@ -228,6 +228,48 @@ static void a_name_that_hides_a_signal_is_refused(void **state)
     wire_close(&w);
 }
 
+/* The signals of a twin with a crane: its device's, those beside it, or those of its present plant. */
+static const ect_signal_t low[] = {
+    {.name = "low", .type = ECT_SIGNAL_U16, .access = ECT_SIGNAL_WRITE, .maximum = 1000}};
+static const ect_signal_group_t cranes[] = {{.signal_count = 1, .signals = low, .prefix = "crane"}};
+static const ect_plant_t crane = {.signal_groups = cranes, .signal_group_count = 1};
+
+static const ect_plant_t *present_one(const void *instance)
+{
+    return ((const testdev_t *)instance)->u32 == 1 ? &crane : &plant;
+}
+
+static void signals_of_each_twin_are_compared_with_names(void **state)
+{
+    enum { OWN, BESIDE, PRESENT, WAYS };
+    static const ect_plant_t varied = {.present = present_one};
+    (void)state;
+    for (unsigned int n = 0; n < WAYS * TWINS; n++) {
+        const size_t place = n / WAYS, other = (place + 1) % TWINS;
+        char message[ECT_SIGNAL_MESSAGE] = "", want[ECT_SIGNAL_MESSAGE];
+        ect_twin_config_t twins[TWINS];
+        uint16_t beside = 0;
+        wire_t w;
+        for (size_t i = 0; i < TWINS; i++)
+            twins[i] = ect_twin_default(&testdev, n % WAYS == PRESENT ? &varied : &plant);
+        if (n % WAYS == OWN)
+            twins[place].plant = &crane;
+        if (n % WAYS == BESIDE)
+            twins[place].beside = (ect_beside_t){.plant = &crane, .instance = &beside, .size = sizeof beside};
+        wire_open_twins(&w, twins, TWINS);
+        testdev_of(&w, place)->u32 = 1;
+        ect_names_t *names = ect_names_new(TWINS);
+        assert_non_null(names);
+        assert_true(ect_names_add(names, other, "crane"));
+        snprintf(want, sizeof want, "the name 'crane' of twin %zu hides the signal 'crane.low' of twin %zu: %s",
+                 other + 1, place + 1, "choose another name");
+        assert_false(ect_chain_set_names(w.chain, names, message));
+        assert_string_equal(message, want);
+        ect_names_free(names);
+        wire_close(&w);
+    }
+}
+
 static void a_fault_takes_a_name_for_a_number(void **state)
 {
     static const struct {
@@ -266,6 +308,7 @@ int main(void)
         cmocka_unit_test(a_name_in_front_chooses_the_twin_of_a_signal),
         cmocka_unit_test(signals_of_several_twins_are_set_or_none),
         cmocka_unit_test(a_name_that_hides_a_signal_is_refused),
+        cmocka_unit_test(signals_of_each_twin_are_compared_with_names),
         cmocka_unit_test(a_fault_takes_a_name_for_a_number),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

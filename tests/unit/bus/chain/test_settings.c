@@ -197,6 +197,64 @@ static void wakes(void **state)
     wire_close(&w);
 }
 
+/* --- the state beside the instance -------------------------------------------------------------------------------- */
+
+enum { LEAVE = 1, RETURN = 2, RESTART = 3, REFUSE = 9 };
+
+static const ect_signal_t acts[] = {ECT_SIGNAL(testdev_t, array[0], "act", U16, WRITE, 0, 9, NULL, "")};
+static const ect_signal_group_t act_group = {.signal_count = 1, .signals = acts};
+
+static const char *act(void *instance, const ect_signal_t *signal, uint16_t number, const void *value, uint64_t now_ns)
+{
+    const ect_host_t *host = ((const testdev_t *)instance)->host;
+    const uint16_t what = *(const uint16_t *)value;
+    (void)signal;
+    (void)number;
+    (void)now_ns;
+    if (what == LEAVE || what == RETURN)
+        host->off_bus(host->ctx, what == LEAVE);
+    if (what == RESTART)
+        host->restart(host->ctx);
+    return what == REFUSE ? "refused" : NULL;
+}
+
+/* Each row in a fresh chain, and each twin in both places, since the places have a snapshot each. */
+static void state_of_a_refusal(void **state)
+{
+    static const ect_plant_t actor = {.signal_groups = &act_group, .signal_group_count = 1, .signal_write = act};
+    static const struct {
+        const char *title;
+        const char *before; /* set alone; NULL: nothing */
+        ect_setting_t settings[2];
+        bool done, off_bus, restart;
+    } rows[] = {
+        {"a twin that leaves the bus is back", NULL, {{"act", "1"}, {"act", "9"}}, false, false, false},
+        {"a twin that returns is off again", "1", {{"act", "2"}, {"act", "9"}}, false, true, false},
+        {"a twin off the bus remains so", "1", {{"act", "0"}, {"act", "9"}}, false, true, false},
+        {"a twin does not restart", NULL, {{"act", "3"}, {"act", "9"}}, false, false, false},
+        {"a restart from before remains", "3", {{"act", "0"}, {"act", "9"}}, false, false, true},
+        {"settings that are taken have their effects", NULL, {{"act", "1"}, {"act", "3"}}, true, true, true},
+    };
+    (void)state;
+    for (size_t i = 0; i < TWINS * sizeof rows / sizeof rows[0]; i++) {
+        const ect_twin_config_t twins[TWINS] = {ect_twin_default(&testdev, &actor), ect_twin_default(&testdev, &actor)};
+        const size_t position = i % TWINS, row = i / TWINS;
+        char message[ECT_SIGNAL_MESSAGE];
+        wire_t w;
+        wire_open_twins(&w, twins, TWINS);
+        const ect_setting_t before = {"act", rows[row].before};
+        if (rows[row].before)
+            assert_true(ect_settings_apply(w.chain, position, &before, 1, w.now_ns, message));
+        assert_int_equal(ect_settings_apply(w.chain, position, rows[row].settings, 2, w.now_ns, message),
+                         rows[row].done);
+        const ect_slave_t *slave = ect_chain_slave(w.chain, position);
+        if (slave->off_bus != rows[row].off_bus || slave->restart != rows[row].restart)
+            fail_msg("%s: expected off the bus %d and restart %d, got %d and %d", rows[row].title, rows[row].off_bus,
+                     rows[row].restart, slave->off_bus, slave->restart);
+        wire_close(&w);
+    }
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -205,6 +263,8 @@ int main(int argc, char **argv)
         {"the refusal of an unknown signal names the nearest one, or the command that lists them", names_nearby, NULL,
          NULL, NULL},
         {"an unknown name longer than any signal's is refused in one line", endless_name, NULL, NULL, NULL},
+        {"a refusal undoes what the settings before it have done to the twin on the bus", state_of_a_refusal, NULL,
+         NULL, NULL},
         {"settings wake their twin and no other, a refusal none", wakes, NULL, NULL, NULL},
     };
     if (argc > 1)
