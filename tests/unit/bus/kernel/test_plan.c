@@ -172,10 +172,29 @@ static void no_clock(rig_t *r)
     wire_build(&r->w, FRMW, 0x5555, ECT_REG_DC_SYSTEM_TIME, data, sizeof data);
 }
 
-static void short_time(rig_t *r)
+static void build_time(rig_t *r, uint16_t length)
 {
-    const uint8_t data[2] = {0};
-    wire_build(&r->w, FRMW, WIRE_STATION, ECT_REG_DC_SYSTEM_TIME, data, sizeof data);
+    wire_build(&r->w, FRMW, WIRE_STATION, ECT_REG_DC_SYSTEM_TIME, zeros, length);
+}
+
+static void three_bytes_of_time(rig_t *r)
+{
+    build_time(r, 3);
+}
+
+static void four_bytes_of_time(rig_t *r)
+{
+    build_time(r, 4);
+}
+
+static void all_bytes_of_time(rig_t *r)
+{
+    build_time(r, 8);
+}
+
+static void more_than_time(rig_t *r)
+{
+    build_time(r, 9);
 }
 
 static void two_clocks(rig_t *r)
@@ -413,7 +432,10 @@ static void no_plan(void **state)
         {"a part of an image", half_an_image, no_change, false},
         {"a datagram without data", nothing_in_it, no_change, false},
         {"the time of no slave", no_clock, no_change, false},
-        {"two bytes of the time", short_time, no_change, false},
+        {"three bytes of the time", three_bytes_of_time, no_change, false},
+        {"four bytes of the time", four_bytes_of_time, no_change, true},
+        {"eight bytes of the time", all_bytes_of_time, no_change, true},
+        {"nine bytes from the time on", more_than_time, no_change, false},
         {"the times of two clocks", two_clocks, no_change, false},
         {"more datagrams than steps", too_many, no_change, false},
         {"more counters than steps", many_counters, no_change, false},
