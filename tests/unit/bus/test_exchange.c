@@ -411,6 +411,28 @@ static void kept_behind_late(void **state)
     assert_int_equal(r->x.stats.answered, 3);
 }
 
+static void note_first_run(void *ctx, size_t position, uint64_t now_ns)
+{
+    uint64_t *first_ns = ctx;
+    if (position == 0 && *first_ns == 0)
+        *first_ns = now_ns;
+}
+
+/* The clock goes on between the release and the run. */
+static void devices_at_a_release(void **state)
+{
+    rig_t *r = *state;
+    set_fault(r, "delay 1000us frame 1 wire 1");
+    pass(r, ECT_END_IN, 1);
+    (void)run_at(r, START_NS + 1);
+    uint64_t first_ns = 0;
+    ect_chain_observe(r->w.chain, note_first_run, &first_ns);
+    r->clock_step_ns = 10 * US;
+    (void)run_at(r, START_NS + 1 * MS - r->clock_step_ns);
+    expect_log(r, "<1");
+    assert_true(first_ns == START_NS + 1 * MS);
+}
+
 static void kept_without_an_end(void **state)
 {
     rig_t *r = *state;
@@ -945,6 +967,7 @@ int main(int argc, char **argv)
         TABLE("replies beyond the limit of kept ones are counted as dropped", most),
         TEST("a frame that a wire delays leaves when it is due", kept_on_a_wire),
         TEST("a frame that a wire releases leaves behind the late replies of its end", kept_behind_late),
+        TEST("the devices run at the time when a wire releases a frame", devices_at_a_release),
         TEST("a frame that a wire releases is lost when its end has no link", kept_without_an_end),
         TABLE("a response time is the wait before reception and the time until the reply has left", response_times),
         TEST("a run after a reply uses the time of the reply, any other one the clock", clock_reads),

@@ -699,6 +699,66 @@ static void devices_between(void **state)
     close_bench(&b);
 }
 
+/* --- cables ------------------------------------------------------------------------------------------------------- */
+
+static struct {
+    bool is_in;
+    unsigned int seen; /* news that the loop has taken */
+} cable;
+
+bool __wrap_ect_packet_has_link(const ect_packet_t *port);
+void __wrap_ect_packet_links_seen(int fd);
+
+bool __wrap_ect_packet_has_link(const ect_packet_t *port)
+{
+    assert_ptr_equal(port, &running->port);
+    return cable.is_in;
+}
+
+void __wrap_ect_packet_links_seen(int fd)
+{
+    eventfd_t news;
+    assert_int_equal(fd, running->runner.link_fd);
+    assert_int_equal(eventfd_read(fd, &news), 0);
+    cable.seen++;
+}
+
+/* The cable is pulled, with news; plugged in, with a frame before the news; pulled, with a frame before the news. */
+static void cables(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    static const struct {
+        bool linked;
+        unsigned int seen, answered;
+    } rows[] = {{true, 0, 0}, {false, 1, 0}, {true, 1, 1}, {true, 1, 2}, {false, 2, 2}};
+    (void)limit;
+    assert_true(n < sizeof rows / sizeof rows[0]);
+    assert_int_equal(b->runner.linked[ECT_END_IN], rows[n].linked);
+    assert_int_equal(b->runner.exchange.linked[ECT_END_IN], rows[n].linked);
+    assert_int_equal(cable.seen, rows[n].seen);
+    assert_int_equal(b->runner.exchange.stats.answered, rows[n].answered);
+    cable.is_in = n == 1;
+    if (n == 1 || n == 2)
+        send_frame(b);
+    else
+        assert_int_equal(eventfd_write(b->runner.link_fd, 1), 0);
+    if (n == 4)
+        (void)raise(SIGUSR1);
+}
+
+static void cables_are_followed(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    b.runner.link_fd = eventfd(0, EFD_NONBLOCK);
+    assert_true(b.runner.link_fd > 0);
+    cable.is_in = true;
+    cable.seen = 0;
+    run(&b, cables);
+    assert_int_equal(close(b.runner.link_fd), 0);
+    close_bench(&b);
+}
+
 /* --- signals ------------------------------------------------------------------------------------------------------ */
 
 static struct {
@@ -1125,6 +1185,8 @@ int main(int argc, char **argv)
         {"Attack: 100 frames and 640 requests wait: 8 frames are answered before a client is served", frames_first,
          NULL, NULL, NULL},
         {"half a signal has no effect; the loop ends when a signal is to end it", ends_at_a_signal, NULL, NULL, NULL},
+        {"a cable counts as plugged in or pulled from the news of it on, or from a frame on", cables_are_followed, NULL,
+         NULL, NULL},
         {"Attack: a client is served once between two frames", once_between_frames, NULL, NULL, NULL},
         {"Attack: clients do not keep the processor busy: there is a rest after each piece of work", rests, NULL, NULL,
          NULL},

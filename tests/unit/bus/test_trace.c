@@ -378,6 +378,29 @@ static void a_trace_needs_neither_file(void **state)
     assert_true(none.capture == 0 && none.record == 0 && !none.record_is_slow);
 }
 
+static long size_of(const char *path)
+{
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, 0, SEEK_END), 0);
+    const long size = ftell(file);
+    assert_int_equal(fclose(file), 0);
+    return size;
+}
+
+static void a_flush_writes_to_both_files(void **state)
+{
+    rig_t *r = *state;
+    long before[2];
+    begin(r);
+    for (unsigned int n = 0; n < 2; n++)
+        before[n] = size_of(r->paths[n]);
+    pass(r, ECT_END_IN, 1);
+    ect_trace_flush(r->x.trace);
+    for (unsigned int n = 0; n < 2; n++)
+        assert_true(size_of(r->paths[n]) > before[n] + (long)r->w.frame_length);
+}
+
 /* The capture has the frames that fit; the record ends at the first item that does not. */
 static void a_record_whose_buffer_is_full_ends_with_a_last_item(void **state)
 {
@@ -448,6 +471,7 @@ int main(int argc, char **argv)
         TEST("a change of an AL state or code is one comment", a_change_of_an_AL_state_or_code_is_one_comment),
         TEST("a twin that leaves the bus is a comment", a_twin_that_leaves_the_bus_is_a_comment),
         TEST("a trace needs neither file", a_trace_needs_neither_file),
+        TEST("a flush writes to the capture and to the record", a_flush_writes_to_both_files),
         TEST("a record whose buffer is full ends there, with a last item",
              a_record_whose_buffer_is_full_ends_with_a_last_item),
         TEST("an item of any length is in the record, and in it alone", an_item_of_any_length_is_in_the_record),
