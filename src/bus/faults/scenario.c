@@ -623,14 +623,12 @@ static void apply_fault(ect_scenario_t *s, const ect_fault_t *fault, uint8_t *fr
 }
 
 /* @return whether the frame contains a logical datagram */
-static bool has_process_data(const uint8_t *frame, size_t length)
+static bool has_process_data(uint8_t *frame, size_t length)
 {
     size_t at = ect_frame_datagrams(frame, length);
-    while (at != 0 && at + ECT_DATAGRAM_DATA <= length) {
-        const uint8_t *datagram = frame + at;
-        if (datagram[ECT_DATAGRAM_COMMAND] >= ECT_LRD && datagram[ECT_DATAGRAM_COMMAND] <= ECT_LRW)
+    for (uint8_t *d = at != 0 ? frame + at : NULL; d; d = ect_datagram_next(d)) {
+        if (d[ECT_DATAGRAM_COMMAND] >= ECT_LRD && d[ECT_DATAGRAM_COMMAND] <= ECT_LRW)
             return true;
-        at = ect_datagram_follows(datagram) ? at + ect_datagram_size(datagram) : 0;
     }
     return false;
 }

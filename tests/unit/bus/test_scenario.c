@@ -685,6 +685,33 @@ static void expectations(void **state)
     }
 }
 
+static void expectations_at_the_end(void **state)
+{
+    static const char ended[] = "the run ended before";
+    static const struct {
+        bool over, met;
+        const char *why;
+    } rows[] = {{true, true, ""},
+                {false, false, ended},
+                {true, false, "ecat.state is 1"},
+                {false, false, "the run ended before its milestone"},
+                {false, false, ended}};
+    rig_t *r = *state;
+    START(r, "expect 2:ecat.state=1", "expect 2:ecat.state=4 within 10s", "expect 2:ecat.state=2",
+          "at slave 2 OP expect 2:ecat.state=8", "expect 2:ecat.state=8 within 20s");
+    advance(r, 10 * MS);
+    assert_int_equal(r->s.verdict.met + r->s.verdict.failed, 2);
+    const ect_verdict_t verdict = ect_scenario_end(&r->s);
+    assert_int_equal(verdict.all, 5);
+    assert_int_equal(verdict.met, 1);
+    assert_int_equal(verdict.failed, 4);
+    assert_int_equal(r->judged, 5);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        assert_int_equal(r->s.steps[i].met, rows[i].met);
+        assert_string_equal(r->s.steps[i].why, rows[i].why);
+    }
+}
+
 static void printed(void **state)
 {
     rig_t *r = *state;
@@ -821,6 +848,7 @@ int main(int argc, char **argv)
         TEST("signals, values and slaves of a table are checked before the run", wrong_tables),
         TEST("signals, values and slaves that there are not are found before the run", wrong_names),
         TEST("expectations are met or failed", expectations),
+        TEST("at the end of a run each expectation that is not judged has failed", expectations_at_the_end),
         TEST("each expectation and the verdict have one line", printed),
         TEST("a line that makes no sense is refused with the expected words", refused_lines),
         TEST("the words of a line may have any order", any_order),

@@ -222,6 +222,33 @@ static void full_buffer(void **state)
     assert_null(option(&b, 20 + FRAME, ECT_PCAPNG_DROPPED, &length));
 }
 
+/* No packet follows that could count them, so the last block does. */
+static void dropped_at_the_end(void **state)
+{
+    rig_t *r = *state;
+    for (unsigned int dropped = 0; dropped < 3; dropped++) {
+        const ect_capture_config_t config = config_of(r);
+        block_t b;
+        size_t length;
+        char want[32];
+        begin(r, &config);
+        while (dropped > 0 && add(r, 1, FRAME))
+            ;
+        for (unsigned int n = 1; n < dropped; n++)
+            assert_false(add(r, 1, FRAME));
+        end(r, 0);
+        assert_int_equal(count(r, ECT_PCAPNG_STATISTICS), dropped > 0);
+        if (dropped == 0)
+            continue;
+        (void)snprintf(want, sizeof want, "%u frames were dropped", dropped);
+        assert_true(find(r, ECT_PCAPNG_STATISTICS, 0, &b));
+        const uint8_t *comment = option(&b, 12, ECT_PCAPNG_COMMENT, &length);
+        assert_non_null(comment);
+        assert_int_equal(length, strlen(want));
+        assert_memory_equal(comment, want, length);
+    }
+}
+
 /* Frames of several lengths, so that few places of the file are ends of blocks; `burst` of them between two flushes. */
 static void limit_with(rig_t *r, uint64_t burst)
 {
@@ -453,6 +480,8 @@ int main(void)
         CASE("each flush wakes the thread", flush_wakes_the_thread),
         CASE("the file has the rights of the mask, and is no program", rights_of_the_file),
         CASE("a thread that has nothing to do ends", idle_thread_ends),
+        CASE("frames that were dropped at the end are counted by the last block, which is there for that",
+             dropped_at_the_end),
         CASE("after a failed write frames are dropped, and the end reports the reason", failed_write),
         CASE("a file that cannot be written gives one line", refused),
         CASE("a second capture does not touch the file of the first", taken),

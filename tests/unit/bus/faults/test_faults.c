@@ -475,6 +475,37 @@ static void corrupted(void **state)
     }
 }
 
+/* In a frame of EtherCAT from its first data on, in another one everywhere. */
+static void corrupted_at_any_bit(void **state)
+{
+    enum { DATA = 4, DRAWS = 20000, MOST = 14 + 2 + 10 + DATA + 2 };
+    const uint8_t zeros[DATA] = {0};
+    wire_t w = {0};
+    uint32_t seed = 1;
+    (void)state;
+    wire_build(&w, BRD, 0, ECT_REG_AL_STATUS, zeros, DATA);
+    assert_in_range(w.frame_length, MOST, sizeof w.frame);
+    for (unsigned int ethercat = 0; ethercat < 2; ethercat++) {
+        unsigned int inverted[MOST][8] = {{0}};
+        if (ethercat == 0)
+            w.frame[12] ^= 0xFF;
+        for (unsigned int n = 0; n < DRAWS; n++) {
+            uint8_t frame[MOST];
+            memcpy(frame, w.frame, MOST);
+            ect_frame_corrupt(&seed, frame, MOST);
+            for (unsigned int bit = 0; bit < 8 * MOST; bit++)
+                inverted[bit / 8][bit % 8] += (unsigned int)(frame[bit / 8] ^ w.frame[bit / 8]) >> bit % 8 & 1u;
+        }
+        const unsigned int from = ethercat != 0 ? MOST - DATA - 2 : 0, bits = 8 * (MOST - from);
+        for (unsigned int bit = 0; bit < 8 * MOST; bit++) {
+            const unsigned int times = inverted[bit / 8][bit % 8];
+            if (bit / 8 < from ? times != 0 : times < DRAWS / bits / 2 || times > 2 * DRAWS / bits)
+                fail_msg("bit %u of byte %u: %u times", bit % 8, bit / 8, times);
+        }
+        w.frame[12] = 0x88;
+    }
+}
+
 /* --- slaves ------------------------------------------------------------------------------------------------------- */
 
 static void hangs(void **state)
@@ -924,6 +955,7 @@ int main(int argc, char **argv)
         TEST("CF-055: an EEPROM that is busy, does not reply, or has a wrong bit", eeprom),
         TEST("CF-088: a clock jumps, and back", clock_jumps),
         TEST("a frame that is corrupted has one bit changed", corrupted),
+        TEST("each bit from the first data on is as likely to be corrupted, and none before", corrupted_at_any_bit),
         TEST("CF-011: frames that are lost and damaged on a wire", on_wires),
         TEST("CF-011: frames that are changed, truncated or miscounted on a wire: the slaves behind it receive them so",
              changed_on_wires),

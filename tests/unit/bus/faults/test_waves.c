@@ -29,15 +29,18 @@ static void shapes(void **state)
 {
     static const struct {
         ect_wave_shape_t shape;
-        double want[5]; /* at 0, 1/4, 1/2, 3/4 of a period and at its end */
+        double want[5]; /* above the lowest value: at 0, 1/4, 1/2, 3/4 of a period and at its end */
     } rows[] = {
         {ECT_WAVE_SINE, {5, 10, 5, 0, 5}}, {ECT_WAVE_RAMP, {0, 2.5, 5, 7.5, 0}}, {ECT_WAVE_SQUARE, {10, 10, 0, 0, 10}}};
+    static const double lows[] = {0, -4, -30, 20};
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        ect_wave_t wave = wave_of("a", rows[i].shape, 0, 10, 400 * MS);
-        wave.start_ns = 7 * MS;
-        for (unsigned int k = 0; k < 5; k++)
-            assert_true(fabs(ect_wave_value(&wave, 7 * MS + k * 100 * MS) - rows[i].want[k]) < 1e-6);
+        for (size_t n = 0; n < sizeof lows / sizeof lows[0]; n++) {
+            ect_wave_t wave = wave_of("a", rows[i].shape, lows[n], lows[n] + 10, 400 * MS);
+            wave.start_ns = 7 * MS;
+            for (unsigned int k = 0; k < 5; k++)
+                assert_true(fabs(ect_wave_value(&wave, 7 * MS + k * 100 * MS) - lows[n] - rows[i].want[k]) < 1e-6);
+        }
         assert_int_equal(ect_wave_shape(ect_wave_shape_name(rows[i].shape)), rows[i].shape);
     }
     assert_int_equal(ect_wave_shape("off"), ECT_WAVE_SHAPES);
