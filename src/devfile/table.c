@@ -94,7 +94,7 @@ static bool take_object(table_t *t, int64_t subindex)
     const ect_word_t index = extra(t, INDEX), object = extra(t, OBJECT);
     const bool record = subindex > 0;
     int64_t number = 0;
-    bool same = record && ect_esi_parse_number(index.text, &number) && number == t->index;
+    bool same = record && t->index >= 0 && ect_esi_parse_number(index.text, &number) && number == t->index;
     const char *name = record ? object.text : cell(t, "name").text;
     if (same)
         return true;

@@ -86,6 +86,8 @@ static void a_wrong_table_is_refused_with_its_line_and_a_cure(void **state)
         {"index,name,type\n0x6000,\xB5,INT\n", "o.csv:2: a character outside ISO 646 (ASCII) in 'name'"},
         {"index,name,type\n0x6000,A,INT\n0x6000,B,INT\n", "o.csv:3: object 6000 occurs twice, first in line 2"},
         {"index,subindex,name,type\n0x6000,1,A,INT\n", "o.csv:2: object 0x6000 has no name: write it to 'object'"},
+        {"index,subindex,name,type,object\n-1,1,A,INT,R\n", "o.csv:2: '-1' is no index of an object: 0x1000 to 0xFFFF"},
+        {"index,subindex,name,type,object\n0x6000,,A,INT,\n-1,1,B,INT,R\n", "o.csv:3: '-1' is no index of an object"},
         {"index,subindex,name,type,object\n0x6000,255,A,INT,R\n", "o.csv:2: 'subindex' takes a number from 0 to 254"},
         {"index,subindex,name,type,object\n0x6000,1,,INT,R\n", "o.csv:2: 'name' is missing"},
         {"index,subindex,name,type,object\n0x6000,1,A,INT,R\n0x6000,1,B,INT,\n",
