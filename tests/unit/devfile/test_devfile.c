@@ -223,14 +223,25 @@ static void bits_and_values_are_fields_of_the_plant(void **state)
 {
     (void)state;
     made_t m = make("fields", OBJECTS("  0x2000: {name: A, type: USINT, bits: {0: READY, 4-7: GEAR}}\n"
-                                      "  0x2001: {name: B, type: INT, values: {0: OFF, 5: ON}}\n"));
+                                      "  0x2001: {name: B, type: INT, values: {0: OFF, 5: ON}}\n"
+                                      "  0x2002:\n    name: C\n    entries:\n"
+                                      "      - {name: D, type: UINT, bits: {15: LAST}}\n"
+                                      "      - {name: E, type: SINT, values: {-1: BACK, 1: FORTH}, subindex: 9, "
+                                      "default: 1}\n"));
     const ect_field_t *f = ect_esi_twin_product(m.twin)->plant->fields;
     assert_non_null(f);
     assert_true(f[0].index == 0x2000 && f[0].bit == 0 && f[0].width == 1);
     assert_string_equal(f[0].name, "READY");
     assert_true(f[1].index == 0x2000 && f[1].bit == 4 && f[1].width == 4);
     assert_true(f[2].index == 0x2001 && f[2].width == 0 && f[2].values[1].value == 5 && f[2].values[2].name == NULL);
-    assert_int_equal(f[3].index, 0);
+    assert_true(f[3].index == 0x2002 && f[3].subindex == 1 && f[3].bit == 15 && f[3].width == 1);
+    assert_string_equal(f[3].name, "LAST");
+    assert_true(f[4].index == 0x2002 && f[4].subindex == 9 && f[4].values[0].value == -1 &&
+                f[4].values[2].name == NULL);
+    assert_string_equal(f[4].values[1].name, "FORTH");
+    assert_int_equal(f[5].index, 0);
+    ect_od_t od = ect_device_od(device_of(&m), NULL);
+    assert_true(ect_od_detail(&od, 0x2002, 9)->minimum == -1 && ect_od_detail(&od, 0x2002, 9)->maximum == 1);
     drop(&m);
 }
 
@@ -279,6 +290,33 @@ static void the_standard_layout_is_that_of_soes(void **state)
     }
 }
 
+/* With a mailbox all three roles; without one those of the process data. */
+static void FMMUs_have_the_roles_of_the_process_data(void **state)
+{
+    static const struct {
+        const char *lines;
+        unsigned int count;
+        uint8_t roles[3];
+    } rows[] = {
+        {"", 3, {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS, ECT_FMMU_MAILBOX_STATE}},
+        {"inputs: [gap 8]\n", 3, {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS, ECT_FMMU_MAILBOX_STATE}},
+        {"mailbox: none\n", 0, {0}},
+        {"mailbox: none\ninputs: [gap 8]\n", 1, {ECT_FMMU_INPUTS}},
+        {"mailbox: none\noutputs: [gap 8]\n", 1, {ECT_FMMU_OUTPUTS}},
+        {"mailbox: none\noutputs: [gap 1, gap 7]\ninputs: [gap 8]\n", 2, {ECT_FMMU_OUTPUTS, ECT_FMMU_INPUTS}},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char yaml[TEXT];
+        (void)snprintf(yaml, sizeof yaml, "%s%s", DEVICE(""), rows[i].lines);
+        made_t m = make(rows[i].lines, yaml);
+        assert_int_equal(device_of(&m)->fmmu_count, rows[i].count);
+        for (unsigned int n = 0; n < rows[i].count; n++)
+            assert_int_equal(device_of(&m)->fmmu[n], rows[i].roles[n]);
+        drop(&m);
+    }
+}
+
 static void mailbox_clocks_and_eeprom_are_described(void **state)
 {
     (void)state;
@@ -286,7 +324,7 @@ static void mailbox_clocks_and_eeprom_are_described(void **state)
                                     "false, pdo-assign: true, repeat: false}\n"
                                     "dc:\n  - free-run\n  - sync0\n  - sync01\n"
                                     "  - {name: Odd, description: d, activate: 0x730, cycle0: 250000, shift0: -5, "
-                                    "factor0: 0, cycle1: 0, shift1: 6, factor1: 2}\n"
+                                    "factor0: 3, cycle1: 125000, shift1: 6, factor1: 2}\n"
                                     "eeprom: {size: 4096, config: 05 0E 03 44 0A 00}\n"));
     const ect_device_t *d = device_of(&m);
     assert_int_equal(d->mailbox_protocols, ECT_MAILBOX_COE | ECT_MAILBOX_EOE);
@@ -295,7 +333,16 @@ static void mailbox_clocks_and_eeprom_are_described(void **state)
     assert_int_equal(d->dc_modes[0].assign_activate, 0);
     assert_int_equal(d->dc_modes[1].assign_activate, 0x0300);
     assert_int_equal(d->dc_modes[2].assign_activate, 0x0700);
+    static const char *const names[4][2] = {
+        {"FreeRun", "FreeRun or SM synchron"}, {"DC", "DC, SYNC0"}, {"DC01", "DC, SYNC0 and SYNC1"}, {"Odd", "d"}};
+    for (size_t i = 0; i < 4; i++) {
+        assert_string_equal(d->dc_modes[i].name, names[i][0]);
+        assert_string_equal(d->dc_modes[i].description, names[i][1]);
+    }
+    assert_int_equal(d->dc_modes[3].assign_activate, 0x0730);
     assert_int_equal(d->dc_modes[3].cycle_sync0_ns, 250000);
+    assert_int_equal((int)m.model->dcs[3].cycle_sync1_ns, 125000);
+    assert_int_equal(m.model->dcs[3].sync0_factor, 3);
     assert_int_equal(d->dc_modes[3].shift_sync0_ns, -5);
     assert_int_equal(d->dc_modes[3].shift_sync1_ns, 6);
     assert_int_equal(d->dc_modes[3].factor_sync1, 2);
@@ -347,6 +394,8 @@ static void a_twin_of_the_esi_file_is_the_same_device(void **state)
 /* --- refusals ----------------------------------------------------------------------------------------------------- */
 
 #define P(line, why) "g.yaml:" #line ": " why
+#define TWENTY       "ABCDEFGHIJKLMNOPQRST"
+#define SIXTY        TWENTY TWENTY TWENTY
 
 static void a_wrong_file_is_refused_with_its_line_and_a_cure(void **state)
 {
@@ -369,6 +418,15 @@ static void a_wrong_file_is_refused_with_its_line_and_a_cure(void **state)
         {"ectwin-device: 1\nvendor: {id: 1, name: A}\nproduct: 1\ntype: ''\n", P(4, "'type' is empty")},
         {DEVICE("colour: red\n"), P(6, "'colour' is no key of a device: ectwin-device, vendor, product")},
         {DEVICE("type: B\n"), P(6, "'type' occurs twice")},
+        {"ectwin-device: 1\nvendor: {id: 1, name: A, id: 2}\nproduct: 1\ntype: G\n", P(2, "'id' occurs twice")},
+        {ONE("type: INT, type: INT"), P(7, "'type' occurs twice")},
+        {ONE("entries: [{name: X, type: INT, name: Y}]"), P(7, "'name' occurs twice")},
+        {ONE("type: INT, bits: {0: A, 0: B}"), P(7, "'0' has a bit that has a name already")},
+        {DEVICE("inputs: [{entries: [gap 8], entries: [gap 8]}]\n"), P(6, "'entries' occurs twice")},
+        {DEVICE("mailbox: {size: 64, size: 64}\n"), P(6, "'size' occurs twice")},
+        {DEVICE("syncmanagers: [{type: inputs, start: 1, type: inputs}]\n"), P(6, "'type' occurs twice")},
+        {DEVICE("dc: [{name: A, cycle0: 1, cycle0: 1}]\n"), P(6, "'cycle0' occurs twice")},
+        {DEVICE("eeprom: {size: 2048, size: 2048}\n"), P(6, "'size' occurs twice")},
         {DEVICE("physics: YX\n"), P(6, "'physics' takes one letter for each port, up to 4: Y for MII")},
         {DEVICE("name: &a b\n"), P(6, "an anchor of YAML: device files have none")},
         {DEVICE("name: [a\n"), P(7, "no YAML: did not find expected ',' or ']'")},
@@ -430,6 +488,10 @@ static void a_wrong_file_is_refused_with_its_line_and_a_cure(void **state)
         {ONE("type: INT, bits: {3-b: A}"), P(7, "'3-b' is no bit of 16")},
         {ONE("type: INT, bits: {0-3: A, 3: B}"), P(7, "'3' has a bit that has a name already")},
         {ONE("type: INT, bits: {0: ''}"), P(7, "'0' takes a name of 1 to 60 characters")},
+        {ONE("type: INT, bits: {0: \"A\\x1FB\"}"), P(7, "'0' takes a name of 1 to 60 characters")},
+        {ONE("type: INT, bits: {0: \"AB\\x7F\"}"), P(7, "'0' takes a name of 1 to 60 characters")},
+        {ONE("type: INT, bits: {0: " SIXTY "x}"), P(7, "'0' takes a name of 1 to 60 characters")},
+        {ONE("type: INT, values: {0: A, 1: \"A\\tB\"}"), P(7, "'1' takes a name of 1 to 60 characters")},
         {ONE("type: REAL, bits: {0: A}"), P(7, "'bits' is for integers: leave it out")},
         {ONE("type: INT, values: {0: A}"), P(7, "'values' takes at least two: {0: OFF, 1: ON}")},
         {ONE("type: INT, values: {1: A, 0: B}"), P(7, "'values' must ascend, without duplicates: move 0")},
@@ -463,6 +525,8 @@ static void a_wrong_file_is_refused_with_its_line_and_a_cure(void **state)
         {DEVICE("inputs: [gap 256]\n"), P(6, "'gap 256' is no entry of a PDO")},
         {DEVICE("inputs: [gap]\n"), P(6, "'gap' is no entry of a PDO")},
         {DEVICE("inputs: [0x0FFF]\n"), P(6, "'0x0FFF' is no entry of a PDO")},
+        {DEVICE("inputs: [0x1000]\n"), P(6, "there is no 0x1000 among the 'objects'")},
+        {DEVICE("inputs: [0xFFFF]\n"), P(6, "there is no 0xFFFF among the 'objects'")},
         {DEVICE("inputs: [0x10000]\n"), P(6, "'0x10000' is no entry of a PDO")},
         {DEVICE("inputs: ['0x6000:256']\n"), P(6, "'0x6000:256' is no entry of a PDO")},
         {DEVICE("inputs: ['0x6000:-1']\n"), P(6, "'0x6000:-1' is no entry of a PDO")},
@@ -540,6 +604,7 @@ static void values_at_the_end_of_their_range_are_taken(void **state)
         {ONE("type: STRING(8191)"), NULL},
         {ONE("type: BYTES(8191)"), NULL},
         {ONE("type: INT, array: 254"), NULL},
+        {ONE("type: INT, bits: {0: ' ~', 15: " SIXTY "}"), NULL},
         {ONE("type: INT, array: 1"), NULL},
         {ONE("type: INT, array: 255"), P(7, "'array' takes a number from 1 to 254, not '255'")},
         {ONE("entries: [{name: X, type: INT, subindex: 254}]"), NULL},
@@ -628,6 +693,7 @@ int main(void)
         cmocka_unit_test(lists_of_pdos_may_leave_some_unassigned),
         cmocka_unit_test(bits_and_values_are_fields_of_the_plant),
         cmocka_unit_test(the_standard_layout_is_that_of_soes),
+        cmocka_unit_test(FMMUs_have_the_roles_of_the_process_data),
         cmocka_unit_test(mailbox_clocks_and_eeprom_are_described),
         cmocka_unit_test(a_twin_of_the_esi_file_is_the_same_device),
         cmocka_unit_test(a_wrong_file_is_refused_with_its_line_and_a_cure),

@@ -216,6 +216,9 @@ static void each_object_of_process_data_is_a_pdo(void **state)
         "\"rxpdo\": {\"7000\": {\"otype\": \"RECORD\", \"name\": \"Out\", \"items\": [{\"name\": \"Max SubIndex\"}, "
         "{\"name\": \"x\", \"dtype\": \"INTEGER32\"}, {\"name\": \"y\", \"dtype\": \"UNSIGNED8\", \"access\": "
         "\"WO\"}]}}"));
+    assert_int_equal(m.model->pdo_count, 3);
+    for (size_t i = 0; i < m.model->pdo_count; i++)
+        assert_true(m.model->pdos[i].mandatory && m.model->pdos[i].fixed);
     assert_int_equal(ect_od_element(object_of(&m, 0x1A00), 0), 2);
     assert_int_equal(ect_od_element(object_of(&m, 0x1A00), 1), 0x60000001);
     assert_int_equal(ect_od_element(object_of(&m, 0x1A00), 2), 7);
