@@ -271,7 +271,7 @@ static char *value_of(reader_t *r, const yaml_node_t *node, const char *key, uns
 static void add_option(reader_t *r, const yaml_node_t *node, const char *key, unsigned int option, size_t n)
 {
     char *value = value_of(r, node, key, option, n);
-    if (value && !r->mistake.failed)
+    if (value)
         add_word(r, node, n > 0 ? print(r, "--%s=%zu:%s", key, n, value) : print(r, "--%s=%s", key, value));
     free(value);
 }

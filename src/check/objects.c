@@ -195,7 +195,7 @@ static bool value_good(const place_t *p)
     if (e->value == 0 || bits >= 32)
         return true;
     bool fits = e->value >> bits == 0;
-    bool negative = bits > 0 && is_signed_type(e->data_type) && e->value >> (bits - 1) == UINT32_MAX >> (bits - 1);
+    bool negative = is_signed_type(e->data_type) && e->value >> (bits - 1) == UINT32_MAX >> (bits - 1);
     return fits || negative ? true : wrong_at(p, "its default %Xh does not fit into %u bits", e->value, bits);
 }
 

@@ -335,6 +335,22 @@ static void sync_managers_and_fmmus_are_as_many_as_the_chip_has(void **state)
     }
 }
 
+/* Each object as the one before it, and each pair in the other order. */
+static void objects_ascend_from_the_first_to_the_last(void **state)
+{
+    (void)state;
+    for (unsigned int i = 1; i < testdev.object_count; i++) {
+        const uint16_t before = testdev.objects[i - 1].index, index = testdev.objects[i].index;
+        copy_t *c = copy_device(&testdev);
+        c->objects[i].index = before;
+        expect_wrong("object twice", i, "objects are in ascending order, each once", c);
+        c = copy_device(&testdev);
+        c->objects[i - 1].index = index;
+        c->objects[i].index = before;
+        expect_wrong("object order", i, "objects are in ascending order, each once", c);
+    }
+}
+
 /* --- offers ------------------------------------------------------------------------------------------------------- */
 
 static void the_eeprom_has_a_whole_number_of_128_bytes(void **state)
@@ -347,6 +363,12 @@ static void the_eeprom_has_a_whole_number_of_128_bytes(void **state)
             expect_good("sii_size", size, c);
         else
             expect_wrong("sii_size", size, "is not a multiple of 128", c);
+    }
+    for (uint16_t size = 0; size <= 256; size++) {
+        copy_t *c = copy_device(&testdev);
+        c->device.sii_size = size;
+        expect_wrong("sii_size", size,
+                     size > 0 && size % 128 == 0 ? "the SII does not fit into" : "is not a multiple of 128", c);
     }
 }
 
@@ -454,6 +476,7 @@ int main(void)
         cmocka_unit_test(neighbours_may_touch_and_not_overlap),
         cmocka_unit_test(every_role_has_its_direction_and_mode),
         cmocka_unit_test(sync_managers_and_fmmus_are_as_many_as_the_chip_has),
+        cmocka_unit_test(objects_ascend_from_the_first_to_the_last),
         cmocka_unit_test(the_eeprom_has_a_whole_number_of_128_bytes),
         cmocka_unit_test(init_commands_name_their_transitions),
         cmocka_unit_test(timeouts_are_needed_for_the_way_up_only),

@@ -12,7 +12,7 @@
 #include "check/check.h"
 #include "support/soedev.h"
 
-enum { MOST_IDNS = 40, MOST_OBJECTS = 16 };
+enum { MOST_IDNS = 40, MOST_OBJECTS = 16, LAST = 2 /* drive */ };
 
 /* A description that can be changed. */
 typedef struct subject {
@@ -20,6 +20,7 @@ typedef struct subject {
     ect_soe_t soe;
     ect_soe_drive_t drives[ECT_SOE_DRIVES];
     ect_soe_idn_t idns[MOST_IDNS]; /* of drive 0 */
+    ect_soe_idn_t last[MOST_IDNS]; /* of the last drive */
     ect_object_t objects[MOST_OBJECTS];
     const ect_protocol_t *protocols[2];
 } subject_t;
@@ -30,10 +31,13 @@ static void fresh(void)
 {
     s = (subject_t){.device = soedev, .soe = soedev_soe};
     assert_true(soedev_soe.drives[0].count <= MOST_IDNS && soedev.object_count <= MOST_OBJECTS);
+    assert_true(soedev_soe.drive_count == LAST + 1 && soedev_soe.drives[LAST].count <= MOST_IDNS);
     memcpy(s.drives, soedev_soe.drives, soedev_soe.drive_count * sizeof s.drives[0]);
     memcpy(s.idns, soedev_soe.drives[0].idns, soedev_soe.drives[0].count * sizeof s.idns[0]);
     memcpy(s.objects, soedev.objects, soedev.object_count * sizeof s.objects[0]);
     s.drives[0].idns = s.idns;
+    memcpy(s.last, soedev_soe.drives[LAST].idns, soedev_soe.drives[LAST].count * sizeof s.last[0]);
+    s.drives[LAST].idns = s.last;
     s.soe.drives = s.drives;
     s.protocols[0] = &s.soe.protocol;
     s.device.protocols = s.protocols;
@@ -124,6 +128,8 @@ static void constant(ect_entry_t *entry)
     X(process_other, S(24)->content = "\x2F\0\x24", "S-0-0024: the mapping object of its process data has another")    \
     X(process_unknown, S(24)->content = "\x24\0\x30", "S-0-0024: the mapping object of its process data has another")  \
     X(process_flag, S(47)->flags = 0, "S-0-0024: the mapping object of its process data has another default")          \
+    X(last_order, s.last[1].idn = s.last[0].idn, "SoE drive 2, S-0-0016: IDNs ascend")                                 \
+    X(second_no_object, s.drives[1].at = 0x1A05, "SoE drive 1, S-0-0016: the mapping object of its process data is")   \
     X(without_objects, s.drives[0].at = s.drives[0].mdt = 0, NULL)                                                     \
     X(own_soe, s.soe.protocol.request = s.soe.protocol.request ? other : NULL, NULL)
 
