@@ -58,9 +58,7 @@ static const uint8_t *find_option(const ect_reader_t *r, const uint8_t *at, size
             *size = its;
             return at + 4;
         }
-        if (padded > length)
-            return NULL;
-        at += padded;
+        at += padded; /* within them: a block has a multiple of four bytes */
         length -= padded;
     }
     return NULL;

@@ -7,6 +7,7 @@
 #include "bus/chain/catalogue.h"
 #include "bus/chain/settings.h"
 #include "bus/exchange.h"
+#include "support/testdev.h"
 #include "support/wire.h"
 
 enum { TWINS = 2, ROOM = 256 };
@@ -712,6 +713,100 @@ static void expectations_at_the_end(void **state)
     }
 }
 
+/* --- refusals while it runs --------------------------------------------------------------------------------------- */
+
+static const ect_signal_t levels[] = {ECT_SIGNAL(testdev_t, array[0], "level", U16, WRITE, 0, 1000, NULL, "")};
+static const ect_signal_group_t level_group = {.signal_count = 1, .signals = levels};
+
+static const char *refuse_7(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
+                            uint64_t now_ns)
+{
+    (void)instance;
+    (void)signal;
+    (void)number;
+    (void)now_ns;
+    return *(const uint16_t *)value == 7 ? "is never 7" : NULL;
+}
+
+static const ect_plant_t never_7 = {.signal_groups = &level_group, .signal_group_count = 1, .signal_write = refuse_7};
+
+#define ABORTS_4                                                                                                       \
+    "abort 0x3000 0x08000020 slave 1", "abort 0x3000 0x08000020 slave 1", "abort 0x3000 0x08000020 slave 1",           \
+        "abort 0x3000 0x08000020 slave 1"
+
+static void refused_steps(void **state)
+{
+    static const struct {
+        const char *lines[10];
+        const char *refused;
+        uint16_t level; /* before; at the end the same */
+    } rows[] = {
+        {{"at 10ms set level=7"}, "at 10ms set level=7: level: is never 7", 5},
+        {{"at 10ms set level=8 until 20ms"}, "at 10ms set level=8 until 20ms: level: is never 7", 7},
+        {{"at 10ms to PREOP slave 1"},
+         "to PREOP slave 1: slave 1: it is in that state already, or below: it can leave its state downwards only",
+         5},
+        {{ABORTS_4, ABORTS_4, "at the 1st upload of 0x2000 set level=8"},
+         "at the 1st upload of 0x2000 set level=8: 8 faults above the wire are set already: 'off' ends them",
+         5},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        teardown(state);
+        open_rig(state, &testdev, &never_7);
+        rig_t *r = *state;
+        testdev_of(&r->w, 0)->array[0] = rows[i].level;
+        start(r, rows[i].lines);
+        advance(r, 50 * MS);
+        assert_string_equal(r->refused, rows[i].refused);
+        assert_int_equal(testdev_of(&r->w, 0)->array[0], i == 1 ? 8 : rows[i].level);
+    }
+}
+
+/* The seed of the scenario is that of a share of transfers too. */
+static void shares_of_transfers(void **state)
+{
+    enum { RUNS = 3, DOWNLOADS = 64 };
+    static const uint32_t seeds[RUNS] = {7, 7, 8};
+    uint64_t refused[RUNS] = {0};
+    for (unsigned int run_number = 0; run_number < RUNS; run_number++) {
+        teardown(state);
+        open_rig(state, &testdev, NULL);
+        rig_t *r = *state;
+        r->s.seed = seeds[run_number];
+        START(r, "abort 0x2000 0x08000020 50% slave 1");
+        wire_go(&r->w, 0, 2);
+        for (unsigned int n = 0; n < DOWNLOADS; n++) {
+            const uint32_t code = wire_sdo_download(&r->w, 0, 0x2000, 0, false, (const uint8_t[4]){1}, 4);
+            assert_true(code == 0 || code == 0x08000020);
+            refused[run_number] |= (uint64_t)(code != 0) << n;
+        }
+    }
+    assert_true(refused[0] == refused[1] && refused[0] != refused[2]);
+    assert_true(refused[0] != 0 && refused[0] != UINT64_MAX);
+}
+
+/* Signals of 45, 45 and more characters. */
+static void the_most_signals_of_a_line(void **state)
+{
+    rig_t *r = *state;
+    for (unsigned int length = 100; length < 150; length++) {
+        char line[200], message[ECT_STEP_MESSAGE];
+        ect_step_t step;
+        const int used = snprintf(line, sizeof line, "set %043d=1 %043d=1 ", 1, 2);
+        memset(line + used, 'n', length - 92);
+        strcpy(line + used + length - 92 - 2, "=1");
+        for (char *c = line + 4; c < line + used; c++)
+            *c = *c == '0' ? 'n' : *c;
+        if (ect_step_read(line, NULL, &step, message) != (length < 128))
+            fail_msg("%u characters: %s", length, message);
+        if (length >= 128)
+            assert_non_null(strstr(message, "the signals of a line have at most 127 characters, not 'n"));
+        else
+            assert_string_equal(step.text, line + 4);
+    }
+    (void)r;
+}
+
 static void printed(void **state)
 {
     rig_t *r = *state;
@@ -848,6 +943,9 @@ int main(int argc, char **argv)
         TEST("signals, values and slaves of a table are checked before the run", wrong_tables),
         TEST("signals, values and slaves that there are not are found before the run", wrong_names),
         TEST("expectations are met or failed", expectations),
+        TEST("a step that its twin refuses is reported with the reason", refused_steps),
+        TEST("a share of transfers follows from the seed of the scenario", shares_of_transfers),
+        TEST("the signals of a line have at most 127 characters", the_most_signals_of_a_line),
         TEST("at the end of a run each expectation that is not judged has failed", expectations_at_the_end),
         TEST("each expectation and the verdict have one line", printed),
         TEST("a line that makes no sense is refused with the expected words", refused_lines),

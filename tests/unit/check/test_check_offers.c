@@ -8,6 +8,7 @@
 
 #include "check/check.h"
 #include "seams/aoe.h"
+#include "seams/eoe.h"
 #include "seams/services.h"
 #include "support/confdev.h"
 #include "support/copy.h"
@@ -45,6 +46,10 @@ AOE_AT(aoe_in_front, sizeof(ect_standard_t) - 1);
 AOE_AT(aoe_last, sizeof(testdev_t) - sizeof(ect_aoe_state_t));
 AOE_AT(aoe_across_the_end, sizeof(testdev_t) - sizeof(ect_aoe_state_t) + 1);
 AOE_AT(aoe_beyond, sizeof(testdev_t) + 1);
+static const ect_eoe_t eoe = {.protocol = ECT_EOE_PROTOCOL};
+static const ect_protocol_t *const eoe_at_the_end[] = {&ect_protocol_sdo, &ect_protocol_sdo_info, &eoe.protocol, NULL};
+static const ect_protocol_t *const eoe_in_the_middle[] = {&ect_protocol_sdo, &eoe.protocol, &ect_protocol_sdo_info,
+                                                          NULL};
 static const ect_dc_mode_t unnamed[] = {{.name = "DC", .assign_activate = 0x300}, {.name = NULL}};
 static const ect_dc_mode_t free_run[] = {{.name = "FreeRun"}};
 static const uint16_t three_excludes[] = {0x1600, 0x1601, 0x1A01, 0};
@@ -99,6 +104,15 @@ static void serve_aoe(copy_t *c, const ect_protocol_t *const *list, uint16_t len
     D.sm[1].minimum = length;
 }
 
+/* The stack's EoE, with mailboxes of at least these bytes. */
+static void serve_eoe(copy_t *c, const ect_protocol_t *const *list, uint16_t out, uint16_t in)
+{
+    D.protocols = list;
+    D.mailbox_protocols |= ECT_MAILBOX_EOE;
+    D.sm[0].minimum = out;
+    D.sm[1].minimum = in;
+}
+
 /* X(name, device, what is done to it, a part of the line or NULL) */
 #define PROTOCOLS(X)                                                                                                   \
     X(as_they_are, testdev, (void)0, NULL)                                                                             \
@@ -112,6 +126,10 @@ static void serve_aoe(copy_t *c, const ect_protocol_t *const *list, uint16_t len
     X(aoe_in_standard, testdev, serve_aoe(c, aoe_in_front, 62), "the state of AoE is not inside the instance")         \
     X(aoe_over_the_end, testdev, serve_aoe(c, aoe_across_the_end, 62), "the state of AoE is not inside")               \
     X(aoe_far, testdev, serve_aoe(c, aoe_beyond, 62), "the state of AoE is not inside the instance")                   \
+    X(eoe, testdev, serve_eoe(c, eoe_at_the_end, 42, 42), NULL)                                                        \
+    X(eoe_at_41_out, testdev, serve_eoe(c, eoe_at_the_end, 41, 42), "sm: with EoE both mailboxes have at least 42")    \
+    X(eoe_at_41_in, testdev, serve_eoe(c, eoe_at_the_end, 42, 41), "sm: with EoE both mailboxes have at least 42")     \
+    X(eoe_not_the_last, testdev, serve_eoe(c, eoe_in_the_middle, 42, 42), "protocols: EoE is not the last; its fra")   \
     X(soe_named, testdev, D.mailbox_protocols |= ECT_MAILBOX_SOE, "it has SoE, the list")                              \
     X(voe_named, testdev, D.mailbox_protocols |= ECT_MAILBOX_VOE, "it has VoE, the list")                              \
     X(an_empty_list, testdev, D.protocols = nothing, "it has CoE, the list 'protocols' does not serve it")             \
@@ -161,6 +179,8 @@ static void constant(copy_t *c, uint16_t index, uint8_t subindex, uint32_t value
     X(sync_without_memory, confdev,                                                                                    \
       (D.services = sync_only, ENTRY(0x1C32, 1)->data = NULL, ENTRY(0x1C32, 1)->access = ECT_ACCESS_RO),               \
       "ect_service_sync needs 1C32h:1 in memory")                                                                      \
+    X(messages_too_few, confdev, (OBJECT(0x10F3)->max_subindex--, OBJECT(0x10F3)->last--, ENTRY(0x10F3, 0)->value--),  \
+      "10F3h: it has 8 messages")                                                                                      \
     X(store_read_only, confdev, ENTRY(0x1010, 1)->access = ECT_ACCESS_RO, "ect_service_store needs 1010h:1 that can")  \
     X(configuration_of_a_mapping, confdev, writable_only(c, 0x1600), NULL)                                             \
     X(configuration_of_the_last_mapping, confdev, writable_only(c, 0x1A01), NULL)                                      \

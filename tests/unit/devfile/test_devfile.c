@@ -405,6 +405,8 @@ static void a_wrong_file_is_refused_with_its_line_and_a_cure(void **state)
         {"", P(1, "'ectwin-device: 1' is missing: the version of the format of device files")},
         {"- a\n", P(1, "'ectwin-device: 1' is missing")},
         {"\nectwin-device: 2\n", P(2, "'ectwin-device: 1' is missing")},
+        {"ectwin: 1\ntwins:\n- device: fzm1\n",
+         P(1, "a bus file, not a device: run it alone, as in 'ectwin run -i IFACE g.yaml'")},
         {"ectwin-device: x\n", P(1, "'ectwin-device' takes a number from 0 to 4294967295, not 'x'")},
         {"ectwin-device: 1\nproduct: 1\n",
          P(1, "'vendor' is missing, as in 'vendor: {id: 0x00000E57, name: Example W")},
@@ -484,6 +486,11 @@ static void a_wrong_file_is_refused_with_its_line_and_a_cure(void **state)
         {ONE("type: USINT, min: 5"),
          P(7, "the default 0 of 2000:0 is not within its limits 5 to 255: write 'default'")},
         {ONE("type: INT, bits: {16: A}"), P(7, "'16' is no bit of 16: 0 to 15, several as \"4-7\"")},
+        {ONE("type: INT, bits: {00000001: A}"), P(7, "'00000001' is no bit of 16")},
+        {ONE("type: INT, bits: {-1: A}"), P(7, "'-1' is no bit of 16")},
+        {ONE("type: INT, bits: {4-3: A}"), P(7, "'4-3' is no bit of 16")},
+        {ONE("type: INT, bits: {0-16: A}"), P(7, "'0-16' is no bit of 16")},
+        {ONE("type: INT, bits: {0-4294967296: A}"), P(7, "'0-4294967296' is no bit of 16")},
         {ONE("type: INT, bits: {a: A}"), P(7, "'a' is no bit of 16")},
         {ONE("type: INT, bits: {3-b: A}"), P(7, "'3-b' is no bit of 16")},
         {ONE("type: INT, bits: {0-3: A, 3: B}"), P(7, "'3' has a bit that has a name already")},
@@ -604,6 +611,7 @@ static void values_at_the_end_of_their_range_are_taken(void **state)
         {ONE("type: STRING(8191)"), NULL},
         {ONE("type: BYTES(8191)"), NULL},
         {ONE("type: INT, array: 254"), NULL},
+        {ONE("type: INT, bits: {0000001: A, 2-15: B}"), NULL},
         {ONE("type: INT, bits: {0: ' ~', 15: " SIXTY "}"), NULL},
         {ONE("type: INT, array: 1"), NULL},
         {ONE("type: INT, array: 255"), P(7, "'array' takes a number from 1 to 254, not '255'")},
@@ -633,6 +641,49 @@ static void values_at_the_end_of_their_range_are_taken(void **state)
             (rows[i].why != NULL && strncmp(m.why, rows[i].why, strlen(rows[i].why)) != 0))
             fail_msg("row %zu:\n%s\nexpected \"%s\", got \"%s\"", i, rows[i].yaml, rows[i].why, m.why);
         drop(&m);
+    }
+}
+
+/* A list with `count` times an element. */
+static char *repeated(const char *begin, const char *element, unsigned int count, const char *end)
+{
+    const size_t step = strlen(element);
+    char *yaml = malloc(strlen(begin) + count * step + strlen(end) + 1);
+    assert_non_null(yaml);
+    strcpy(yaml, begin);
+    char *at = yaml + strlen(yaml);
+    for (unsigned int i = 0; i < count; i++, at += step)
+        memcpy(at, element, step);
+    strcpy(at, end);
+    return yaml;
+}
+
+static void lists_that_are_too_long_are_refused(void **state)
+{
+    static const struct {
+        const char *begin, *element;
+        unsigned int count;
+        const char *end, *why;
+    } rows[] = {
+        {DEVICE("inputs: ["), "{entries: [gap 8]}, ", 513, "]\n", P(6, "more than 512 PDOs")},
+        {DEVICE("outputs: ["), "{entries: [gap 8]}, ", 513, "]\n", P(6, "more than 512 PDOs")},
+        {DEVICE("syncmanagers: ["), "{type: unused, start: 0}, ", 17, "]\n", P(6, "more than 16 SyncManagers")},
+        {DEVICE("outputs: ["), "gap 255, ", 255, "]\n", P(6, "PDO 1600 has more than 254 entries: divide it")},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char *yaml = repeated(rows[i].begin, rows[i].element, rows[i].count, rows[i].end);
+        made_t m = try_text(yaml);
+        if (m.twin != NULL || strncmp(m.why, rows[i].why, strlen(rows[i].why)) != 0)
+            fail_msg("row %zu: expected \"%s\", got \"%s\"", i, rows[i].why, m.why);
+        drop(&m);
+        free(yaml);
+        yaml = repeated(rows[i].begin, rows[i].element, rows[i].count - 1, rows[i].end);
+        m = try_text(yaml);
+        if (strncmp(m.why, rows[i].why, strlen(rows[i].why)) == 0)
+            fail_msg("row %zu: one less is refused too: \"%s\"", i, m.why);
+        drop(&m);
+        free(yaml);
     }
 }
 
@@ -698,6 +749,7 @@ int main(void)
         cmocka_unit_test(a_twin_of_the_esi_file_is_the_same_device),
         cmocka_unit_test(a_wrong_file_is_refused_with_its_line_and_a_cure),
         cmocka_unit_test(values_at_the_end_of_their_range_are_taken),
+        cmocka_unit_test(lists_that_are_too_long_are_refused),
         cmocka_unit_test(a_device_that_no_controller_can_be_is_refused),
         cmocka_unit_test(a_small_file_cannot_become_a_large_device),
         cmocka_unit_test(a_file_that_cannot_be_read_is_a_line),

@@ -112,6 +112,22 @@ static void a_wrong_table_is_refused_with_its_line_and_a_cure(void **state)
     }
 }
 
+static void a_table_is_beside_the_device_file_or_at_its_path(void **state)
+{
+    static const char begin[] = "ectwin-device: 1\nvendor: {id: 1, name: W}\nproduct: 1\ntype: G\nobjects: ";
+    char yaml[TEXT];
+    (void)state;
+    (void)snprintf(yaml, sizeof yaml, "%s%s\ninputs: [0x6000]\n", begin, table_path);
+    made_t m = make(yaml, "index,name,type\n0x6000,A,INT\n");
+    assert_string_equal(entry_of(&m, 0x6000, 0)->name, "A");
+    drop(&m);
+    (void)snprintf(yaml, sizeof yaml, "%snone.csv\n", begin);
+    m = made_of("g.yaml", yaml);
+    assert_string_equal(
+        m.why, "g.yaml:5: 'objects' takes objects, or the name of a table: none.csv: No such file or directory");
+    drop(&m);
+}
+
 static void a_table_that_cannot_be_read_is_a_line_of_the_device_file(void **state)
 {
     static const char zero[] = "index,name,type\n0x6000,A\0,INT\n";
@@ -133,6 +149,7 @@ int main(void)
         cmocka_unit_test(a_line_is_an_entry_of_an_object),
         cmocka_unit_test(tables_of_office_programs_are_read),
         cmocka_unit_test(a_wrong_table_is_refused_with_its_line_and_a_cure),
+        cmocka_unit_test(a_table_is_beside_the_device_file_or_at_its_path),
         cmocka_unit_test(a_table_that_cannot_be_read_is_a_line_of_the_device_file),
     };
     if (mkdtemp(folder) == NULL)

@@ -294,6 +294,39 @@ static void lies(void **state)
     }
 }
 
+/* A block of a type with a body of some bytes; a section begins with the mark of its byte order. */
+static void short_blocks(void **state)
+{
+    static const struct {
+        uint32_t type, least; /* bytes of a whole body */
+        const char *message;
+    } rows[] = {{ECT_PCAPNG_SECTION, 16, "a section header of %u bytes"},
+                {ECT_PCAPNG_INTERFACE, 8, "an interface of %u bytes"},
+                {ECT_PCAPNG_PACKET, 20, "a packet of %u bytes"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        for (uint32_t length = i == 0 ? 4 : 0; length <= rows[i].least; length += 4) {
+            char message[ECT_READER_MESSAGE], want[ECT_READER_MESSAGE];
+            ect_item_t packet;
+            file_t f = {.size = 0};
+            put_section(&f);
+            put_interface(&f, 9, 1);
+            put32(&f, rows[i].type);
+            put32(&f, 12 + length);
+            for (uint32_t at = 0; at < length; at += 4)
+                put32(&f, i == 0 && at == 0 ? ECT_PCAPNG_MAGIC : i == 1 ? 1 : 0);
+            put32(&f, 12 + length);
+            snprintf(want, sizeof want, rows[i].message, (unsigned int)length);
+            const size_t packets = read_all(&f, &packet, message);
+            assert_int_equal(packets, length == rows[i].least && i == 2);
+            if (length < rows[i].least)
+                assert_memory_equal(message, want, strlen(want));
+            else
+                assert_string_equal(message, "");
+        }
+    }
+}
+
 static void old_lies(void **state)
 {
     static const lie_t rows[] = {
@@ -368,6 +401,7 @@ int main(void)
         {"pcap in microseconds and nanoseconds, in both byte orders", old_format, NULL, NULL, NULL},
         {"each section has interfaces and a byte order of its own", sections_anew, NULL, NULL, NULL},
         {"Attack: lengths and counts of pcapng that lie", lies, NULL, NULL, NULL},
+        {"Attack: blocks of pcapng that are too short", short_blocks, NULL, NULL, NULL},
         {"Attack: lengths of pcap that lie", old_lies, NULL, NULL, NULL},
         {"Attack: interfaces without end", many_interfaces, NULL, NULL, NULL},
         {"Attack: damage at random", random_damage, NULL, NULL, NULL},

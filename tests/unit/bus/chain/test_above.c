@@ -275,6 +275,42 @@ static void emergencies(void **state)
     assert_int_equal(testdev_of(w, 1)->standard.error_register, 32);
 }
 
+/* A device that serves no emergencies: with other protocols, or without any. */
+static void no_emergencies(void **state)
+{
+    static const ect_protocol_t *const sdo_alone[] = {&ect_protocol_sdo, NULL};
+    const ect_protocol_t *const *const lists[] = {sdo_alone, NULL};
+    (void)state;
+    for (unsigned int i = 0; i < 2; i++) {
+        ect_device_t device = testdev;
+        wire_t w;
+        device.protocols = lists[i];
+        wire_open_one(&w, &device);
+        assert_string_equal(try_fault(&w, "emergency 0x5530 slave 1"), "its device has no emergencies");
+        wire_close(&w);
+    }
+}
+
+/* Mails of other protocols pass, and count as no request of an SDO. */
+static void aborts_of_SDO_alone(void **state)
+{
+    static const uint8_t data[] = {0x00, 0x20, 0x40, 0x00, 0x20, 0, 0, 0, 0, 0};
+    wire_t *w = *state;
+    uint8_t mail[ROOM];
+    set(w, "abort 0x2000 0x08000020 2nd slave 2");
+    assert_int_equal(request(w, mail), 10);
+    for (uint8_t type = 1; type < 16; type++) {
+        if (type == 3)
+            continue;
+        assert_int_equal(wire_mail_request(w, 1, type, data, sizeof data), 1);
+        assert_true(wire_mail_receive(w, 1, mail, ROOM) > 0);
+        assert_int_equal(mail[5] & 0x0F, 0); /* an error of the mailbox */
+    }
+    assert_int_equal(request(w, mail), 10);
+    assert_int_equal(mail[8], 0x80);
+    assert_int_equal(ect_load_le32(mail + 12), 0x08000020);
+}
+
 /* --- AL status ---------------------------------------------------------------------------------------------------- */
 
 static uint8_t enter_op(wire_t *w)
@@ -514,6 +550,8 @@ int main(int argc, char **argv)
         TEST("a mail is lost, and the next request gets a reply", lost),
         TEST("a mail comes twice", twice),
         TEST("an emergency on demand", emergencies),
+        TEST("an emergency on demand needs a device that has emergencies", no_emergencies),
+        TEST("an abort concerns SDO alone", aborts_of_SDO_alone),
         TEST("a slave leaves its state with any AL status code", drops),
         TEST("a slave refuses a state with any AL status code", refuses),
         TEST("a slave never reaches a state", never_comes),

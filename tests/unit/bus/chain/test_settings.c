@@ -255,6 +255,38 @@ static void state_of_a_refusal(void **state)
     }
 }
 
+typedef struct box {
+    uint16_t level, other;
+} box_t;
+
+/* Signals beside those of the device, and of the wiring. */
+static void values_beside_the_device_are_back(void **state)
+{
+    static const ect_signal_t levels[] = {ECT_SIGNAL(box_t, level, "level", U16, WRITE, 0, 1000, NULL, "")};
+    static const ect_signal_group_t beside_group = {.signal_count = 1, .signals = levels, .prefix = "box"};
+    static const ect_plant_t beside = {.signal_groups = &beside_group, .signal_group_count = 1};
+    static const ect_setting_t settings[] = {{"box.level", "30"}, {"ecat.drift", "500"}, {"low", "20"}};
+    (void)state;
+    for (size_t count = 2; count <= 3; count++) {
+        const bool taken = count == 2;
+        ect_twin_config_t twin = ect_twin_default(&testdev, &plant);
+        box_t box = {.level = 7, .other = 9};
+        char message[ECT_SIGNAL_MESSAGE], drift[ECT_SIGNAL_TEXT_ROOM];
+        ect_signal_ref_t ref;
+        wire_t w;
+        twin.beside = (ect_beside_t){.plant = &beside, .instance = &box, .size = sizeof box};
+        wire_open_twins(&w, &twin, 1);
+        testdev_of(&w, 0)->array[1] = 20;
+        assert_int_equal(ect_settings_apply(w.chain, 0, settings, count, w.now_ns, message), taken);
+        assert_int_equal(box.level, taken ? 30 : 7);
+        assert_int_equal(box.other, 9);
+        assert_true(ect_chain_signal(w.chain, 0, "ecat.drift", &ref));
+        ect_signal_read(&ref, drift);
+        assert_string_equal(drift, taken ? "500" : "0");
+        wire_close(&w);
+    }
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -265,6 +297,8 @@ int main(int argc, char **argv)
         {"an unknown name longer than any signal's is refused in one line", endless_name, NULL, NULL, NULL},
         {"a refusal undoes what the settings before it have done to the twin on the bus", state_of_a_refusal, NULL,
          NULL, NULL},
+        {"a refusal undoes what the settings before it have set beside the device", values_beside_the_device_are_back,
+         NULL, NULL, NULL},
         {"settings wake their twin and no other, a refusal none", wakes, NULL, NULL, NULL},
     };
     if (argc > 1)

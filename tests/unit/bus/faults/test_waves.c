@@ -111,6 +111,38 @@ static void in_time(void **state)
     wire_close(&w);
 }
 
+typedef struct box {
+    int16_t level;
+} box_t;
+
+/* Around zero a whole value has no sign: it is the same value, which is not set again. */
+static void around_zero(void **state)
+{
+    static const ect_signal_t signals[] = {ECT_SIGNAL(box_t, level, "level", I16, WRITE, -10, 10, NULL, "")};
+    static const ect_signal_group_t group = {.signal_count = 1, .signals = signals, .prefix = "box"};
+    static const ect_plant_t plant = {.signal_groups = &group, .signal_group_count = 1};
+    const ect_product_t *entry = ect_catalogue_find("fzm1");
+    ect_twin_config_t twin = ect_twin_default(entry->device, entry->plant);
+    char message[ECT_SIGNAL_MESSAGE];
+    ect_waves_t waves = {0};
+    box_t box = {0};
+    wire_t w;
+    (void)state;
+    twin.beside = (ect_beside_t){.plant = &plant, .instance = &box, .size = sizeof box};
+    wire_open_twins(&w, &twin, 1);
+    const ect_wave_t wave = wave_of("box.level", ECT_WAVE_RAMP, -1, 1, 100 * MS);
+    assert_true(ect_waves_set(&waves, w.chain, &wave, 0, message));
+    unsigned int changes = 0;
+    for (unsigned int ms = 0; ms < 100; ms++) {
+        bool acted = false;
+        (void)ect_waves_run(&waves, w.chain, ms * MS, &acted, NULL, NULL);
+        changes += acted;
+        assert_int_equal(box.level, ms < 25 ? -1 : ms <= 75 ? 0 : 1);
+    }
+    assert_int_equal(changes, 3);
+    wire_close(&w);
+}
+
 static void ends(void **state)
 {
     static const char *const names[] = {"data1", "data2", "data3", "data4", "data5", "data6", "data7", "scene"};
@@ -203,6 +235,7 @@ int main(int argc, char **argv)
         {"Sine, ramp and square over a period", shapes, NULL, NULL, NULL},
         {"A wave that the signal cannot follow is refused with the reason", refused, NULL, NULL, NULL},
         {"Values are set each millisecond, if they differ", in_time, NULL, NULL, NULL},
+        {"A wave around zero sets 0 once", around_zero, NULL, NULL, NULL},
         {"At most eight waves; one for each signal, until it is ended", ends, NULL, NULL, NULL},
         {"A wave whose value is refused ends, and the others continue", a_lost_signal, NULL, NULL, NULL},
         {"A scenario runs its waves", in_a_scenario, NULL, NULL, NULL},
