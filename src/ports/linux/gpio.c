@@ -20,14 +20,13 @@ static bool parse(const char *name, char path[PATH], unsigned int *offset)
 {
     const char *colon = strrchr(name, ':');
     char *end;
-    if (!colon || colon == name || colon[1] < '0' || colon[1] > '9')
+    if (!colon || colon == name || colon[1] < '0') /* a sign or a blank, which strtoul accepts */
         return false;
-    errno = 0;
     unsigned long number = strtoul(colon + 1, &end, 10);
     const char *folder = *name == '/' ? "" : "/dev/";
     int length = snprintf(path, PATH, "%s%.*s", folder, (int)(colon - name), name);
     *offset = (unsigned int)number;
-    return errno == 0 && *end == 0 && number < 1024 && length < PATH;
+    return *end == 0 && number < 1024 && length < PATH;
 }
 
 static uint64_t flags_of(unsigned int use)
@@ -50,7 +49,7 @@ int ect_gpio_open(const char *name, unsigned int use, char *message)
     }
     request.config.flags = flags_of(use);
     int chip = open(path, O_RDWR | O_CLOEXEC);
-    int result = chip < 0 ? -1 : ioctl(chip, GPIO_V2_GET_LINE_IOCTL, &request);
+    int result = chip < 0 ? chip : ioctl(chip, GPIO_V2_GET_LINE_IOCTL, &request);
     if (result < 0)
         snprintf(message, ECT_LINUX_MESSAGE, "cannot take line %u of '%s': %s%s", request.offsets[0], path,
                  strerror(errno), errno == EACCES ? "; on a Raspberry Pi the group gpio has access" : "");
@@ -75,6 +74,7 @@ void ect_gpio_seen(int line)
 {
     struct gpio_v2_line_event events[16];
     struct pollfd more = {.fd = line, .events = POLLIN};
-    while (poll(&more, 1, 0) > 0 && (more.revents & POLLIN) != 0 && read(line, events, sizeof events) > 0) {
+    while (poll(&more, 1, 0) == 1 && (more.revents & POLLIN) != 0 &&
+           read(line, events, sizeof events) >= (ssize_t)sizeof events[0]) {
     }
 }
