@@ -14,7 +14,7 @@
 #include "seams/record.h"
 
 enum { AREA = 1024, FIRST = 0x8000, SECOND = 0xC000, MAGIC = 0x31544553 };
-static const uint8_t units[] = {1, 2, 4, 8, 16, 32};
+static const uint8_t units[] = {0, 1, 2, 4, 8, 16, 32}; /* 0: 1 */
 
 /* --- a flash that refuses what a real one would ------------------------------------------------------------------- */
 
@@ -22,7 +22,8 @@ typedef struct chip {
     uint8_t memory[2][AREA];
     bool programmed[2][AREA];
     unsigned int unit;
-    unsigned int work;   /* erases and units programmed */
+    unsigned int work; /* erases and units programmed */
+    unsigned int reads;
     unsigned int cut_at; /* the power fails in this one, counted from 1; 0 never */
     bool dead;
 } chip_t;
@@ -49,6 +50,7 @@ static bool power_fails(chip_t *c)
 static int flash_read(void *ctx, uint32_t address, void *buffer, uint32_t length)
 {
     chip_t *c = ctx;
+    c->reads++;
     memcpy(buffer, c->memory[area_of(address)] + offset_of(address, length), length);
     return c->dead ? -1 : 0;
 }
@@ -89,7 +91,7 @@ static int flash_program(void *ctx, uint32_t address, const void *data, uint32_t
 
 static ect_flash_t flash_of(chip_t *c, uint8_t unit)
 {
-    c->unit = unit;
+    c->unit = unit != 0 ? unit : 1;
     return (ect_flash_t){.area = {FIRST, SECOND},
                          .area_size = AREA,
                          .unit = unit,
@@ -193,19 +195,26 @@ static void read_back_at_once(void **state)
             assert_int_equal(m.read(m.ctx, 0, 10, got, sizeof got), 0);
             for (unsigned int i = 6; i < sizeof got; i++)
                 assert_int_equal(got[i], i <= 6u + n ? i - 6 : 0xFF);
+            got[1] = 0x77;
+            assert_int_equal(m.read(m.ctx, 0, 15u + n, got, 1), 0); /* the byte before, and no more */
+            assert_int_equal(got[0], n > 0 ? n - 1 : c->memory[0][15]);
+            assert_int_equal(got[1], 0x77);
         }
         assert_int_equal(m.flush(m.ctx, 0, true), 0);
         assert_int_equal(m.flush(m.ctx, 0, true), 0);
         assert_int_equal(m.read(m.ctx, 0, 16, got, 50), 0);
         for (unsigned int i = 0; i < 50; i++)
             assert_int_equal(got[i], i);
+        c->reads = 0;
         assert_int_equal(m.read(m.ctx, 0, 0, got, 16), 0);
+        assert_int_equal(m.read(m.ctx, 0, 16, got, 50), 0);
+        assert_int_equal(c->reads, 2); /* one of the header, one of what is behind it */
         assert_int_equal(m.read(m.ctx, 0, 0, got, 0), 0);
         c->dead = true;
         assert_int_equal(m.read(m.ctx, 0, 0, got, 16), -1);
         assert_int_equal(m.read(m.ctx, 0, 0, got, 17), -1);
         assert_int_equal(m.read(m.ctx, 0, 16, got, 1), -1);
-        assert_int_equal(m.write(m.ctx, 0, 128, got, units[u]), -1);
+        assert_int_equal(m.write(m.ctx, 0, 128, got, c->unit), -1);
         free(c);
     }
 }
@@ -226,6 +235,66 @@ static void refused(void **state)
     assert_int_equal(m.flush(m.ctx, 1, true), -1);
     assert_int_equal(m.erase(m.ctx, 1), -1);
     free(c);
+}
+
+/* A write at another place programs the gathered bytes first, however few, and fails with them. */
+static void a_write_elsewhere(void **state)
+{
+    (void)state;
+    for (unsigned int gathered = 1; gathered < 8; gathered++) {
+        chip_t *c = calloc(1, sizeof *c);
+        ect_flash_t flash = flash_of(c, 8);
+        const ect_storage_t m = ect_flash_storage(&flash);
+        uint8_t got[16];
+        assert_int_equal(m.erase(m.ctx, 0), 0);
+        assert_int_equal(m.write(m.ctx, 0, 16, "abcdefg", gathered), 0);
+        assert_int_equal(m.write(m.ctx, 0, 32, "z", 1), 0);
+        assert_int_equal(m.flush(m.ctx, 0, true), 0);
+        assert_int_equal(m.read(m.ctx, 0, 16, got, sizeof got), 0);
+        for (unsigned int n = 0; n < sizeof got; n++)
+            assert_int_equal(got[n], n < gathered ? 'a' + n : 0xFF);
+        assert_int_equal(m.read(m.ctx, 0, 32, got, 2), 0);
+        assert_memory_equal(got, "z\xFF", 2);
+        assert_int_equal(m.write(m.ctx, 0, 40, "abcdefg", gathered), 0);
+        c->dead = true;
+        assert_int_equal(m.write(m.ctx, 0, 64, "z", 1), -1);
+        free(c);
+    }
+}
+
+/* Bytes that wait for the rest of their unit are lost with the bank. */
+static void erased_bank(void **state)
+{
+    chip_t *c = calloc(1, sizeof *c);
+    ect_flash_t flash = flash_of(c, 8);
+    const ect_storage_t m = ect_flash_storage(&flash);
+    uint8_t got[4];
+    (void)state;
+    assert_int_equal(m.erase(m.ctx, 0), 0);
+    assert_int_equal(m.write(m.ctx, 0, 16, "abc", 3), 0);
+    assert_int_equal(m.erase(m.ctx, 0), 0);
+    assert_int_equal(m.flush(m.ctx, 0, true), 0);
+    assert_int_equal(m.read(m.ctx, 0, 16, got, sizeof got), 0);
+    assert_memory_equal(got, "\xFF\xFF\xFF\xFF", sizeof got);
+    free(c);
+}
+
+/* The last byte of a bank is the last one of its area, the first behind the header is behind the header's units. */
+static void whole_area(void **state)
+{
+    (void)state;
+    for (size_t u = 0; u < sizeof units; u++) {
+        chip_t *c = calloc(1, sizeof *c);
+        ect_flash_t flash = flash_of(c, units[u]);
+        const ect_storage_t m = ect_flash_storage(&flash);
+        assert_int_equal(m.erase(m.ctx, 1), 0);
+        assert_int_equal(m.write(m.ctx, 1, 16, "A", 1), 0);
+        assert_int_equal(m.flush(m.ctx, 1, true), 0);
+        assert_int_equal(c->memory[1][c->unit > 16 ? c->unit : 16], 'A');
+        assert_int_equal(m.write(m.ctx, 1, m.bank_size - c->unit, "ZZZZZZZZZZZZZZZZZZZZZZZZZZZZZZZZ", c->unit), 0);
+        assert_int_equal(c->memory[1][AREA - 1], 'Z');
+        free(c);
+    }
 }
 
 static void memory_instead(void **state)
@@ -254,6 +323,9 @@ int main(void)
         {"Written data are read back at once", read_back_at_once, NULL, NULL, NULL},
         {"a write into a unit that may be programmed is refused, and a flash that fails is reported", refused, NULL,
          NULL, NULL},
+        {"a write elsewhere programs the gathered bytes first", a_write_elsewhere, NULL, NULL, NULL},
+        {"an erase drops bytes that wait for the rest of their unit", erased_bank, NULL, NULL, NULL},
+        {"a bank ends with its area, and the header has whole units", whole_area, NULL, NULL, NULL},
         {"without a driver, memory", memory_instead, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("port_flash", tests, NULL, NULL);

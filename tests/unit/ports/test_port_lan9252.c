@@ -403,6 +403,30 @@ static void failing_transfers(void **state)
     }
 }
 
+/* Before the next access an abandoned one is settled: two aborts, and a wait for each of three commands. */
+static void failing_settlement(void **state)
+{
+    enum { SETTLEMENT = 5 };
+    (void)state;
+    for (unsigned int k = 1; k <= SETTLEMENT; k++) {
+        board_t b;
+        uint8_t byte = 0;
+        board_open(&b);
+        b.fail_at = 1;
+        assert_int_equal(read_esc(&b, USER_RAM, &byte, 1), -1);
+        b.fail_at = 1 + k;
+        assert_int_equal(read_esc(&b, USER_RAM, &byte, 1), -1);
+        if (b.transfers != 1 + k)
+            fail_msg("transfer %u of the settlement fails: expected no further one, got %u", k, b.transfers - 1 - k);
+        b.fail_at = 0;
+        check_bytes(&b, USER_RAM + 16, 4);
+        b.transfers = 0;
+        assert_int_equal(read_esc(&b, USER_RAM, &byte, 1), 0);
+        assert_int_equal(b.transfers, 3); /* without a settlement */
+        board_close(&b);
+    }
+}
+
 /* 16 bits of each byte, there and back. One is let pass: without the bit that starts it, a command reads as if it had
  * been executed. */
 static void damaged_command(void **state)
@@ -673,6 +697,7 @@ int main(void)
           "access",
           stuck),
         T("at whichever transfer the SPI fails, the access reports it, and the next one is right", failing_transfers),
+        T("an abandoned access that cannot be settled is settled before a later one", failing_settlement),
         T("a command that arrives damaged is detected, except a command that lost its start bit", damaged_command),
         T("a slave reaches OP, exchanges process data and replies to SDOs; with the pin an idle poll costs nothing",
           boot_to_op),

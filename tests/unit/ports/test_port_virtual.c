@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "ports/virtual/lan9252.h"
+#include "ports/virtual/virtual.h"
 #include "support/testdev.h"
 #include "support/wire.h"
 
@@ -62,6 +63,9 @@ static void transfer(bench_t *b, uint8_t instruction, uint16_t address, uint32_t
     for (unsigned int n = 0; n < count; n++)
         ect_store_le32(bytes + head + 4 * n, words[n]);
     assert_int_equal(ect_virtual_lan9252_transfer(&b->chip, bytes, (uint16_t)(head + 4 * count)), 0);
+    const unsigned int silent = instruction == WRITE ? head + 4 * count : head; /* MISO is low without data */
+    for (unsigned int n = 0; n < silent; n++)
+        assert_int_equal(bytes[n], 0);
     for (unsigned int n = 0; n < count && instruction != WRITE; n++)
         words[n] = ect_load_le32(bytes + head + 4 * n);
 }
@@ -441,6 +445,24 @@ static void quad_spi(void **state)
     assert_int_equal(b->chip.bytes, 1 + 7 + 2 + 1 + 7);
 }
 
+/* --- the software ESC behind the seam ----------------------------------------------------------------------------- */
+
+static void event_word(void **state)
+{
+    bench_t *b = *state;
+    ect_pdi_t direct = ect_virtual_pdi(b->chip.esc), line = ect_virtual_line_pdi(b->chip.esc);
+    uint32_t event = 0;
+    ect_store_le32(b->chip.esc->memory + ECT_REG_AL_EVENT, 0x11);
+    assert_int_equal(direct.al_event(direct.ctx, &event), 0);
+    assert_int_equal(event, 0x11);
+    ect_store_le32(b->chip.esc->memory + ECT_REG_AL_EVENT_MASK, 0x10);
+    assert_int_equal(line.al_event(line.ctx, &event), 0);
+    assert_int_equal(event, 0x11);
+    ect_store_le32(b->chip.esc->memory + ECT_REG_AL_EVENT_MASK, 0x20);
+    assert_int_equal(line.al_event(line.ctx, &event), 0);
+    assert_int_equal(event, 0); /* the line is inactive: nothing is read */
+}
+
 #define TEST(title, function)  {title, function, setup, teardown, NULL}
 #define TABLE(title, function) {title, function, NULL, NULL, NULL}
 
@@ -457,6 +479,7 @@ int main(void)
         TEST("each word of process RAM takes its time", each_word_lasts),
         TABLE("each mistake of a driver is counted", mistakes),
         TEST("in SQI mode RSTQIO alone is taken", quad_spi),
+        TEST("the event word of the software ESC is read, with its line only while it is active", event_word),
     };
     return cmocka_run_group_tests_name("port_virtual", tests, NULL, NULL);
 }

@@ -13,6 +13,7 @@
 #include "soes/esc_eep.h"
 #include "soes/esc_foe.h"
 #include "soes/hal.h"
+#include "soes/internal.h"
 #include "support/wire.h"
 
 enum {
@@ -61,6 +62,18 @@ static void poll_application(wire_t *wire)
     turn();
 }
 
+/* A way to the ESC that a firmware gives to the slave, in the place of ESC_read and ESC_write. */
+static const ect_pdi_t *own_way; /* NULL: none */
+ect_slave_config_t __real_ect_soes_slave_config(void);
+ect_slave_config_t __wrap_ect_soes_slave_config(void);
+
+ect_slave_config_t __wrap_ect_soes_slave_config(void)
+{
+    ect_slave_config_t made_of = __real_ect_soes_slave_config();
+    made_of.pdi = own_way ? own_way : made_of.pdi;
+    return made_of;
+}
+
 /* The application as the configuration has it, and a master who has not yet asked for anything. */
 static void power_on(void)
 {
@@ -90,6 +103,7 @@ static int plain(void **state)
     (void)state;
     memset(&app, 0, sizeof app);
     config = (esc_cfg_t){.watchdog_cnt = 100000};
+    own_way = NULL;
     return 0;
 }
 
@@ -502,6 +516,30 @@ static void interrupts(void **state)
     expect_calls("dc; dc; on 404; ");
 }
 
+/* The state that the hook behind a change gets: with ESCerror, the one that a refusal or a fall leads to. */
+static void errors_of_state_hooks(void **state)
+{
+    (void)state;
+    refuse = 0;
+    config.use_interrupt = 1;
+    config.pre_state_change_hook = before;
+    config.post_state_change_hook = after;
+    open_in(PREOP);
+    wire_configure_process_data(&w, 0);
+    start_sync0();
+    assert_int_equal(wire_al(&w, 0, SAFEOP, NULL), PREOP | ECT_AL_ERROR);
+    expect_calls("42 2>12; ");
+    wire_close(&w);
+    config.use_interrupt = 0;
+    config.application_hook = leave;
+    open_in(OP);
+    wish = ESCpreop | ESCerror;
+    why = ALERR_SYNCERROR;
+    turns(3);
+    expect_status(PREOP | ECT_AL_ERROR, ALERR_SYNCERROR);
+    expect_calls("28 8>12; ");
+}
+
 static void clock_modes(void **state)
 {
     (void)state;
@@ -840,6 +878,105 @@ static void dictionary(void **state)
     app.gain = 1;
     COE_initDefaultValues();
     assert_int_equal(app.gain, 1000);
+}
+
+/* The mailbox of PREOP and above is the active one, until a transition to BOOT. */
+static void configured_mailboxes(void **state)
+{
+    static const sm_cfg_t want[] = {{MBX0_sma, MBX0_sml, MBX0_sme, MBX0_smc, 0},
+                                    {MBX1_sma, MBX1_sml, MBX1_sme, MBX1_smc, 0},
+                                    {MBX0_sma_b, MBX0_sml_b, MBX0_sme_b, MBX0_smc_b, 0},
+                                    {MBX1_sma_b, MBX1_sml_b, MBX1_sme_b, MBX1_smc_b, 0}};
+    const sm_cfg_t *const got[] = {&ESCvar.mb[0], &ESCvar.mb[1], &ESCvar.mbboot[0], &ESCvar.mbboot[1]};
+    (void)state;
+    open_in(INIT);
+    ESC_config(&config);
+    for (size_t i = 0; i < sizeof want / sizeof want[0]; i++) {
+        if (got[i]->cfg_sma != want[i].cfg_sma || got[i]->cfg_sml != want[i].cfg_sml ||
+            got[i]->cfg_sme != want[i].cfg_sme || got[i]->cfg_smc != want[i].cfg_smc)
+            fail_msg("mailbox %zu: expected %04Xh..%04Xh, got %04Xh..%04Xh", i, want[i].cfg_sma, want[i].cfg_sme,
+                     got[i]->cfg_sma, got[i]->cfg_sme);
+    }
+    assert_ptr_equal(ESCvar.activemb0, &ESCvar.mb[0]);
+    assert_ptr_equal(ESCvar.activemb1, &ESCvar.mb[1]);
+    assert_int_equal(ESC_MBXSIZE, MBXSIZE);
+}
+
+/* A mapped entry has at most 255 bits. An application may fill in a mapping of a longer one: 32 bytes of it move. */
+static void longest_mapped_entries(void **state)
+{
+    enum { SIZE = 40, MOVED = 32 };
+    static const struct {
+        uint16_t bits;
+        uint8_t last; /* byte 31 of 0xFF in the image */
+    } rows[] = {{255, 0x7F}, {256, 0xFF}, {300, 0xFF}};
+    (void)state;
+    open_in(INIT);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t data[SIZE], image[SIZE] = {0};
+        const _objd entry = {0, DTYPE_OCTET_STRING, rows[i].bits, ATYPE_RO | ATYPE_TXPDO, "long", 0, data};
+        _SMmap mapping = {.obj = &entry};
+        memset(data, 0xFF, sizeof data);
+        COE_pdoPack(image, 1, &mapping);
+        assert_int_equal(image[MOVED - 2], 0xFF);
+        assert_int_equal(image[MOVED - 1], rows[i].last);
+        for (unsigned int n = MOVED; n < SIZE; n++)
+            assert_int_equal(image[n], 0);
+    }
+}
+
+static void results_of_the_seam(void **state)
+{
+    const ect_pdi_t *pdi = &ect_soes.pdi;
+    uint8_t bytes[2] = {0};
+    uint32_t event = 1;
+    (void)state;
+    open_in(INIT);
+    assert_int_equal(pdi->read(pdi->ctx, ECT_REG_TYPE, bytes, sizeof bytes), 0);
+    assert_int_equal(bytes[0], hal.esc->memory[ECT_REG_TYPE]);
+    assert_int_equal(pdi->write(pdi->ctx, 0x0F80, bytes, sizeof bytes), 0);
+    assert_int_equal(pdi->al_event(pdi->ctx, &event), 0);
+    assert_int_equal(event, ESCvar.ALevent);
+}
+
+/* --- a way of the firmware's own ---------------------------------------------------------------------------------- */
+
+static unsigned int own_reads, failing_read; /* from 1; 0: none fails */
+
+static int own_read(void *ctx, uint16_t address, void *buffer, uint16_t length)
+{
+    (void)ctx;
+    const int result = ect_esc_pdi_read(hal.esc, address, buffer, length);
+    return ++own_reads == failing_read ? -1 : result; /* with data that must not count */
+}
+
+static int own_write(void *ctx, uint16_t address, const void *buffer, uint16_t length)
+{
+    (void)ctx;
+    return ect_esc_pdi_write(hal.esc, address, buffer, length);
+}
+
+/* Whichever read of the start fails, the start repeats its step until the ESC answers. */
+static void failing_start(void **state)
+{
+    static const ect_pdi_t way = {.read = own_read, .write = own_write};
+    (void)state;
+    own_way = &way;
+    unsigned int reads = 2;
+    for (unsigned int k = 0; k <= reads; k++) {
+        own_reads = 0;
+        failing_read = k;
+        power_on();
+        if (k == 0)
+            reads = own_reads;
+        else if (own_reads <= reads)
+            fail_msg("read %u of the start fails: expected more than %u, got %u", k, reads, own_reads);
+        assert_null(ect_soes.pdi.al_event);
+        assert_int_equal(ESCvar.DLstatus & 1, 1);
+        wire_go(&w, 0, PREOP);
+        if (k < reads)
+            wire_close(&w);
+    }
 }
 
 /* --- registers ---------------------------------------------------------------------------------------------------- */
@@ -1266,6 +1403,7 @@ int main(int argc, char **argv)
         T("BOOT has a mailbox of its own", boot),
         T("CF-040: get_device_id, or the station alias, is the explicit identification", identification),
         T("use_interrupt: what is enabled and disabled, and who has the word about DC", interrupts),
+        T("a hook of a refusal or a fall gets the state with ESCerror", errors_of_state_hooks),
         T("SYNC0 is in the EEPROM of who checks it", clock_modes),
         T("DIG_process does what its flags name", parts_of_the_exchange),
         T("ecat_slv_worker serves events, and lets through those that concern it", worker),
@@ -1278,6 +1416,10 @@ int main(int argc, char **argv)
         T_HOOKS("CF-069 CF-070: hooks of downloads: data, length, abort codes, each once", downloads),
         T_HOOKS("hooks of objects by their own names", hooks_by_name),
         T("the object list as SOES's functions read it", dictionary),
+        T("ESC_config sets the mailboxes, and those of PREOP are active", configured_mailboxes),
+        T("32 bytes of a mapped entry move at most", longest_mapped_entries),
+        T("an access by ESC_read and ESC_write succeeds", results_of_the_seam),
+        T("a start with an ESC that does not answer is repeated", failing_start),
         T("registers, by SOES's functions", registers),
         T("each function of a register reads or writes its address and length", accesses),
         T("elements of mapping and assignment are fixed while they count", fixed_elements),

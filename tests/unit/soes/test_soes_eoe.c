@@ -23,7 +23,7 @@ static struct {
     uint8_t in[ROOM], out[ROOM];
     size_t in_length;
     unsigned int got, taken, freed, polls, fragments, loads, stores;
-    bool full;
+    bool full, without_payload;
     int to_send; /* length of the frame that waits */
     int result;  /* of store_ethernet_settings */
     uint32_t stored_ip;
@@ -69,7 +69,7 @@ static int fetch(uint8_t port, eoe_pbuf_t *buffer)
     assert_int_equal(port, 0);
     app.polls++;
     app.to_send = 0;
-    buffer->payload = app.out;
+    buffer->payload = app.without_payload ? NULL : app.out;
     return length;
 }
 
@@ -161,6 +161,38 @@ static void frames_to_the_application(void **state)
     callbacks.get_buffer = NULL;
     send_frame(48);
     assert_int_equal(app.taken, 2);
+}
+
+/* The length of a frame of the application, as the stack gets it: one that is too long is counted as dropped. */
+static void lengths_of_frames(void **state)
+{
+    static const struct {
+        int length;
+        bool payload;
+        unsigned int want, freed;
+    } rows[] = {
+        {0, true, 0, 0},
+        {-1, true, 0, 0},
+        {60, false, 0, 0},
+        {1, true, 1, 1},
+        {ECT_EOE_FRAME, true, ECT_EOE_FRAME, 1},
+        {ECT_EOE_FRAME + 1, true, ECT_EOE_FRAME + 1, 1},
+        {70000, true, ECT_EOE_FRAME + 1, 1},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t frame[ECT_EOE_FRAME + 8], port = 7;
+        memset(frame, 0xA5, sizeof frame);
+        app.freed = 0;
+        app.to_send = rows[i].length;
+        app.without_payload = !rows[i].payload;
+        const unsigned int got = ect_soes_network.fetch(&ect_soes_network, NULL, frame, &port);
+        if (got != rows[i].want || app.freed != rows[i].freed || port != (got > 0 ? 0 : 7))
+            fail_msg("%d bytes: expected %u and %u freed, got %u and %u, port %u", rows[i].length, rows[i].want,
+                     rows[i].freed, got, app.freed, port);
+        for (size_t n = got < ECT_EOE_FRAME ? got : ECT_EOE_FRAME; n < sizeof frame; n++)
+            assert_int_equal(frame[n], 0xA5);
+    }
 }
 
 static void frames_of_the_application(void **state)
@@ -320,6 +352,8 @@ int main(void)
         {"EOE-016 EOE-060: a frame is handed over in the application's buffer", frames_to_the_application, setup,
          teardown, NULL},
         {"EOE-061: fetch_send_buffer is called in each turn", frames_of_the_application, setup, teardown, NULL},
+        {"EOE-060: a frame has its length, none without a payload; a longer one than fits is too long",
+         lengths_of_frames, setup, teardown, NULL},
         {"EOE-060: EOE_init drops half a frame", half_a_frame_is_dropped, setup, teardown, NULL},
         {"EOE-035 EOE-036 EOE-062: the result of store_ethernet_settings is the master's", settings, setup, teardown,
          NULL},

@@ -125,6 +125,20 @@ static void statistics_are_in_the_reply(void **state)
     close_bench(&b);
 }
 
+/* With a script the reply has its progress, and the verdict so far. */
+static void statistics_of_a_scenario(void **state)
+{
+    static const ect_stats_t stats = {.start_ns = 400 * MS};
+    static ect_scenario_t scenario = {.step_count = 9, .steps_left = 2, .verdict = {.all = 6, .met = 4, .failed = 1}};
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    ect_control_show(b.control, &stats, &scenario);
+    expect_part(&b, "{\"op\":\"stats\"}\n",
+                "\"latest_poll_us\":0,\"steps\":9,\"steps_over\":7,\"expected\":6,\"met\":4,\"failed\":1,\"time\":");
+    close_bench(&b);
+}
+
 /* With replies in the kernel the reply has their way, their times and their histogram too. */
 static void statistics_of_the_kernel(void **state)
 {
@@ -414,6 +428,23 @@ static void changes_without_a_connection(void **state)
     close_bench(&b);
 }
 
+static void requests_that_change(void **state)
+{
+    static const struct {
+        const char *op;
+        bool changes;
+    } rows[] = {
+        {"set", true},   {"fault", true},  {"write", true},    {"wave", true},  {"get", false},
+        {"list", false}, {"watch", false}, {"data", false},    {"read", false}, {"waves", false},
+        {"step", false}, {"plant", false}, {"capture", false}, {"", false},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        if (ect_change_is(rows[i].op) != rows[i].changes)
+            fail_msg("'%s': expected %d, got %d", rows[i].op, rows[i].changes, !rows[i].changes);
+    }
+}
+
 /* --- all or nothing ----------------------------------------------------------------------------------------------- */
 
 static void all_or_nothing(void **state)
@@ -645,7 +676,9 @@ int main(int argc, char **argv)
         {"Faults are set, listed and ended by requests", faults_by_request, NULL, NULL, NULL},
         {"Every line is JSON", every_line_is_json, NULL, NULL, NULL},
         {"Data too large for a signal are sent in pieces", periodic_data_in_pieces, NULL, NULL, NULL},
+        {"The statistics have the progress of a script", statistics_of_a_scenario, NULL, NULL, NULL},
         {"Changes are executed without a connection, or refused", changes_without_a_connection, NULL, NULL, NULL},
+        {"The requests that change the chain are set, fault, write and wave", requests_that_change, NULL, NULL, NULL},
         {"Several signals are set all or none, in any order", all_or_nothing, NULL, NULL, NULL},
         {"A request sets at most 128 signals", most_signals_of_one_set, NULL, NULL, NULL},
         {"Signals are set at a time of the bus; a time that is over is refused", set_at_a_time, NULL, NULL, NULL},

@@ -208,6 +208,28 @@ static void paths_at_their_limits(void **state)
     assert_int_equal(ect_endpoint_identity(longest), 0);
 }
 
+/* The path of a name in the longest folder that has room for one. */
+static void the_longest_name_that_is_found(void **state)
+{
+    enum { ROOM = 1023 - (int)sizeof "/.sock" + 1 };
+    char runtime[ECT_ENDPOINT_PATH], name[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH];
+    (void)state;
+    for (size_t length = 100; length <= 900; length += 400) {
+        memset(runtime, 'x', length);
+        runtime[length] = 0;
+        setenv("XDG_RUNTIME_DIR", runtime, 1);
+        assert_int_equal(ect_endpoint_folder(path), 0);
+        const size_t most = ROOM - strlen(path);
+        memset(name, 'n', most + 1);
+        name[most + 1] = 0;
+        assert_int_equal(ect_endpoint_find(name, path), -1);
+        name[most] = 0;
+        assert_int_equal(ect_endpoint_find(name, path), 0);
+        assert_int_equal(strlen(path), 1023);
+        assert_string_equal(path + 1023 - sizeof "n.sock" + 1, "n.sock");
+    }
+}
+
 /* Containers that share the folder have equal process ids: the second one takes another name, the first keeps its own.
  */
 static void names_that_collide(void **state)
@@ -531,6 +553,8 @@ int main(int argc, char **argv)
         {"Paths with brackets and blanks, and longer than a socket's address, are reached", odd_and_long_paths, NULL,
          NULL, NULL},
         {"A path that is too long is refused, not cut", too_long_a_path, NULL, NULL, NULL},
+        {"A name is found whose path has 1023 bytes, and no longer one", the_longest_name_that_is_found, NULL, NULL,
+         NULL},
         {"Paths at their limits: the longest folder, the longest address of a socket", paths_at_their_limits, NULL,
          NULL, NULL},
         {"Attack: the name of a live twin is not taken over", names_that_collide, NULL, NULL, NULL},

@@ -3,6 +3,7 @@
 #define _GNU_SOURCE
 #include "support/control_bench.h"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <string.h>
@@ -444,6 +445,30 @@ static void the_next_change_ends_a_step(void **state)
     close_bench(&b);
 }
 
+/* A daemon's standard input may be closed: the connection of a plant gets descriptor 0 then. */
+static void a_plant_at_descriptor_0(void **state)
+{
+    ect_stats_t stats = {0};
+    bench_t b;
+    (void)state;
+    open_with_report(&b, 1, &stats);
+    const int fd = connect_client(&b), input = dup(STDIN_FILENO);
+    set_nonblocking(fd);
+    (void)close(STDIN_FILENO);
+    assert_string_equal(say(&b, fd, PLANT), OK);
+    const bool used = fcntl(STDIN_FILENO, F_GETFD) >= 0;
+    assert_string_equal(pass(&b, fd, 0), "{\"step\":1,\"time\":0.000000,\"values\":[0,0]}\n");
+    close(fd);
+    serve(&b);
+    const bool closed = fcntl(STDIN_FILENO, F_GETFD) < 0;
+    if (input >= 0) {
+        (void)dup2(input, STDIN_FILENO);
+        (void)close(input);
+    }
+    assert_true(used && closed);
+    close_bench(&b);
+}
+
 /* --- a clock that stands still ------------------------------------------------------------------------------------ */
 
 /* A plant in a thread: replies to each step, or closes its connection at this one. */
@@ -528,6 +553,10 @@ static void a_plant_without_a_reply_is_given_up(void **state)
     assert_true(ect_outside_begin(&all, plant, b.wire.chain, b.wire.now_ns));
     ect_outside_give_up(&all, plant);
     assert_null(ect_outside_due(&all, &other, UINT64_MAX - 1));
+    expect_answer(&b, "{\"op\":\"set\",\"name\":\"data1\",\"value\":2}\n", OK);
+    assert_ptr_equal(ect_outside_due(&all, &other, b.wire.now_ns), plant);
+    ect_outside_skip(&all, plant, b.wire.now_ns); /* the change has no step any more */
+    assert_null(ect_outside_due(&all, &other, UINT64_MAX - 1));
     ect_outsides_clear(&all);
     close_bench(&b);
 }
@@ -558,6 +587,8 @@ int main(int argc, char **argv)
         {"With `on`, the next change ends a step without a reply", the_next_change_ends_a_step, NULL, NULL, NULL},
         {"A virtual clock stands still until a plant has replied, and goes on when it ends",
          a_virtual_clock_waits_for_a_plant_and_not_for_one_that_has_ended, NULL, NULL, NULL},
+        {"A plant whose connection has descriptor 0 gets its steps, and ends", a_plant_at_descriptor_0, NULL, NULL,
+         NULL},
         {"A plant that never replies is late, and the clock does not wait for it again",
          a_plant_without_a_reply_is_given_up, NULL, NULL, NULL},
     };

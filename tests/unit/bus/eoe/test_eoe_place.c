@@ -117,20 +117,38 @@ static void a_tap_has_a_name_and_is_brought_up(void **state)
     }
 }
 
+/* A daemon's standard input may be closed: each end gets descriptor 0 then, and the socket that searches a listener at
+ * the path gets it before. */
 static void descriptor_0_is_one_as_any_other(void **state)
 {
+    char folder[] = "/tmp/ectwin-place-XXXXXX", path[100];
     char name[ECT_PLACE_NAME] = "", message[ECT_PLACE_MESSAGE] = "";
     const int input = dup(STDIN_FILENO);
     (void)state;
+    assert_non_null(mkdtemp(folder));
+    (void)snprintf(path, sizeof path, "%s/port", folder);
     memset(&kernel, 0, sizeof kernel);
     (void)close(STDIN_FILENO);
-    const int fd = ect_place_tap("tap", name, message);
+    const int tap = ect_place_tap("tap", name, message);
+    (void)close(tap);
+    const int first = ect_place_listen(path, message);
+    const int refused = ect_place_listen(path, message);
+    (void)close(first);
+    const int second = ect_place_listen(path, message);
+    (void)close(second);
+    const int next = next_descriptor();
     if (input >= 0) {
         (void)dup2(input, STDIN_FILENO);
         (void)close(input);
     }
-    assert_int_equal(fd, STDIN_FILENO);
+    assert_int_equal(tap, STDIN_FILENO);
     assert_string_equal(name, "tap3");
+    assert_int_equal(first, STDIN_FILENO);
+    assert_int_equal(refused, -1);
+    assert_int_equal(second, STDIN_FILENO);
+    assert_int_equal(next, STDIN_FILENO);
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(rmdir(folder), 0);
 }
 
 static void a_refused_tap_has_cause_and_cure(void **state)

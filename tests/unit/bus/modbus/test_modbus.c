@@ -50,6 +50,15 @@ ssize_t __wrap_recv(int fd, void *buffer, size_t size, int flags)
 }
 
 static bool refuses_memory;
+static bool forms_no_reply; /* modbus_reply() fails */
+
+int __real_modbus_reply(void *replies, const uint8_t *request, int length, void *mapping);
+int __wrap_modbus_reply(void *replies, const uint8_t *request, int length, void *mapping);
+
+int __wrap_modbus_reply(void *replies, const uint8_t *request, int length, void *mapping)
+{
+    return forms_no_reply ? -1 : __real_modbus_reply(replies, request, length, mapping);
+}
 
 void *__wrap_calloc(size_t count, size_t size)
 {
@@ -817,6 +826,31 @@ static void observed_and_repeated(void **state)
     close_bench(&b);
 }
 
+/* The client of a request that libmodbus does not reply to is closed, observed or not. */
+static void closed_without_a_reply(void **state)
+{
+    static observed_t o;
+    (void)state;
+    for (unsigned int observed = 0; observed < 2; observed++) {
+        bench_t b;
+        memset(&o, 0, sizeof o);
+        open_bench(&b);
+        if (observed != 0)
+            assert_true(ect_modbus_server_observe(b.server, observe, &o));
+        int fd = connect_client(&b);
+        (void)serve(&b);
+        forms_no_reply = true;
+        send_request(fd, "00 02 00 00 00 06 FF 03 00 0B 00 02");
+        (void)serve(&b);
+        forms_no_reply = false;
+        assert_string_equal(receive_reply(fd), "end");
+        assert_int_equal(o.count, observed);
+        assert_int_equal(o.one[0].reply_length, 0);
+        close(fd);
+        close_bench(&b);
+    }
+}
+
 /* Bytes of a record may be anything. */
 static void no_request_to_repeat(void **state)
 {
@@ -954,6 +988,7 @@ int main(int argc, char **argv)
         TEST("Attack: closed before the reply", closed_before_the_reply),
         TEST("a record gets each request and its reply; repeated to another unit they give the same replies",
              observed_and_repeated),
+        TEST("A client is closed whose request libmodbus does not reply to, observed or not", closed_without_a_reply),
         TEST("bytes of a record that are no request have no reply", no_request_to_repeat),
         TEST("A server listens with descriptor 0 as with any other", listens_at_descriptor_0),
         TEST("The descriptors of a server are closed with it", closes_its_descriptors),

@@ -27,6 +27,7 @@ static struct calls {
     unsigned int made; /* calls of the failing name */
     const char *opened[FAKE_FDS];
     size_t fds, open;
+    size_t zero_at; /* the place of the descriptor that is 0, as without a standard input; from 1, 0: none */
     size_t used;
     char log[8192];
 } calls;
@@ -62,19 +63,28 @@ static inline int fake_open(const char *name)
     assert_true(calls.fds < FAKE_FDS);
     calls.opened[calls.fds] = name;
     calls.open++;
-    return FAKE_FD + (int)calls.fds++;
+    calls.fds++;
+    return calls.fds == calls.zero_at ? 0 : FAKE_FD + (int)calls.fds - 1;
 }
 
 static inline bool is_fake(int fd)
 {
-    return fd >= FAKE_FD && fd < FAKE_FD + (int)calls.fds;
+    return (fd >= FAKE_FD && fd < FAKE_FD + (int)calls.fds) ||
+           (fd == 0 && calls.zero_at > 0 && calls.zero_at <= calls.fds);
+}
+
+/* How many descriptors were opened before this one. */
+static inline int place_of(int fd)
+{
+    return fd == 0 ? (int)calls.zero_at - 1 : fd - FAKE_FD;
 }
 
 static inline void fake_close(int fd)
 {
-    if (!calls.opened[fd - FAKE_FD])
+    const int place = place_of(fd);
+    if (!calls.opened[place])
         fail_msg("descriptor %d is closed twice", fd);
-    calls.opened[fd - FAKE_FD] = NULL;
+    calls.opened[place] = NULL;
     calls.open--;
 }
 

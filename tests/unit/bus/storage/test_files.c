@@ -169,6 +169,8 @@ static void names(void **state)
         {"a folder in it", "sub/inner", 9, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
         {"backslashes", "..\\data", 7, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
         {"a hidden file", ".hidden", 7, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
+        {"a blank at its beginning", " data", 5, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
+        {"a blank alone", " ", 1, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
         {"a zero in it", "data\0../x", 9, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
         {"a zero at its end", "data\0", 5, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
         {"no character", "", 0, ECT_FOE_NOT_FOUND, ECT_FOE_NOT_FOUND},
@@ -430,6 +432,36 @@ static void closes_its_descriptors(void **state)
     assert_int_equal(after, before);
 }
 
+/* Password 0 of the twin is none: each password is right then. */
+static void passwords(void **state)
+{
+    static const struct {
+        uint32_t twin, master, want;
+    } rows[] = {
+        {0, 0, ECT_FOE_OK},
+        {0, 7, ECT_FOE_OK},
+        {1, 1, ECT_FOE_OK},
+        {1, 0, ECT_FOE_ACCESS},
+        {1, 2, ECT_FOE_ACCESS},
+        {UINT32_MAX, UINT32_MAX, ECT_FOE_OK},
+        {UINT32_MAX, 0, ECT_FOE_ACCESS},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char message[ECT_FILES_MESSAGE];
+        const char *text = "";
+        const ect_foe_file_t wish = {.name = "data", .length = 4, .password = rows[i].master, .state = ECT_STATE_PREOP};
+        ect_files_t *locked = ect_files_open(folder, &testdev, rows[i].twin, message);
+        assert_non_null(locked);
+        const ect_foe_t *entry = entry_of(ect_files_device(locked));
+        const uint32_t code = entry->open(entry, NULL, &wish, &text);
+        entry->close(entry, NULL, false);
+        ect_files_close(locked);
+        if (code != rows[i].want)
+            fail_msg("password %u for %u: expected 0x%X, got 0x%X", rows[i].master, rows[i].twin, rows[i].want, code);
+    }
+}
+
 /* The twin as a master finds it: protocol in the SII, mailboxes for BOOT, a password. */
 static void over_the_wire(void **state)
 {
@@ -461,6 +493,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST("Attack: names that lead out of the folder, or to what is no file, are refused", names),
         TEST("Files: a written file replaces the previous one when it is complete", whole_files_only),
+        TEST("Attack: a wrong password opens no file, and without one each is right", passwords),
         TEST("Files: they are read piece by piece", read_pieces),
         TEST("Attack: an endless file fills no disk", too_large),
         TEST("Attack: links that come up meanwhile are not followed", meanwhile),
