@@ -100,6 +100,8 @@ static void check_bytes(board_t *b, uint16_t address, uint16_t length)
     assert_int_equal(read_esc(b, address, got, length), 0);
     if (memcmp(got, want + 8, length) != 0)
         fail_msg("read of %u bytes at 0x%04X: others", length, address);
+    for (unsigned int n = length; n < sizeof got; n++)
+        assert_int_equal(got[n], 0);
     for (unsigned int n = 0; n < length; n++)
         want[8 + n] = got[n] = (uint8_t)~got[n];
     assert_int_equal(write_esc(b, address, got, length), 0);

@@ -1126,6 +1126,8 @@ static void described(void **state)
     assert_int_equal(d->mailbox_protocols, ECT_MAILBOX_COE | ECT_MAILBOX_FOE);
     assert_int_equal(d->coe_details, ECT_COE_SDO | ECT_COE_SDO_INFO | ECT_COE_COMPLETE_ACCESS);
     assert_string_equal(d->physics, "YY");
+    assert_string_equal(d->type_name, "test device");
+    assert_true(d->identity.vendor_id == 0x1337 && d->identity.product_code == 1234 && d->identity.revision == 2);
     assert_int_equal(d->objects[d->object_count - 1].index, 0x8002);
     assert_int_equal(d->device_type, ect_od_element(&d->objects[0], 0));
     assert_int_equal(d->objects[0].index, 0x1000);

@@ -295,6 +295,29 @@ static void answers_arp(void **state)
     assert_int_equal(value_of("eoe.dropped"), 0);
 }
 
+/* With a full queue a frame without a reply is taken; one with a reply is dropped. */
+static void no_reply_needs_no_room(void **state)
+{
+    static const uint8_t set_ip[] = {2, 1, 0, 0, 2, 0, 0, 0, 20, 10, 168, 192};
+    static const uint8_t arp[60] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 2, 0, 0, 0, 0,   1,   8,  6,
+                                    0,    1,    8,    0,    6,    4,    0, 1, 2, 0, 0,   0,   0,  1,
+                                    9,    9,    9,    9,    0,    0,    0, 0, 0, 0, 192, 168, 10, 20};
+    static const uint8_t unknown[60] = {2, 0, 0, 0, 0, 2, 2, 0, 0, 0, 0, 1, 0x88, 0xB5};
+    uint8_t mail[SIZE];
+    (void)state;
+    open_network(ECT_NETWORK_ECHO);
+    const ect_eoe_t *eoe = (const ect_eoe_t *)(const void *)network; /* its first member is the entry of the device */
+    assert_int_equal(wire_mail_request(&w, 0, ECT_MAILBOX_TYPE_EOE, set_ip, sizeof set_ip), 1);
+    assert_int_equal(wire_mail_receive(&w, 0, mail, SIZE), 4);
+    assert_true(eoe->received(eoe, net(), 0, unknown, sizeof unknown));
+    assert_int_equal(ect_network_room(network), ECT_NETWORK_QUEUE);
+    for (unsigned int n = 0; n < ECT_NETWORK_QUEUE; n++)
+        assert_true(eoe->received(eoe, net(), 0, arp, sizeof arp));
+    assert_int_equal(ect_network_room(network), 0);
+    assert_true(eoe->received(eoe, net(), 0, unknown, sizeof unknown));
+    assert_false(eoe->received(eoe, net(), 0, arp, sizeof arp));
+}
+
 /* --- cable and queues --------------------------------------------------------------------------------------------- */
 
 static void pulled_cable(void **state)
@@ -1056,6 +1079,8 @@ int main(void)
     static const struct CMUnitTest tests[] = {
         {"the device takes and gives frames and address through the network", own_frames, setup, teardown, NULL},
         {"EOE-035: the responder replies to ARP at the address that a master sets", answers_arp, setup, teardown, NULL},
+        {"With a full queue the responder drops a frame that it would reply to, and no other", no_reply_needs_no_room,
+         setup, teardown, NULL},
         {"a pulled cable loses frames of both directions, over a power cycle too", pulled_cable, setup, teardown, NULL},
         {"a pulled cable loses at most a queue of a device's frames in one call", device_never_ends, setup, teardown,
          NULL},

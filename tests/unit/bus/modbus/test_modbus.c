@@ -50,7 +50,8 @@ ssize_t __wrap_recv(int fd, void *buffer, size_t size, int flags)
 }
 
 static bool refuses_memory;
-static bool forms_no_reply; /* modbus_reply() fails */
+static unsigned int memory_fails_at, allocations; /* from 1; 0: none fails */
+static bool forms_no_reply;                       /* modbus_reply() fails */
 
 int __real_modbus_reply(void *replies, const uint8_t *request, int length, void *mapping);
 int __wrap_modbus_reply(void *replies, const uint8_t *request, int length, void *mapping);
@@ -62,7 +63,18 @@ int __wrap_modbus_reply(void *replies, const uint8_t *request, int length, void 
 
 void *__wrap_calloc(size_t count, size_t size)
 {
-    return refuses_memory ? NULL : __real_calloc(count, size);
+    return refuses_memory || ++allocations == memory_fails_at ? NULL : __real_calloc(count, size);
+}
+
+int __real_close(int fd);
+int __wrap_close(int fd);
+
+/* A cause that was noted before must survive this. */
+int __wrap_close(int fd)
+{
+    const int result = __real_close(fd);
+    errno = EBADF;
+    return result;
 }
 
 int __wrap_accept4(int fd, struct sockaddr *address, socklen_t *size, int flags)
@@ -617,6 +629,27 @@ static void no_descriptor_left(void **state)
     close_bench(&b);
 }
 
+/* The client has gone before it was accepted, or a signal has come: nothing is wrong with the server. */
+static void nobody_to_accept(void **state)
+{
+    static const int errors[] = {EAGAIN, EINTR, ECONNABORTED};
+    (void)state;
+    for (size_t i = 0; i < COUNT(errors); i++) {
+        bench_t b;
+        open_bench(&b);
+        int fd = connect_client(&b);
+        work.accept_error = errors[i];
+        serve_once(&b);
+        work.accept_error = 0;
+        if (ect_modbus_server_due(b.server) != ECT_NEVER)
+            fail_msg("%s: the server waits", strerror(errors[i]));
+        (void)serve(&b);
+        expect(&b, fd, "accepted", "00 04 00 00 00 02 FF 2B", "00 04 00 00 00 03 FF AB 01");
+        close(fd);
+        close_bench(&b);
+    }
+}
+
 static void closed_before_the_reply(void **state)
 {
     bench_t b;
@@ -870,6 +903,12 @@ static void no_request_to_repeat(void **state)
     ect_modbus_server_t *server = ect_modbus_server_new(message);
     assert_non_null(server);
     assert_int_equal(ect_modbus_server_request(server, w.chain, w.now_ns, request, sizeof request, reply), 0);
+    ect_store_be16(request + 4, ECT_MODBUS_ADU + 1 - 6); /* one byte more than a request has */
+    assert_int_equal(ect_modbus_server_request(server, w.chain, w.now_ns, request, ECT_MODBUS_ADU + 1, reply), 0);
+    ect_store_be16(request + 4, ECT_MODBUS_ADU - 6);
+    request[7] = 100; /* no such function */
+    assert_int_equal(ect_modbus_server_request(server, w.chain, w.now_ns, request, ECT_MODBUS_ADU, reply), 9);
+    assert_memory_equal(reply, "\0\1\0\0\0\3\xFF\xE4\1", 9);
     for (size_t i = 0; i < COUNT(rows); i++) {
         size_t length = from_hex(rows[i], request);
         if (ect_modbus_server_request(server, w.chain, w.now_ns, request, length, reply) != 0)
@@ -932,6 +971,13 @@ static void without_memory(void **state)
     server = ect_modbus_server_new(message);
     refuses_memory = false;
     assert_null(server);
+    for (memory_fails_at = 1; memory_fails_at <= 3; memory_fails_at++) { /* the server, and each of its two tables */
+        allocations = 0;
+        server = ect_modbus_server_new(message);
+        if (server)
+            fail_msg("allocation %u fails: a server", memory_fails_at);
+    }
+    memory_fails_at = 0;
 }
 
 /* A file is nothing that can be waited for. */
@@ -985,6 +1031,7 @@ int main(int argc, char **argv)
              place_of_a_client_that_did_not_read),
         TEST("Attack: three clients that flood do not delay the fourth", no_client_waits_for_long),
         TEST("Attack: without free descriptors the server retries after a second", no_descriptor_left),
+        TEST("An accept without a client is repeated at the next connection", nobody_to_accept),
         TEST("Attack: closed before the reply", closed_before_the_reply),
         TEST("a record gets each request and its reply; repeated to another unit they give the same replies",
              observed_and_repeated),
