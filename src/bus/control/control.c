@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
@@ -68,9 +69,11 @@ ect_control_t *ect_control_open(const char *name, char *message)
     c->identity = c->fd < 0 ? 0 : ect_endpoint_identity(c->path);
     if (c->fd >= 0 && wait_for(c, EPOLL_CTL_ADD, c->fd, EPOLLIN, ACCEPT))
         return c;
+    int error = errno;
     if (c->epoll < 0)
         strcpy(message, "no control socket: no descriptor is free");
-    int error = errno;
+    else if (c->fd >= 0)
+        snprintf(message, ECT_ENDPOINT_MESSAGE, "no control socket: %s", strerror(error));
     ect_control_close(c);
     errno = error;
     return NULL;
@@ -192,7 +195,7 @@ static void no_descriptor(ect_control_t *c, uint64_t now_ns)
     if (c->spare >= 0)
         close(c->spare);
     int fd = accept4(c->fd, NULL, NULL, SOCK_CLOEXEC | SOCK_NONBLOCK);
-    bool no_client = fd < 0 && errno == EAGAIN;
+    const bool no_client = errno == EAGAIN; /* without a descriptor */
     if (fd >= 0)
         turn_away(fd, "the twin has no descriptor left: 'ulimit -n' is too low for it");
     c->spare = open_spare();

@@ -4,8 +4,11 @@
 #include "support/control_bench.h"
 
 #include <cjson/cJSON.h>
+#include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "bus/control/change.h"
@@ -645,6 +648,52 @@ static void without_memory(void **state)
     close_bench(&b);
 }
 
+/* A step of the start that fails has a message and an error, and leaves nothing open. */
+static void failing_starts(void **state)
+{
+    static const struct {
+        const char *folder;
+        bool events, descriptors;
+        const char *message;
+        int error;
+    } rows[] = {
+        {"/nonexistent", true, true,
+         "no control socket in '/nonexistent/ectwin': No such file or directory; XDG_RUNTIME_DIR can name another "
+         "place",
+         ENOENT},
+        {"/tmp", true, false, "no control socket: no descriptor is free", EMFILE},
+        {"", false, true, "no control socket: No space left on device", ENOSPC},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char message[ECT_ENDPOINT_MESSAGE] = "", folder[] = "/tmp/test-ectwin-XXXXXX", path[64];
+        struct rlimit before;
+        assert_int_equal(getrlimit(RLIMIT_NOFILE, &before), 0);
+        const struct rlimit none = {.rlim_cur = 3, .rlim_max = before.rlim_max};
+        assert_non_null(mkdtemp(folder));
+        (void)snprintf(path, sizeof path, "%s/ectwin", folder);
+        setenv("XDG_RUNTIME_DIR", rows[i].folder[0] != 0 ? rows[i].folder : folder, 1);
+        const int next = dup(STDOUT_FILENO);
+        (void)close(next);
+        refuses_events = !rows[i].events;
+        if (!rows[i].descriptors)
+            assert_int_equal(setrlimit(RLIMIT_NOFILE, &none), 0);
+        errno = 0;
+        const ect_control_t *control = ect_control_open(NULL, message);
+        const int error = errno;
+        refuses_events = false;
+        assert_int_equal(setrlimit(RLIMIT_NOFILE, &before), 0);
+        assert_null(control);
+        assert_string_equal(message, rows[i].message);
+        assert_int_equal(error, rows[i].error);
+        const int after = dup(STDOUT_FILENO);
+        (void)close(after);
+        assert_int_equal(after, next);
+        (void)rmdir(path);
+        assert_int_equal(rmdir(folder), 0);
+    }
+}
+
 static void most_requests_that_wait(void **state)
 {
     ect_scenario_t scenario = {.seed = 1};
@@ -676,6 +725,8 @@ int main(int argc, char **argv)
         {"Faults are set, listed and ended by requests", faults_by_request, NULL, NULL, NULL},
         {"Every line is JSON", every_line_is_json, NULL, NULL, NULL},
         {"Data too large for a signal are sent in pieces", periodic_data_in_pieces, NULL, NULL, NULL},
+        {"A control socket that cannot be opened has a cause, and leaves nothing open", failing_starts, NULL, NULL,
+         NULL},
         {"The statistics have the progress of a script", statistics_of_a_scenario, NULL, NULL, NULL},
         {"Changes are executed without a connection, or refused", changes_without_a_connection, NULL, NULL, NULL},
         {"The requests that change the chain are set, fault, write and wave", requests_that_change, NULL, NULL, NULL},
