@@ -40,8 +40,7 @@ static void fetch_outputs(void)
         ESCvar.rxpdo_override();
         return;
     }
-    if (ESCvar.ESC_SM2_sml > 0)
-        ESC_read(ESC_SM2_sma, rxpdo, ESCvar.ESC_SM2_sml);
+    ESC_read(ESC_SM2_sma, rxpdo, ESCvar.ESC_SM2_sml);
     COE_pdoUnpack(rxpdo, ESCvar.sm2mappings, SMmap2);
 }
 

@@ -101,10 +101,8 @@ static int event_over(void *ctx, uint32_t *event)
 static void wait_for_esc(const ect_pdi_t *pdi)
 {
     uint8_t bytes[2] = {0};
-    do {
-        if (pdi->read(pdi->ctx, ECT_REG_DL_STATUS, bytes, sizeof bytes) < 0)
-            bytes[0] = 0;
-    } while ((bytes[0] & 1u) == 0);
+    while (pdi->read(pdi->ctx, ECT_REG_DL_STATUS, bytes, sizeof bytes) < 0 || (bytes[0] & 1u) == 0)
+        ;
     ESCvar.DLstatus = ect_load_le16(bytes);
 }
 

@@ -13,9 +13,7 @@ enum { END_ROOM = 3, ESCAPE_ROOM = 6 };
 
 static void put(ect_line_t *line, const char *text, size_t length)
 {
-    ECT_ASSERT(line->length <= ECT_LINE_ROOM - END_ROOM);
-    size_t left = ECT_LINE_ROOM - END_ROOM - line->length;
-    length = length < left ? length : left;
+    ECT_ASSERT(line->length + length <= ECT_LINE_ROOM - END_ROOM);
     memcpy(line->text + line->length, text, length);
     line->length += length;
 }
@@ -42,17 +40,17 @@ static size_t put_character(ect_line_t *line, const char *text)
 }
 
 /* Writes the key of a member with `length` bytes of value. @return false: no room, nothing is written */
-static int key_of(ect_line_t *line, const char *key, size_t length)
+static bool key_of(ect_line_t *line, const char *key, size_t length)
 {
     size_t size = strlen(key);
     if (line->length + size + 4 + length + END_ROOM > ECT_LINE_ROOM)
-        return 0;
+        return false;
     if (line->length > 1)
         put(line, ",", 1);
     put(line, "\"", 1);
     put(line, key, size);
     put(line, "\":", 2);
-    return 1;
+    return true;
 }
 
 void ect_line_begin(ect_line_t *line)

@@ -85,7 +85,7 @@ static void put_mapped(ect_line_t *line, const ect_slave_t *slave, const mapped_
     ect_line_number(line, "index", index);
     ect_line_number(line, "sub", subindex);
     ect_line_number(line, "bits", mapped->mapping & 0xFF);
-    if (index != 0 && ect_od_lookup(od, (uint16_t)index, (uint8_t)subindex, &object, &entry) == ECT_OK)
+    if (ect_od_lookup(od, (uint16_t)index, (uint8_t)subindex, &object, &entry) == ECT_OK)
         put_entry(line, od, object, entry);
 }
 
