@@ -28,10 +28,8 @@ static void make_text(char *line)
 {
     for (size_t length; *line; line += length) {
         length = (unsigned char)*line < 0x80 ? 1 : ect_utf8_begins(line);
-        if (length == 0) {
-            *line = '?';
-            length = 1;
-        }
+        if (length == 0)
+            *line = '?'; /* and is passed in the next round */
     }
 }
 

@@ -25,7 +25,7 @@ static const char *split_name(const char *host, char name[REQUEST_HOST])
 {
     bool brackets = host[0] == '[';
     size_t length = strcspn(host + brackets, brackets ? "]" : ":");
-    if (length == 0 || length >= REQUEST_HOST || (brackets && host[1 + length] != ']'))
+    if (length >= REQUEST_HOST || (brackets && host[1 + length] != ']'))
         return NULL;
     memcpy(name, host + brackets, length);
     name[length] = 0;

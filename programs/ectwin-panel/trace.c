@@ -41,7 +41,7 @@ static bool ask(trace_t *trace, const table_signal_t *signal)
     char line[512];
     int length = snprintf(line, sizeof line, "{\"op\":\"watch\",\"slave\":%ld,\"pattern\":\"%s\",\"every\":true}",
                           signal->slave, signal->name);
-    if (strpbrk(signal->name, "*?[\\\"") || length < 0 || (size_t)length >= sizeof line)
+    if (strpbrk(signal->name, "*?[\\\"") || (size_t)length >= sizeof line)
         return true;
     return link_ask(&trace->link, line, &request);
 }
