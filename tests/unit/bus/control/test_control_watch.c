@@ -320,6 +320,8 @@ static void most_signals_that_are_watched(void **state)
         assert_non_null(strstr(got, i == 0 ? "a connection watches at most 4096 signals" : "4096"));
     }
     expect_part(&b, "{\"op\":\"watch\",\"every\":true}\n", "too many signals are watched at every change");
+    expect_part(&b, "{\"op\":\"watch\",\"pattern\":\"bu.state\",\"every\":true}\n",
+                "too many signals are watched at every change");
     /* Nor by a request for every change of signals that are watched already. */
     send_text(fds[0], "{\"op\":\"watch\",\"pattern\":\"bu.state\",\"every\":true}\n");
     serve(&b);

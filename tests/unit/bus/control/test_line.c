@@ -24,6 +24,10 @@ static void members(void **state)
     ect_line_end(&line);
     assert_text(&line, "{}\n");
     ect_line_begin(&line);
+    ect_line_time(&line, UINT64_MAX);
+    ect_line_end(&line);
+    assert_text(&line, "{\"time\":18446744073.709551}\n");
+    ect_line_begin(&line);
     ect_line_string(&line, "a", "x\"y\\z\n\x7f\xc3");
     ect_line_plain(&line, "b", "true");
     ect_line_number(&line, "c", UINT64_MAX);
@@ -123,6 +127,20 @@ static void exact_room(void **state)
         ect_line_end(&line);
         assert_int_equal(line.length, length <= MOST ? length + 7 : 3);
     }
+    for (size_t length = MOST - 8; length <= MOST - 4; length++) { /* a text needs nine more, and one with a quote */
+        memset(text, '7', length);
+        text[length] = 0;
+        ect_line_begin(&line);
+        ect_line_plain(&line, "p", text);
+        ect_line_string(&line, "s", "");
+        ect_line_end(&line);
+        assert_int_equal(line.length, length <= MOST - 6 ? length + 14 : length + 7);
+    }
+    memset(text, 'x', sizeof text - 1);
+    ect_line_begin(&line);
+    ect_line_string(&line, "a", text); /* is cut where an escape might have no room */
+    ect_line_end(&line);
+    assert_int_equal(line.length, ECT_LINE_ROOM - 6);
     ect_line_begin(&line);
     ect_line_string(&line, "a", " x \x1f~");
     ect_line_end(&line);

@@ -82,6 +82,53 @@ static void written_values(void **state)
     wire_close(&w);
 }
 
+/* A number has a value if its bytes are those of its type; JSON has neither inf nor nan. */
+static void values_of_each_type(void **state)
+{
+    static const struct {
+        uint16_t type;
+        const char *name;
+        size_t size;
+        const char *bytes, *want;
+    } rows[] = {
+        {ECT_TYPE_BOOLEAN, "BOOLEAN", 1, "\x01", "{\"data\":\"01\",\"value\":1}\n"},
+        {ECT_TYPE_INTEGER8, "INTEGER8", 1, "\x80", "{\"data\":\"80\",\"value\":-128}\n"},
+        {ECT_TYPE_INTEGER16, "INTEGER16", 2, "\xFE\xFF", "{\"data\":\"feff\",\"value\":-2}\n"},
+        {ECT_TYPE_INTEGER32, "INTEGER32", 4, "\x00\x00\x00\x80", "{\"data\":\"00000080\",\"value\":-2147483648}\n"},
+        {ECT_TYPE_INTEGER64, "INTEGER64", 8, "\x00\x00\x00\x00\x00\x00\x00\x80",
+         "{\"data\":\"0000000000000080\",\"value\":-9223372036854775808}\n"},
+        {ECT_TYPE_UNSIGNED8, "UNSIGNED8", 1, "\x80", "{\"data\":\"80\",\"value\":128}\n"},
+        {ECT_TYPE_UNSIGNED16, "UNSIGNED16", 2, "\x34\x12", "{\"data\":\"3412\",\"value\":4660}\n"},
+        {ECT_TYPE_UNSIGNED32, "UNSIGNED32", 4, "\xFF\xFF\xFF\xFF", "{\"data\":\"ffffffff\",\"value\":4294967295}\n"},
+        {ECT_TYPE_UNSIGNED64, "UNSIGNED64", 8, "\x01\x00\x00\x00\x00\x00\x00\x80",
+         "{\"data\":\"0100000000000080\",\"value\":9223372036854775809}\n"},
+        {ECT_TYPE_REAL32, "REAL32", 4, "\xCD\xCC\xCC\x3D", "{\"data\":\"cdcccc3d\",\"value\":0.100000001}\n"},
+        {ECT_TYPE_REAL32, "REAL32", 4, "\x00\x00\x80\xFF", "{\"data\":\"000080ff\",\"value\":null}\n"},
+        {ECT_TYPE_REAL64, "REAL64", 8, "\x9A\x99\x99\x99\x99\x99\xB9\x3F",
+         "{\"data\":\"9a9999999999b93f\",\"value\":0.10000000000000001}\n"},
+        {ECT_TYPE_BITARR8, "BITARR8", 1, "\xFF", "{\"data\":\"ff\",\"value\":255}\n"},
+        {ECT_TYPE_BITARR16, "BITARR16", 2, "\xFF\xFF", "{\"data\":\"ffff\",\"value\":65535}\n"},
+        {ECT_TYPE_BITARR32, "BITARR32", 4, "\x01\x00\x00\x00", "{\"data\":\"01000000\",\"value\":1}\n"},
+        {ECT_TYPE_BIT1, "BIT", 1, "\x01", "{\"data\":\"01\",\"value\":1}\n"},
+        {ECT_TYPE_BIT8, "BIT", 1, "\x81", "{\"data\":\"81\",\"value\":129}\n"},
+        {ECT_TYPE_BIT8 + 1, "OTHER", 1, "\x01", "{\"data\":\"01\"}\n"},
+        {ECT_TYPE_VISIBLE_STRING, "VISIBLE_STRING", 2, "ab\0", "{\"data\":\"6162\",\"value\":\"ab\"}\n"},
+        {ECT_TYPE_OCTET_STRING, "OCTET_STRING", 2, "ab\0", "{\"data\":\"6162\"}\n"},
+        {ECT_TYPE_UNSIGNED32, "UNSIGNED32", 3, "\x01\x02\x03", "{\"data\":\"010203\"}\n"},
+        {ECT_TYPE_UNSIGNED8, "UNSIGNED8", 0, "", "{\"data\":\"\"}\n"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_line_t line;
+        ect_line_begin(&line);
+        ect_object_put_value(&line, rows[i].type, (const uint8_t *)rows[i].bytes, rows[i].size);
+        ect_line_end(&line);
+        if (line.length != strlen(rows[i].want) || memcmp(line.text, rows[i].want, line.length) != 0)
+            fail_msg("%s: expected %s, got %.*s", rows[i].name, rows[i].want, (int)line.length, line.text);
+        assert_string_equal(ect_object_type(rows[i].type), rows[i].name);
+    }
+}
+
 static void long_values(void **state)
 {
     wire_t w;
@@ -238,6 +285,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"A written value is read back, in each type", written_values, NULL, NULL, NULL},
+        {"The bytes of each type have the value of their line", values_of_each_type, NULL, NULL, NULL},
         {"A long value is shown in part, with its size", long_values, NULL, NULL, NULL},
         {"A read that is refused has the words of its abort code", refused_reads, NULL, NULL, NULL},
         {"A write that is refused has the words of its abort code, and changes nothing", refused_writes, NULL, NULL,

@@ -497,6 +497,7 @@ static void characters(void **state)
         {"\xE2\x82", "??"},
         {"\xF5", "?"},
         {"\x80", "?"},
+        {"a\x7F", "a\x7F"},
     };
     char line[128], expected[128];
     (void)state;

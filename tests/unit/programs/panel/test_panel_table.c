@@ -69,6 +69,26 @@ static void each_change_is_one_of_its_signal(void **state)
     }
 }
 
+static size_t position(const char *text)
+{
+    cJSON *line = cJSON_Parse(text);
+    const size_t found = table_find(table, line);
+    cJSON_Delete(line);
+    return found;
+}
+
+static void a_signal_is_found_by_slave_and_name(void **state)
+{
+    (void)state;
+    assert_true(add("{\"slave\":1,\"name\":\"a\"}"));
+    assert_true(add("{\"slave\":2,\"name\":\"a\"}"));
+    assert_int_equal(position("{\"slave\":1,\"name\":\"a\"}"), 0);
+    assert_int_equal(position("{\"slave\":2,\"name\":\"a\",\"value\":1}"), 1);
+    assert_int_equal(position("{\"slave\":3,\"name\":\"a\"}"), TABLE_SIGNALS);
+    assert_int_equal(position("{\"slave\":1,\"name\":\"b\"}"), TABLE_SIGNALS);
+    assert_int_equal(position("{\"slave\":1}"), TABLE_SIGNALS);
+}
+
 static void lines_of_no_signal_are_refused(void **state)
 {
     static const char *const descriptions[] = {"{\"slave\":0,\"name\":\"a\"}",
@@ -150,6 +170,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(each_change_is_one_of_its_signal, begin, finish),
+        cmocka_unit_test_setup_teardown(a_signal_is_found_by_slave_and_name, begin, finish),
         cmocka_unit_test_setup_teardown(lines_of_no_signal_are_refused, begin, finish),
         cmocka_unit_test_setup_teardown(a_whole_number_of_more_than_15_digits_is_a_text, begin, finish),
         cmocka_unit_test_setup_teardown(the_number_of_a_change_is_never_0, begin, finish),
