@@ -125,6 +125,8 @@ static void values(void **state)
     page->due = true;
     expect("{\"event\":\"values\",\"bus\":1,\"values\":[[0,1]]}");
     expect("");
+    page->due = true;
+    expect(""); /* without a change */
     for (int i = 0; i < 1000; i++)
         from_bus("{\"slave\":2,\"name\":\"a\",\"value\":\"x\\\"\",\"time\":1.5}\n{\"slave\":2,\"name\":\"a\",\"value\":"
                  "2,\"time\":1.6}\n");
@@ -440,6 +442,98 @@ static void too_many_signals(void **state)
     skip_message();
     expect("{\"event\":\"trouble\",\"bus\":1,\"message\":\"this bus has more than 4096 signals: the panel shows none "
            "of them\"}");
+    bus_connected(&buses, bus, 78); /* again, with a signal less */
+    bus_poll(bus, false);
+    from_bus(OK);
+    bus_poll(bus, true);
+    from_bus(OK SIGNAL_A "\n" OK);
+    assert_true(bus->listed);
+}
+
+/* Half a reply of a connection is no part of a reply of the next one. */
+static void half_a_reply(void **state)
+{
+    (void)state;
+    open_bus();
+    assert_int_equal(from_page("{\"id\":9,\"bus\":1,\"request\":{\"op\":\"objects\"}}"), PAGE_PASS_ON);
+    from_bus("{\"index\":1}\n");
+    bus_connected(&buses, bus, 78);
+    from_bus(OK);
+    assert_int_equal(from_page("{\"id\":10,\"bus\":1,\"request\":{\"op\":\"objects\"}}"), PAGE_PASS_ON);
+    from_bus("{\"index\":2}\n" OK);
+    assert_int_equal(page->replies, 1);
+    assert_string_equal(page->reply[page->first].text, "{\"ok\":true,\"lines\":[{\"index\":2}]}");
+}
+
+/* The longest reply that a page gets, and one with a byte more. */
+static void lines_that_just_fit(void **state)
+{
+    char line[LINK_LINE];
+    (void)state;
+    open_bus();
+    for (int more = 0; more < 2; more++) {
+        assert_int_equal(from_page("{\"id\":9,\"bus\":1,\"request\":{\"op\":\"objects\"}}"), PAGE_PASS_ON);
+        const int lengths[] = {4090, 4090, BUS_LINES - 2 - 2 * 4090 - 2 + more};
+        for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
+            (void)snprintf(line, sizeof line, "{\"n\":\"%0*d\"}\n", lengths[i] - (int)strlen("{\"n\":\"\"}"), 0);
+            from_bus(line);
+        }
+        from_bus(OK);
+        const char *reply = page->reply[page->first].text;
+        if (more == 0)
+            assert_int_equal(strlen(reply), strlen("{\"ok\":true,\"lines\":[]}") + BUS_LINES - 2);
+        else
+            assert_non_null(strstr(reply, "the reply is too long for this panel"));
+        skip_message();
+    }
+}
+
+static void faults_of_each_reply(void **state)
+{
+    (void)state;
+    open_bus();
+    bus_poll(bus, true);
+    from_bus(OK "{\"frames\":2}\n" OK "{\"fault\":\"drop\"}\n{\"other\":1}\n" OK);
+    expect("{\"event\":\"faults\",\"bus\":1,\"faults\":[\"drop\"]}");
+    expect("{\"event\":\"stats\",\"bus\":1,\"counters\":{\"frames\":2},\"answers\":{\"answers\":[]}}");
+    from_bus(OK);
+    bus_poll(bus, true);
+    from_bus(OK OK "{\"other\":1}\n" OK);
+    expect("{\"event\":\"faults\",\"bus\":1,\"faults\":[]}");
+}
+
+static void faults_that_just_fit(void **state)
+{
+    enum { FIRST = 2000, SECOND = BUS_TEXT - FIRST - 4 };
+    char line[LINK_LINE];
+    (void)state;
+    from_bus(OK);
+    for (int more = 0; more < 2; more++) {
+        bus_poll(bus, true);
+        from_bus(more == 0 ? OK OK OK : OK OK);
+        (void)snprintf(line, sizeof line, "{\"fault\":\"%0*d\"}\n", FIRST - 2, 0);
+        from_bus(line);
+        (void)snprintf(line, sizeof line, "{\"fault\":\"%0*d\"}\n", SECOND - 2 + more, 0);
+        from_bus(line);
+        from_bus(OK OK);
+        assert_int_equal(bus->faults.length, more == 0 ? BUS_TEXT - 1 : FIRST + 2);
+        if (more == 0)
+            from_bus(OK); /* of the watch */
+    }
+}
+
+static void buses_by_their_number(void **state)
+{
+    static bus_t others[2] = {{.number = 7}, {.number = 9}};
+    (void)state;
+    buses.all[1] = &others[0];
+    buses.all[2] = &others[1];
+    buses.count = 3;
+    assert_ptr_equal(bus_find(&buses, 1), bus);
+    assert_ptr_equal(bus_find(&buses, 7), &others[0]);
+    assert_ptr_equal(bus_find(&buses, 9), &others[1]);
+    assert_null(bus_find(&buses, 8));
+    assert_null(bus_find(&buses, 0));
 }
 
 static void another_connection(void **state)
@@ -454,9 +548,12 @@ static void another_connection(void **state)
     expect("");
     bus_connected(&buses, bus, 78);
     from_bus("{\"devices\":\"fzm1\",\"slaves\":2}\n" OK);
-    bus_poll(bus, true);
-    from_bus("{\"devices\":\"fzm1\",\"slaves\":2}\n" OK SIGNAL_B "\n" OK);
     skip_message(); /* the list */
+    expect("");     /* its signals are not listed yet */
+    bus_poll(bus, true);
+    from_bus("{\"devices\":\"fzm1\",\"slaves\":2}\n" OK SIGNAL_B "\n");
+    expect("");
+    from_bus(OK);
     expect("{\"event\":\"signals\",\"bus\":1,\"of\":1,\"from\":0,\"signals\":[" SIGNAL_B "]}");
     from_bus("{\"frames\":1}\n{\"answers\":[]}\n" OK OK OK OK
              "{\"slave\":2,\"name\":\"a\",\"value\":3,\"time\":1.5}\n");
@@ -656,6 +753,11 @@ int main(int argc, char **argv)
         {"SEC: a page plots at most 128 signals, and those of the list", too_many_traces, begin, finish, NULL},
         {"A signal whose name has wildcards is not traced", wildcards, begin, finish, NULL},
         {"Faults that do not fit are omitted from the list", faults_that_do_not_fit, begin, finish, NULL},
+        {"The list of faults fits to its last byte", faults_that_just_fit, begin, finish, NULL},
+        {"Each reply has all faults, and a line without one adds none", faults_of_each_reply, begin, finish, NULL},
+        {"Half a reply ends with its connection", half_a_reply, begin, finish, NULL},
+        {"The reply of several lines fits to its last byte", lines_that_just_fit, begin, finish, NULL},
+        {"A bus is found by its number", buses_by_their_number, begin, finish, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
