@@ -18,6 +18,8 @@
 
 #include "bus/net/sandbox.h"
 
+enum { STACK = 512 * 1024, STACK_STEP = 4096 };
+
 static bool drop_capabilities(unsigned int keep)
 {
     struct __user_cap_header_struct header = {.version = _LINUX_CAPABILITY_VERSION_3};
@@ -50,12 +52,22 @@ int ect_rights_drop(unsigned int keep, char *message)
     return -1;
 }
 
-/* Locks the present memory, and later allocations only without a limit of locked memory: at the limit they would fail.
- */
+/* The stack grows in locked memory: beyond the limit its growth ends the process. Pages for later calls are touched
+ * here. */
+static void __attribute__((noinline)) grow_stack(void)
+{
+    volatile char stack[STACK];
+    for (size_t at = sizeof stack; at > 0; at -= STACK_STEP)
+        stack[at - 1] = 0;
+}
+
+/* Locked memory counts against a limit for those without rights: at the limit later allocations would fail, so what
+ * comes later is locked only where there is none. */
 static bool lock_memory(void)
 {
     struct rlimit limit = {.rlim_cur = RLIM_INFINITY, .rlim_max = RLIM_INFINITY};
     (void)setrlimit(RLIMIT_MEMLOCK, &limit);
+    grow_stack();
     bool unlimited = getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY;
     return mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0;
 }
