@@ -15,7 +15,8 @@ a count determine the same sample on every machine. Mutants without any visible 
 tests/budget/equivalent and do not count.
 
 The tests of a program are those of CTest named in PROGRAMS: unit tests of its library, and scripts that run it. A script must fail
-twice.
+of them reach the changed line; only those are run. A script notices a mutant when it fails with the mutant, passes without it, and fails
+with it again: on a busy machine, a script that is late notices nothing.
 
 Needs the packages of tools/test.sh. Works below build/mutate and build/mutate-programs; the tree is unchanged.
 """
@@ -31,6 +32,7 @@ import platform
 import random
 import re
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -43,6 +45,7 @@ EQUIVALENT = ROOT / "tests/budget/equivalent"
 LINK = ["--coverage", "-fsanitize=undefined", "-fsanitize=leak"]
 CONFORM = ROOT / "programs/ectwin-conform"
 LONGEST = 120  # seconds; limit of a test
+MARKS = 1 << 24  # bytes of a file of reached.c
 JUDGEMENTS = ["runner.c", "sha256.c", "report/decode.c", "report/words.c", "steps/expect.c", "steps/record.c", "steps/support.c",
               "steps/undo.c", "steps/verdict.c"]
 
@@ -172,7 +175,6 @@ class Program:
 
     LEAKS = "-fsanitize=leak"  # a block that is not freed is detected, as with asan
     FLAGS = "-fPIC -O0 -w --coverage"
-    TIMES = 1  # failures of a test that count as a detection
     PATIENCE = (2, 10)  # a test ends in so many seconds, and times what it takes without a mutant
 
     def configure(self):
@@ -249,6 +251,9 @@ class Program:
     def command(self, name, program, folder):
         """The command of a test: words and environment. `folder` has the library with the mutant."""
         return [program], environment(folder)
+
+    def notices(self, name, words, variables, seconds):
+        return not passes(words, variables, seconds)
 
     def tests_beside(self, source):
         """The tests of a source's own room, because a process started by a test may have executed a line without coverage."""
@@ -406,8 +411,8 @@ class Installed(Program):
     libraries of the build, because programs search for each other there; the folder replaces the build in the command of a test."""
 
     FLAGS = "-fPIC -O0 -w"  # coverage would write to the standard error of programs, which the scripts compare
-    TIMES = 2  # scripts start processes and wait for them
     PATIENCE = (10, 3)
+    WITHOUT_TWINS = ("session_doc", "session_lists")
 
     def __init__(self, room):
         self.LEAKS = Program.LEAKS if room == "programs/ectwin-panel" else ""  # --in-process also replaces functions of threads
@@ -433,21 +438,108 @@ class Installed(Program):
         for name in self.beside:
             (work / name).symlink_to(os.readlink(BUILD / name)) if (BUILD / name).is_symlink() else os.link(BUILD / name, work / name)
         for name, command in self.links.items():
-            archive = str(own.object.relative_to(BUILD)).split("/CMakeFiles/")[0] + f"/lib{own.target}.a"
             is_own = any((BUILD / word) == own.object for word in command)
-            if is_own or archive in command:
+            if is_own or self.archive(source) in command:
                 (work / name).unlink(missing_ok=True)
                 (work / name).parent.mkdir(parents=True, exist_ok=True)
                 link_as_built(name, work / name, mutant, own if is_own else None)
 
     def with_mutant(self, name, source, changed, work):
-        return None
+        """A folder with another program: one that checks for leaks, for the tests that start no twins, whose sandbox forbids that."""
+        if name not in self.WITHOUT_TWINS or (work / "ectwin").samefile(BUILD / "ectwin"):
+            return None
+        folder, own = work / "leaks", self.core[source]
+        folder.mkdir(exist_ok=True)
+        return link_as_built("ectwin", folder / "ectwin", work / "mutant.o", own if own.target == "ectwin" else None,
+                             Program.LEAKS).parent
 
     def tests_beside(self, source):
-        return sorted(self.seconds, key=self.seconds.get)
+        return []
+
+    def notices(self, name, words, variables, seconds):
+        """Scripts start processes and wait for them: a failure counts when the test passes without the mutant, and then fails again."""
+        for _ in range(3):
+            if passes(words, variables, seconds):
+                return False
+            if passes(*self.command(name, None, BUILD), seconds):
+                return not passes(words, variables, seconds)
+        print(f"{name} fails without a mutant, too: the machine is too busy", file=sys.stderr)
+        return False
+
+    def measure(self, sources):
+        """The same with the marks of reached.c in the place of gcov's counters."""
+        self.seconds, reached = {}, {}
+        with tempfile.TemporaryDirectory(dir=BUILD) as folder:
+            work = pathlib.Path(folder)
+            marks = self.link_marked(sources, work)
+            blocks = {name: blocks_of(work / name, sources) for name in marks}
+            for name in self.tests:
+                for file in marks.values():
+                    file.unlink(missing_ok=True)
+                    file.touch()
+                    os.truncate(file, MARKS)
+                begin = time.monotonic()
+                if not passes(*self.command(name, None, work), LONGEST):
+                    print(f"{name} fails, is skipped or takes more than {LONGEST} s without a mutant: left out", file=sys.stderr)
+                    continue
+                self.seconds[name] = time.monotonic() - begin
+                for program, file in marks.items():
+                    for mark in re.finditer(b"\1", file.read_bytes()):
+                        for place in blocks[program].get(mark.start(), ()):
+                            reached.setdefault(place, set()).add(name)
+        with_code = {place for found in blocks.values() for places in found.values() for place in places}
+        return self.with_lines_between(sources, reached, with_code)
+
+    def with_lines_between(self, sources, reached, with_code):
+        """A line without code of its own is reached with the next one that has some."""
+        for source in sources:
+            last = []
+            for line in range(len(source.read_text().split("\n")), -1, -1):
+                if (source, line) in with_code:
+                    last = sorted(reached.get((source, line), ()), key=self.seconds.get)
+                reached[source, line] = last
+        return reached
+
+    def link_marked(self, sources, work):
+        """Links all that has one of the sources, which are compiled with marks, into a folder. Returns name -> file of its marks."""
+        objects, marks = {}, {}
+        for number, source in enumerate(sources):
+            objects[source] = work / f"{number}" / self.core[source].object.name
+            objects[source].parent.mkdir()
+            if not self.core[source].compile(source, objects[source], ["-g", "-fsanitize-coverage=trace-pc"]):
+                raise RuntimeError(f"{source} with marks")
+        for name in self.beside:
+            (work / name).symlink_to(os.readlink(BUILD / name)) if (BUILD / name).is_symlink() else os.link(BUILD / name, work / name)
+        for name, command in self.links.items():
+            new = [str(next((objects[s] for s in sources if self.core[s].object == BUILD / word), word)) for word in command]
+            for archive in {self.archive(s) for s in sources} & set(command):
+                copy = work / "marked" / archive
+                members = [str(objects[s]) for s in sources if self.archive(s) == archive]
+                if not copy.exists():
+                    copy.parent.mkdir(parents=True)
+                    shutil.copy(BUILD / archive, copy)
+                    run("ar", "r", str(copy), *members, stderr=subprocess.DEVNULL)
+                new = [str(copy) if word == archive else word for word in new]
+            if new == command:
+                continue
+            (work / name).unlink(missing_ok=True)
+            (work / name).parent.mkdir(parents=True, exist_ok=True)
+            marks[name] = work / f"marks{len(marks)}"
+            mark = work / f"mark{len(marks)}.o"
+            run("cc", "-c", "-O2", "-fPIC", f'-DREACHED="{marks[name]}"', "-o", str(mark), str(ROOT / "tools/dev/reached.c"))
+            new[new.index("-o") + 1] = str(work / name)
+            new.insert(new.index("-o") + 2, str(mark))
+            run(*new, cwd=BUILD)
+        return marks
+
+    def archive(self, source):
+        """The library that has a source's object, as commands of the linker name it."""
+        own = self.core[source]
+        return str(own.object.relative_to(BUILD)).split("/CMakeFiles/")[0] + f"/lib{own.target}.a"
 
     def command(self, name, program, folder):
         command, given = self.ctest[name]
+        folder = program or folder
         words = [str(folder / w.removeprefix(f"{BUILD}/")) if (folder / w.removeprefix(f"{BUILD}/")).is_file() else w
                  for w in command]
         return words, environment(folder, **dict(g.split("=", 1) for g in given.split(";") if g))
@@ -466,6 +558,25 @@ def ctest():
 
 APART = {"conform": Conform, "bus/inprocess": InProcess, "text": Headers,  # rooms with their own tests
          **{room: functools.partial(Installed, room) for room in PROGRAMS}}
+
+
+def blocks_of(program, sources):
+    """The places in a program, as reached.c marks them -> (source, line from 0) of each line in the block that begins there."""
+    wanted = {str(source): source for source in sources}
+    blocks, block, place, called = {}, None, None, False
+    for text in run_for_text("objdump", "-d", "-l", "--no-show-raw-insn", str(program)).split("\n"):
+        if text.startswith("/"):
+            file, _, line = text.split(" ")[0].rpartition(":")
+            place = (wanted[file], int(line) - 1) if file in wanted and line.isdigit() else None
+        elif text.startswith(" "):
+            if called:
+                block = blocks.setdefault(int(text.split(":")[0], 16), set())
+            called = "<__sanitizer_cov_trace_pc>" in text
+            if block is not None and place and not called:
+                block.add(place)
+        elif text.endswith(">:"):
+            block, place, called = None, None, False
+    return blocks
 
 
 def link_command(target):
@@ -547,7 +658,7 @@ def verdict(program, reached, mutant):
             words, variables = program.command(name, program.with_mutant(name, source, changed, work), work)
             variables = {**variables, "GCOV_PREFIX": folder}
             seconds = program.PATIENCE[0] + program.PATIENCE[1] * program.seconds[name]
-            if all(not passes(words, variables, seconds) for _ in range(program.TIMES)):
+            if program.notices(name, words, variables, seconds):
                 return name
     return None
 
