@@ -500,7 +500,7 @@ static void address_is_reversed(const datagram_t *g, uint8_t type)
     enum { FLAGS_AT = 10, FIELDS_AT = 14, MAC = 6, HAS_MAC = 1, HAS_IP = 2, FULL = 62 };
     uint8_t *mail = data(g);
     const uint16_t length = ect_load_le16(mail);
-    if ((mail[6] & 0x0F) != type || length < 8 || length > g->length - MAIL_HEADER || (mail[FLAGS_AT] & HAS_IP) == 0)
+    if ((mail[6] & 0x0F) != type || length > g->length - MAIL_HEADER || (mail[FLAGS_AT] & HAS_IP) == 0)
         return;
     const unsigned int at = FIELDS_AT + (length >= FULL || (mail[FLAGS_AT] & HAS_MAC) != 0 ? MAC : 0u);
     if (at + 4u > (unsigned int)length + MAIL_HEADER)
@@ -575,7 +575,7 @@ static const defect_row_t rows[] = {
      .change = FROM(1, 255, 127)},
     {"CF-012", "a reset sequence does not get beyond its first letter", ANSWER, ECT_FPRD, ECT_REG_RESET_ECAT, 1,
      .change = FROM(1, 2, 1)},
-    {"CF-013", "a datagram without data counts", COUNT, ECT_FPRD, 0x0000, 0, .empty = true, .change = ANY(2, 1)},
+    {"CF-013", "a datagram without data counts", COUNT, ECT_FPRD, 0x0000, 0, .change = ANY(2, 1)},
     {"CF-014", "the circulating flag is taken away", CUSTOM, .after = no_circulating},
     {"CF-015", "the tenth datagram of a frame does not count", CUSTOM, .after = tenth_is_lost},
     {"CF-016", "the mailbox is full before its last byte", CUSTOM, .after = full_too_early},
@@ -779,9 +779,7 @@ static bool concerns(const defect_row_t *row, const datagram_t *g)
 {
     if (row->state != 0 && row->state != al_status(g))
         return false;
-    if (row->empty)
-        return g->command == row->command && g->length == 0;
-    return g->command == row->command && (row->length == 0 || row->length == g->length) && covers(g, row->address, 1);
+    return g->command == row->command && g->length == row->length && (g->length == 0 || covers(g, row->address, 1));
 }
 
 /* @return whether a mail has the index, sub-index and command of a row */

@@ -36,10 +36,9 @@ struct defect_row {
     kind_t kind;
     uint8_t command;  /* of the datagram; MAIL: SDO command, 0: any */
     uint16_t address; /* within the datagram; MAIL: index; SII_WORD: word; CATEGORY: type */
-    uint16_t length;  /* of the datagram, 0: any; MAIL: sub-index; CATEGORY: offset */
+    uint16_t length;  /* of the datagram; MAIL: sub-index; CATEGORY: offset */
     uint8_t state;    /* AL status of the slave, error flag included; 0: any */
     uint8_t at;       /* MAIL: offset of the value in the mail */
-    bool empty;       /* only datagrams without data */
     change_t change;
     void (*before)(defect_t *d, datagram_t *g);
     void (*after)(defect_t *d, datagram_t *g);

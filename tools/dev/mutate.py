@@ -51,7 +51,7 @@ JUDGEMENTS = ["runner.c", "sha256.c", "report/decode.c", "report/words.c", "step
 
 # The tests of each program, by name in CTest: scripts that take seconds, and write to no fixed folder.
 PROGRAMS = {
-    "programs/ectwin": ["test_library", "test_facts*", "test_verify*", "test_eni_*", "bus_file", "bus_options", "clone",
+    "programs/ectwin": ["test_defects", "test_library", "test_facts*", "test_verify*", "test_eni_*", "bus_file", "bus_options", "clone",
                         "command", "completion", "control", "eni", "esi_files", "external", "modbus_command", "replay", "save_bus",
                         "scenarios", "session", "verify"],
     "programs/ectwin-board": ["lan9252"],
