@@ -37,19 +37,6 @@ with_passes_status_and_interface() {
   check "with: a command that is killed" 137 "$("$ectwin" with vr-bu-ect-map1 -- sh -c 'kill -KILL $$' 2>/dev/null; echo $?)"
 }
 
-wrong_usage_is_1() {
-  for arguments in "" "nonsense" "run vr-bu-ect-map1" "run -i x" "run -i x nodevice" "with" "with vr-bu-ect-map1" \
-    "with nodevice -- true" "with --esc nochip fzm1 -- true" "with --fault nonsense fzm1 -- true" \
-    "with --wire 2:1.4 fzm1,fzm1 -- true" "with --wire 1:1.1 fzm1 -- true" "with --drift 2000 fzm1 -- true" "with --cable -1 fzm1 -- true" "with --cable 2.5 fzm1 -- true" \
-    "cut 1" "unplug 0" "with --esc 2:et1100 fzm1 -- true" "with --esc 0:et1100 fzm1 -- true" \
-    "with --esc et1200 vr-bu-ect-map7 -- true" "sii" "list extra" "run --vendor-id -5 -i x vr-bu-ect-map1"; do
-    # shellcheck disable=SC2086
-    "$ectwin" $arguments >/dev/null 2>"$work/err"
-    check "usage: '$arguments'" 1 $?
-    check "usage: '$arguments' says why" yes "$([ -s "$work/err" ] && echo yes)"
-  done
-}
-
 # Texts that name the cure.
 advice() {
   "$ectwin" with --set datta1=1 fzm1 -- true 2>"$work/err"
@@ -117,19 +104,6 @@ start_values_and_memory() {
     "'$ectwin' with --store '$work/store' fzm1 -- true; echo \$?" 2>/dev/null)"
   check "with: --set in any order" "output_period=40 output_time=30" "$("$ectwin" with --set output_period=40 --set output_time=30 \
     fzm1 -- "$ectwin" get 'output_[pt]*' 2>/dev/null | xargs)"
-  for connection in 1.data1 1.nosuch=2.data1 3.data1=1.data2 1.data1=1.data2 2.data1=1.data1,delay=5; do
-    "$ectwin" with --connect "$connection" fzm1,fzm1 -- true 2>"$work/err"
-    check "with: --connect $connection is refused" 1 $?
-    check "with: the line has the connection" yes "$(grep -qF -- "--connect $connection: " "$work/err" && echo yes)"
-  done
-  "$ectwin" with --panel 1,2,arm fzm1,fzm1 -- true 2>"$work/err"
-  check "with: --panel with a name that no twin has is refused" 1 $?
-  check "with: the line has the name" yes "$(grep -qF -- "--panel: 'arm' is no twin" "$work/err" && echo yes)"
-  for setting in data1 nosuch=1 node_address=10 2:data1=1; do
-    "$ectwin" with --set $setting fzm1 -- true 2>"$work/err"
-    check "with: --set $setting is refused" 1 $?
-    check "with: it says so" yes "$(grep -q -- '--set' "$work/err" && echo yes)"
-  done
 }
 
 signals_from_a_file() {
@@ -283,5 +257,5 @@ identity_reaches_each_file() {
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-run_cases list_names_the_devices list_names_the_modules with_passes_status_and_interface wrong_usage_is_1 advice advice_of_the_interface what_cannot_be_opened_is_2 start_values_and_memory signals_from_a_file every_change_is_reported \
+run_cases list_names_the_devices list_names_the_modules with_passes_status_and_interface advice advice_of_the_interface what_cannot_be_opened_is_2 start_values_and_memory signals_from_a_file every_change_is_reported \
   run_leaves_the_interface_as_found one_twin_an_interface with_ends_where_SIGCHLD_was_ignored two_at_the_same_time idle_uses_no_processor_time sii_writes_the_image files_agree identity_reaches_each_file

@@ -53,7 +53,7 @@ JUDGEMENTS = ["runner.c", "sha256.c", "report/decode.c", "report/words.c", "step
 PROGRAMS = {
     "programs/ectwin": ["test_defects", "test_library", "test_facts*", "test_verify*", "test_eni_*", "bus_file", "bus_options", "clone",
                         "command", "completion", "control", "eni", "esi_files", "external", "modbus_command", "replay", "save_bus",
-                        "scenarios", "session", "verify"],
+                        "scenarios", "session", "session_*", "verify"],
     "programs/ectwin-board": ["lan9252"],
     "programs/ectwin-conform": ["test_conform_*", "conformance", "conform_others", "conform_whole", "conform_command"],
     "programs/ectwin-panel": ["test_panel_*", "panel"],
