@@ -281,15 +281,20 @@ static void run_slave(const void *ctx)
     _exit(EXIT_RUN);
 }
 
-/* Without a ready line, waits as long as a firmware takes to start. */
-static void wait_until_ready(int ready)
+/* Without a ready line, waits as long as a firmware takes to start. A slave that ends closes the descriptor a moment
+ * before its end is reported. */
+static void wait_until_ready(child_t *child, int ready)
 {
-    enum { PATIENCE_MS = 5000 };
+    enum { PATIENCE_MS = 5000, END_MS = 1000 };
     char line[512];
     struct pollfd fd = {.fd = ready, .events = POLLIN};
-    ssize_t length = poll(&fd, 1, PATIENCE_MS) > 0 ? read(ready, line, sizeof line) : 0;
+    ssize_t length = poll(&fd, 1, PATIENCE_MS) > 0 ? read(ready, line, sizeof line) : -1;
     if (length > 0)
         (void)fwrite(line, 1, (size_t)length, stderr);
+    for (int ms = 0; length == 0 && child->slave_status < 0 && ms < END_MS; ms++) {
+        (void)poll(NULL, 0, 1);
+        (void)reap(child);
+    }
 }
 
 /* @return false: the slave does not run; the reason is printed */
@@ -306,7 +311,7 @@ static bool start_slave(const with_args_t *args, child_t *child)
         fprintf(stderr, "ectwin with: cannot start '%s': %s\n", args->external, strerror(errno));
     close(ready[1]);
     if (child->slave > 0)
-        wait_until_ready(ready[0]);
+        wait_until_ready(child, ready[0]);
     close(ready[0]);
     (void)reap(child);
     return child->slave > 0 && child->slave_status < 0;
