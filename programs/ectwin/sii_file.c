@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "sii_file.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -16,16 +17,16 @@ typedef struct hex_record {
 /* @return the error in the line; NULL: none */
 static const char *parse_record(const char *line, hex_record_t *record)
 {
-    unsigned int byte;
     uint8_t sum = 0;
     record->count = 0;
     if (*line++ != ':')
         return "does not begin with ':'";
-    for (; sscanf(line, "%2x", &byte) == 1 && line[0] > ' ' && line[1] > ' '; line += 2) {
+    for (; isxdigit((unsigned char)line[0]) && isxdigit((unsigned char)line[1]); line += 2) {
+        const char digits[] = {line[0], line[1], '\0'};
         if (record->count == sizeof record->bytes)
             return "is too long";
-        record->bytes[record->count++] = (uint8_t)byte;
-        sum = (uint8_t)(sum + byte);
+        record->bytes[record->count] = (uint8_t)strtoul(digits, NULL, 16);
+        sum = (uint8_t)(sum + record->bytes[record->count++]);
     }
     if (record->count < 5 || record->count != 5u + record->bytes[0])
         return "has another length than its first byte";
