@@ -5,7 +5,7 @@ usage: sessions.py [--accept] ECTWIN [NAME...]     NAME: sessions/NAME.txt; with
 
 A line "$ COMMAND" is run by a shell; the lines below it are expected on its standard output and standard error, "[N]" on a line of its
 own is its exit status other than 0; "Try `… --help'" is left out. A line with ; in front is a comment. The commands of a file share a
-folder, in which esi, eni, examples and fuzz are those of this tree. VERSION is the version of ectwin, FOLDER that folder. --accept writes
+folder, in which esi, eni, examples, fuzz and support are those of this tree. VERSION is the version of ectwin, FOLDER that folder. --accept writes
 the output into the files: read the difference before it is committed.
 """
 import concurrent.futures
@@ -19,7 +19,8 @@ import sys
 import tempfile
 
 TESTS = pathlib.Path(__file__).resolve().parents[1]
-FOLDERS = {"esi": TESTS / "esi", "eni": TESTS / "eni", "examples": TESTS.parent / "examples", "fuzz": TESTS / "fuzz/seeds"}
+FOLDERS = {"esi": TESTS / "esi", "eni": TESTS / "eni", "examples": TESTS.parent / "examples", "fuzz": TESTS / "fuzz/seeds",
+           "support": TESTS / "support"}
 LONGEST = 60  # s
 HELP = re.compile(r"Try `[^']*' or `[^']*' for\s+more\s+information\.\n")  # follows each message on wrong usage
 
