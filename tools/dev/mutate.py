@@ -53,12 +53,12 @@ JUDGEMENTS = ["runner.c", "sha256.c", "report/decode.c", "report/words.c", "step
 PROGRAMS = {
     "programs/ectwin": ["test_defects", "test_library", "test_facts*", "test_verify*", "test_eni_*", "bus_file", "bus_options", "clone",
                         "command", "completion", "control", "controller", "eni", "eoe", "esi_files", "external",
-                        "in_process_command", "lies", "modbus_command", "new_device", "replay", "save_bus",
+                        "in_process_command", "modbus_command", "new_device", "replay", "save_bus",
                         "scenarios", "session", "session_*", "verify"],
     "programs/ectwin-board": ["lan9252"],
     "programs/ectwin-conform": ["test_conform_*", "conformance", "conform_others", "conform_whole", "conform_command"],
     "programs/ectwin-panel": ["test_panel_*", "panel"],
-    "programs/ectwin-probe": ["capture", "lies", "replay", "session_probe", "verify"],
+    "programs/ectwin-probe": ["capture", "replay", "session_probe", "verify"],
 }
 
 WITH_APPLICATION = [ROOT / "src/soes"]  # compiled with each application
