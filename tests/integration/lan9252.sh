@@ -1,11 +1,10 @@
 #!/usr/bin/env bash
 # ectwin-board with a virtual LAN9252 under it, driven by SOEM over a veth pair.
-# usage: lan9252.sh BOARD_OF_TESTS ECTWIN_BOARD TEST_BASE_UNIT [CASE]
+# usage: lan9252.sh BOARD_OF_TESTS TEST_BASE_UNIT [CASE]
 set -u
 board=$1
-command=$2
-base_unit=$3
-only=${4:-}
+base_unit=$2
+only=${3:-}
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -13,7 +12,7 @@ trap 'rm -rf "$work"' EXIT
 # shellcheck source=tests/support/check.sh
 . "$(dirname "$0")/../support/check.sh"
 on_failure() {
-  echo "  alone: $0 $board $command $base_unit $case_name"
+  echo "  alone: $0 $board $base_unit $case_name"
   cat "$work/err" "$work/master" 2>/dev/null
 }
 
@@ -105,31 +104,5 @@ a_save_under_way() {
   check "a save under way is done before the end: records before, board, records after" "0 board 0 1" "$(xargs <"$work/out")"
 }
 
-# refuses STATUS PATTERN ARGUMENT...
-refuses() {
-  local status=$1 pattern=$2
-  shift 2
-  "$command" "$@" >/dev/null 2>"$work/err"
-  check "'$*'" "$status" $?
-  grep -q -- "$pattern" "$work/err" || check "'$*': it says so" "$pattern" "$(cat "$work/err")"
-}
-
-refused_arguments() {
-  refuses 2 "config.txt" --spi /dev/no-such-spidev fzm1
-  refuses 2 "no SPI device" --spi /dev/null fzm1
-  refuses 1 "there is no device 'nosuch'; there are: vr-bu-ect-map1" nosuch
-  refuses 1 "name the device"
-  refuses 1 "a number from 100000 to 30000000" --speed 40000000 fzm1
-  refuses 1 "a board is one device" fzm1 fzm1
-
-  "$command" --eeprom "$work/image" --alias 5 --serial 7 fzm1
-  check "--eeprom" 0 $?
-  check "--eeprom: PDI control, alias, serial number" "80 05 07" "$(od -An -tx1 -v "$work/image" | tr -d '\n' | awk '{print $1, $9, $29}')"
-  "$command" --eeprom "$work/image" --alias 010 --serial 0x10 fzm1
-  check "numbers: 010 is ten, 0x10 sixteen" "0a 10" "$(od -An -tx1 -v "$work/image" | tr -d '\n' | awk '{print $9, $29}')"
-  refuses 1 "--serial takes a number from 1 to 4294967295, not '0x'" --serial 0x fzm1
-  refuses 2 "cannot write '/dev/full'" --eeprom /dev/full fzm1
-}
-
 run_cases a_chip_with_faults reset_by_the_master reset_by_the_master_polled a_slow_chip polled by_the_interrupt_pin by_an_interrupt_pin_that_is_active_high \
-  registers_of_a_chip a_save_under_way refused_arguments
+  registers_of_a_chip a_save_under_way
