@@ -23,7 +23,8 @@ enum { BY_PDI = 0x01, TAKE_AWAY = 0x02, IN_USE = 0x01 };
 /* Takes the interface from the PDI: by force, if the PDI has not finished with it. */
 static ect_reader_result_t take(ect_reader_t *r)
 {
-    static const uint8_t steps[2] = {TAKE_AWAY, 0};
+    static const uint8_t by_force = TAKE_AWAY;
+    static const uint8_t to_master = 0;
     uint8_t owner[2];
     if (reader_get(r, ECT_REG_SII_CONFIG, owner, sizeof owner) != ECT_READER_OK)
         return r->result;
@@ -32,9 +33,9 @@ static ect_reader_result_t take(ect_reader_t *r)
     if ((owner[1] & IN_USE) != 0 && r->config.changes != ECT_READER_CHANGES_ALL)
         return reader_report(r, ECT_READER_DECLINED, "the PDI is using the EEPROM: try again later");
     r->sii_of_pdi = r->sii_of_pdi || (owner[0] & BY_PDI) != 0;
-    if ((owner[1] & IN_USE) != 0 && reader_put(r, ECT_REG_SII_CONFIG, steps, 1) != ECT_READER_OK)
+    if ((owner[1] & IN_USE) != 0 && reader_put(r, ECT_REG_SII_CONFIG, &by_force, 1) != ECT_READER_OK)
         return r->result;
-    return reader_put(r, ECT_REG_SII_CONFIG, steps + 1, 1);
+    return reader_put(r, ECT_REG_SII_CONFIG, &to_master, 1);
 }
 
 static ect_reader_result_t wait_ready(ect_reader_t *r, uint16_t *control)

@@ -126,12 +126,12 @@ typedef struct ect_reader {
     ect_reader_result_t result;      /**< of the last call */
     uint32_t code;                   /**< of ECT_READER_ABORTED and ECT_READER_REFUSED */
     char text[ECT_READER_TEXT];      /**< one line without a line end */
+    uint8_t objects[0x10000 / 8];    /**< a bit for each index: all ends within 65 536 steps */
     uint8_t frame[ECT_READER_FRAME]; /**< being sent */
     uint8_t reply[ECT_READER_FRAME]; /**< being received */
     uint8_t mail[ECT_READER_MAIL];   /**< last one received */
     uint8_t data[ECT_READER_VALUE];  /**< of the dictionary's descriptions and values */
     uint8_t value[ECT_READER_VALUE];
-    uint8_t objects[0x10000 / 8]; /**< a bit for each index, so that every walk ends within 65 536 steps */
 } ect_reader_t;
 
 /** Bytes within a reply, valid during the callback. */

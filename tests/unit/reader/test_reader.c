@@ -490,6 +490,7 @@ static void an_abort_is_reported_with_its_code_and_the_next_upload_works(void **
     size = sizeof value;
     assert_int_equal(ect_reader_upload(&reader, 0x1018, 2, false, value, &size), ECT_READER_OK);
     assert_int_equal(ect_load_le32(value), testdev.identity.product_code);
+    assert_int_equal(reader.result, ECT_READER_OK);
     assert_string_equal(reader.text, "");
     close_reader(&l);
 }

@@ -5,13 +5,17 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <sys/mman.h>
 
 #include "support/liar.h"
 #include "support/testdev.h"
 #include "wire/bytes.h"
 #include "wire/registers.h"
+#include "wire/sii.h"
 
 enum { INDEX = 0x2345, SUBINDEX = 6, EMERGENCY = 1, RESPONSE = 3, INFO = 8, EEPROM_TRIES = 10, SKIPS = 64 };
+enum { UPLOAD = 0x40, INIT = 1, PREOP = 2, GUARD = 4096 };
+enum { MAIL_OUT = 0x1000, MAIL_SIZE = 128, SM1_STATUS = ECT_REG_SM + ECT_SM_SIZE + ECT_SM_STATUS };
 
 static ect_reader_t reader;
 
@@ -107,8 +111,10 @@ static void a_read_of_the_eeprom_is_tried_ten_times(void **state)
         liar_t l;
         liar_open(&l, &testdev, &kind);
         l.number = silent;
+        const uint64_t begin_ns = l.w.now_ns;
         const ect_reader_result_t result = ect_reader_open(&reader, &l.link, NULL);
         assert_int_equal(result, silent < EEPROM_TRIES ? ECT_READER_OK : ECT_READER_WRONG);
+        assert_true(l.w.now_ns - begin_ns > silent * MS); /* an EEPROM that is writing needs milliseconds */
         if (silent == EEPROM_TRIES) {
             assert_string_equal(reader.text, "the EEPROM does not acknowledge a read of word 0x0000");
             assert_int_equal(l.number >> 16, EEPROM_TRIES);
@@ -116,6 +122,235 @@ static void a_read_of_the_eeprom_is_tried_ten_times(void **state)
         ect_reader_close(&reader);
         liar_close(&l);
     }
+}
+
+/* Sets an EEPROM of 128 KiB, the rest of which is a category from the header to `end`, without an end mark. */
+static void set_category(ect_esc_t *esc, uint8_t sii[1024], size_t end)
+{
+    memcpy(sii, esc->config.sii, ECT_READER_HEADER);
+    ect_store_le16(sii + 0x7C, ECT_READER_SII / 128 - 1);
+    ect_store_le16(sii + ECT_READER_HEADER, 30);
+    ect_store_le16(sii + ECT_READER_HEADER + 2, (uint16_t)((end - ECT_READER_HEADER - 4) / 2));
+    esc->config.sii = sii;
+    esc->config.sii_size = 1024;
+}
+
+/* The image ends at a page without access. */
+static void categories_up_to_the_end_of_an_eeprom_are_read(void **state)
+{
+    static const size_t ends[] = {ECT_READER_SII - 4, ECT_READER_SII - 2, ECT_READER_SII};
+    uint8_t *image = mmap(NULL, ECT_READER_SII + GUARD, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    (void)state;
+    assert_true(image != MAP_FAILED);
+    assert_int_equal(mprotect(image + ECT_READER_SII, GUARD, PROT_NONE), 0);
+    for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++) {
+        uint8_t sii[1024] = {0};
+        size_t size = 0;
+        liar_t l;
+        liar_open(&l, &testdev, NULL);
+        set_category(ect_chain_esc(l.w.chain, 0), sii, ends[i]);
+        assert_int_equal(ect_reader_open(&reader, &l.link, NULL), ECT_READER_OK);
+        assert_int_equal(ect_reader_sii_content(&reader, image, &size), ECT_READER_OK);
+        assert_int_equal(size, ECT_READER_SII);
+        ect_reader_close(&reader);
+        liar_close(&l);
+    }
+    assert_int_equal(munmap(image, ECT_READER_SII + GUARD), 0);
+}
+
+/* --- polls -------------------------------------------------------------------------------------------------------- */
+
+/* A wait of the reader: its polls are one command at one address, and a write to `begin` starts it. */
+typedef struct wait {
+    const char *title;
+    uint8_t command;
+    uint16_t address; /* 0: the mailbox to the slave */
+    uint16_t begin;   /* 0: the first poll */
+    uint8_t at, mask, value;
+    ect_reader_config_t config;
+    size_t polls; /* until the timeout */
+} wait_t;
+
+enum { POLLS = 20 };
+
+static const wait_t *waited;
+static uint64_t polled_ns[POLLS];
+static size_t polls;
+
+/* Keeps the times of the first polls, and changes a byte of its reply so that the wait goes on. */
+static bool keeps_waiting(liar_t *l, uint8_t *d, uint16_t ado, uint8_t *data, uint16_t length, uint8_t *wkc)
+{
+    const uint16_t address = waited->address != 0 ? waited->address : l->out_start;
+    (void)length;
+    if (d[0] == APWR && ado == waited->begin)
+        polls = 0;
+    if (d[0] != waited->command || ado != address)
+        return true;
+    if (polls < POLLS)
+        polled_ns[polls] = l->w.now_ns;
+    polls++;
+    if (d[0] == APWR)
+        ect_store_le16(wkc, 0);
+    else
+        data[waited->at] = (uint8_t)((data[waited->at] & ~waited->mask) | waited->value);
+    return true;
+}
+
+static liar_mail_t swallows(liar_t *l, const uint8_t *r)
+{
+    (void)l;
+    (void)r;
+    return LIAR_SWALLOWS;
+}
+
+/* The rows end at a poll exactly at the timeout, which is the last; a mailbox that is full is not polled then. */
+static void the_pause_between_polls_grows_until_the_timeout(void **state)
+{
+    static const wait_t rows[] = {
+        {"EEPROM busy", APRD, ECT_REG_SII_CONTROL, 0, 1, 0x80, 0x80, {.tries = 1}, 1006},
+        {"state not reached", APRD, ECT_REG_AL_STATUS, ECT_REG_AL_CONTROL, 0, 0x1F, INIT, {.state_ms = 9}, 24},
+        {"mailbox full", APWR, 0, 0, 0, 0, 0, {.tries = 1, .reply_ms = 9}, 23},
+        {"no reply", APRD, SM1_STATUS, MAIL_OUT, 0, 0, 0, {.tries = 1, .reply_ms = 10}, 25},
+    };
+    static const liar_kind_t kind = {"waited for", .request = swallows, .datagram = keeps_waiting};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t value[4];
+        size_t size = sizeof value;
+        liar_t l;
+        waited = &rows[i];
+        polls = 0;
+        liar_open(&l, &testdev, &kind);
+        if (ect_reader_open(&reader, &l.link, &waited->config) == ECT_READER_OK)
+            (void)ect_reader_upload(&reader, INDEX, SUBINDEX, false, value, &size);
+        if (reader.result != ECT_READER_SILENT || polls != waited->polls)
+            fail_msg("%s: expected %zu polls, got result %d after %zu", waited->title, waited->polls, reader.result,
+                     polls);
+        for (size_t n = 1; n < POLLS; n++) {
+            const uint64_t expected_ns = FRAME_NS + (n <= 8 ? 20000 : n <= 16 ? 200000 : MS);
+            if (polled_ns[n] - polled_ns[n - 1] != expected_ns)
+                fail_msg("%s, poll %zu: expected after %llu ns, got %llu", waited->title, n,
+                         (unsigned long long)expected_ns, (unsigned long long)(polled_ns[n] - polled_ns[n - 1]));
+        }
+        l.kind = NULL;
+        ect_reader_close(&reader);
+        liar_close(&l);
+    }
+}
+
+/* A slave without a chip on a clock that never moves: each frame returns processed, with zeros but for the EEPROM. */
+typedef struct still {
+    uint8_t command; /* a datagram that keeps the reader waiting */
+    uint16_t address;
+    uint8_t at, value; /* a byte of its data; at a write: its working counter is 0 */
+    uint8_t status;    /* AL status */
+    uint16_t word;     /* of the EEPROM */
+    size_t length;
+    uint64_t now_ns;
+    unsigned int polls;
+    uint8_t frame[ECT_READER_FRAME];
+} still_t;
+
+static void still_send(void *ctx, const uint8_t *frame, size_t length)
+{
+    still_t *s = ctx;
+    uint8_t *d = s->frame + 16, *data = d + 10;
+    const uint16_t ado = ect_load_le16(frame + 20), bytes = ect_load_le16(frame + 22) & 0x7FF;
+    memcpy(s->frame, frame, length);
+    s->length = length;
+    ect_store_le16(data + bytes, 1);
+    if (d[0] == APWR && ado == ECT_REG_SII_CONTROL && bytes == 6)
+        s->word = ect_load_le16(data + 2);
+    if (d[0] == APRD && ado == ECT_REG_SII_DATA && s->word == ECT_SII_AT_MAILBOX_OUT / 2)
+        ect_store_le32(data, MAIL_OUT | MAIL_SIZE << 16);
+    if (d[0] == APRD && ado == ECT_REG_SII_DATA && s->word == ECT_SII_AT_MAILBOX_IN / 2)
+        ect_store_le32(data, (MAIL_OUT + MAIL_SIZE) | MAIL_SIZE << 16);
+    if (d[0] == APRD && ado == ECT_REG_AL_STATUS)
+        data[0] = s->status;
+    if (d[0] == APRD && ado == ECT_REG_SM) {
+        ect_store_le32(data, MAIL_OUT | MAIL_SIZE << 16);
+        ect_store_le32(data + ECT_SM_SIZE, (MAIL_OUT + MAIL_SIZE) | MAIL_SIZE << 16);
+        data[ECT_SM_CONTROL] = 0x26;
+        data[ECT_SM_SIZE + ECT_SM_CONTROL] = 0x22;
+        data[ECT_SM_ACTIVATE] = data[ECT_SM_SIZE + ECT_SM_ACTIVATE] = 1;
+    }
+    if (d[0] != s->command || ado != s->address)
+        return;
+    s->polls++;
+    data[s->at] = s->value;
+    ect_store_le16(data + bytes, d[0] == APRD);
+}
+
+static size_t still_receive(void *ctx, uint8_t *frame, size_t room, uint64_t until_ns)
+{
+    const still_t *s = ctx;
+    (void)until_ns;
+    assert_true(s->length <= room);
+    memcpy(frame, s->frame, s->length);
+    return s->length;
+}
+
+static uint64_t still_now(void *ctx)
+{
+    return ((const still_t *)ctx)->now_ns;
+}
+
+static void still_wait(void *ctx, uint64_t until_ns)
+{
+    (void)ctx;
+    (void)until_ns;
+}
+
+static ect_reader_link_t link_of(still_t *s)
+{
+    return (ect_reader_link_t){
+        .ctx = s, .send = still_send, .receive = still_receive, .now = still_now, .wait = still_wait};
+}
+
+static void a_wait_ends_without_a_clock(void **state)
+{
+    enum { MOST = 100000 };
+    static const struct {
+        const char *title;
+        still_t slave;
+        unsigned int polls; /* with those before the wait: of the state found, of old mails */
+    } rows[] = {
+        {"EEPROM busy", {.command = APRD, .address = ECT_REG_SII_CONTROL, .at = 1, .value = 0x80}, MOST},
+        {"state not reached", {.command = APRD, .address = ECT_REG_AL_STATUS, .value = 0x0F}, 2 + MOST},
+        {"mailbox full", {.command = APWR, .address = MAIL_OUT, .status = PREOP}, MOST},
+        {"no reply", {.command = APRD, .address = SM1_STATUS, .status = PREOP}, 1 + MOST},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        static const ect_reader_config_t config = {.tries = 1};
+        still_t s = rows[i].slave;
+        const ect_reader_link_t link = link_of(&s);
+        uint8_t value[4];
+        size_t size = sizeof value;
+        if (ect_reader_open(&reader, &link, &config) == ECT_READER_OK)
+            (void)ect_reader_upload(&reader, INDEX, SUBINDEX, false, value, &size);
+        if (reader.result != ECT_READER_SILENT || s.polls != rows[i].polls)
+            fail_msg("%s: expected %u polls, got result %d after %u", rows[i].title, rows[i].polls, reader.result,
+                     s.polls);
+        s.command = 0;
+        ect_reader_close(&reader);
+    }
+}
+
+static void the_limit_is_a_time_to_the_nanosecond(void **state)
+{
+    static const ect_reader_config_t config = {.limit_ms = 5};
+    still_t s = {.now_ns = 7 * MS};
+    const ect_reader_link_t link = link_of(&s);
+    uint8_t byte;
+    (void)state;
+    assert_int_equal(ect_reader_open(&reader, &link, &config), ECT_READER_OK);
+    s.now_ns = 12 * MS - 1;
+    assert_int_equal(ect_reader_registers(&reader, ECT_REG_TYPE, &byte, 1), ECT_READER_OK);
+    s.now_ns = 12 * MS;
+    assert_int_equal(ect_reader_registers(&reader, ECT_REG_TYPE, &byte, 1), ECT_READER_STOPPED);
+    assert_string_equal(reader.text, "not finished within 5 ms");
+    ect_reader_close(&reader);
 }
 
 /* --- mails -------------------------------------------------------------------------------------------------------- */
@@ -284,6 +519,135 @@ static void a_list_that_is_repeated_begins_anew(void **state)
     assert_int_equal(counts[1], counts[0]);
 }
 
+/* --- values ------------------------------------------------------------------------------------------------------- */
+
+/* Objects of one byte, all readable; their uploads are noted. */
+static const uint16_t around[] = {0x0FFF, 0x1000, 0x1001, 0x1007, 0x1008, 0x1009, 0x1017, 0x1018, 0x1019,
+                                  0x15FF, 0x1600, 0x1BFF, 0x1C00, 0x1C0F, 0x1C10, 0x1C2F, 0x1C30};
+static uint16_t uploaded[32];
+static size_t uploads;
+
+static liar_mail_t has_objects_of_one_byte(liar_t *l, const uint8_t *r)
+{
+    const uint8_t opcode = r[8];
+    uint8_t list[6 + sizeof around] = {2, 0, 0, 0, 1, 0};
+    const uint8_t object[] = {4, 0, 0, 0, r[12], r[13], 5, 0, 0, 7};
+    const uint8_t entry[] = {6, 0, 0, 0, r[12], r[13], r[14], 0, 5, 0, 8, 0, 7, 0};
+    const uint8_t value[8] = {0x4F, r[9], r[10], r[11], 0};
+    for (size_t i = 0; i < sizeof around / sizeof around[0]; i++)
+        ect_store_le16(list + 6 + 2 * i, around[i]);
+    if (r[7] >> 4 != INFO) {
+        assert_true(opcode == UPLOAD && uploads < sizeof uploaded / sizeof uploaded[0]);
+        uploaded[uploads++] = ect_load_le16(r + 9);
+        liar_set_coe_mail(l, RESPONSE, value, sizeof value);
+    } else if (opcode == 1)
+        liar_set_coe_mail(l, INFO, list, sizeof list);
+    else if (opcode == 3)
+        liar_set_coe_mail(l, INFO, object, sizeof object);
+    else
+        liar_set_coe_mail(l, INFO, entry, sizeof entry);
+    return LIAR_REPLIES;
+}
+
+static void ignores_object(void *ctx, const ect_reader_object_t *object)
+{
+    (void)ctx;
+    (void)object;
+}
+
+static void ignores_entry(void *ctx, const ect_reader_object_t *object, const ect_reader_entry_t *entry)
+{
+    (void)ctx;
+    (void)object;
+    (void)entry;
+}
+
+static void values_of_identity_and_pdos_end_at_their_indices(void **state)
+{
+    static const uint16_t expected[] = {0x1000, 0x1008, 0x1018, 0x1600, 0x1BFF, 0x1C10, 0x1C2F};
+    static const liar_kind_t kind = {"objects of one byte", .request = has_objects_of_one_byte};
+    static const ect_reader_sink_t sink = {.object = ignores_object, .entry = ignores_entry};
+    liar_t l;
+    (void)state;
+    uploads = 0;
+    liar_open(&l, &testdev, &kind);
+    assert_int_equal(ect_reader_open(&reader, &l.link, NULL), ECT_READER_OK);
+    assert_int_equal(ect_reader_dictionary(&reader, ECT_READER_IDENTITY_AND_PDOS, &sink), ECT_READER_OK);
+    assert_int_equal(uploads, sizeof expected / sizeof expected[0]);
+    assert_memory_equal(uploaded, expected, sizeof expected);
+    ect_reader_close(&reader);
+    liar_close(&l);
+}
+
+/* 1C12h with one element, the PDO 1A00h in liar_t::number bytes. */
+static liar_mail_t assigns_in_some_bytes(liar_t *l, const uint8_t *r)
+{
+    const bool assignment = r[7] >> 4 == 2 && r[8] == UPLOAD && ect_load_le16(r + 9) == 0x1C12;
+    if (!assignment) {
+        if (r[7] >> 4 == 2 && uploads < sizeof uploaded / sizeof uploaded[0])
+            uploaded[uploads++] = ect_load_le16(r + 9);
+        return LIAR_PASSES;
+    }
+    const uint8_t bytes = r[11] == 0 ? 1 : (uint8_t)l->number;
+    uint8_t value[8] = {(uint8_t)(0x43 | (4 - bytes) << 2), r[9], r[10], r[11]};
+    ect_store_le32(value + 4, r[11] == 0 ? 1 : 0x1A00);
+    liar_set_coe_mail(l, RESPONSE, value, sizeof value);
+    return LIAR_REPLIES;
+}
+
+static void an_assigned_pdo_has_an_index_of_two_bytes(void **state)
+{
+    static const struct {
+        unsigned int bytes;
+        size_t uploads; /* of 1A00h: its count of three and its elements */
+    } rows[] = {{1, 0}, {2, 4}, {3, 4}, {4, 4}};
+    static const liar_kind_t kind = {"assigned", .request = assigns_in_some_bytes};
+    static const ect_reader_sink_t sink = {.object = ignores_object, .entry = ignores_entry};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        liar_t l;
+        uploads = 0;
+        liar_open(&l, &testdev, &kind);
+        l.number = rows[i].bytes;
+        assert_int_equal(ect_reader_open(&reader, &l.link, NULL), ECT_READER_OK);
+        assert_int_equal(ect_reader_assigned(&reader, 1u << 2, &sink), ECT_READER_OK);
+        if (uploads != rows[i].uploads || (uploads > 0 && uploaded[0] != 0x1A00))
+            fail_msg("%u bytes: expected %zu uploads of 1A00, got %zu, the first of %04X", rows[i].bytes,
+                     rows[i].uploads, uploads, uploaded[0]);
+        ect_reader_close(&reader);
+        liar_close(&l);
+    }
+}
+
+static liar_mail_t notes_uploads(liar_t *l, const uint8_t *r)
+{
+    (void)l;
+    if (r[7] >> 4 == 2 && uploads < sizeof uploaded / sizeof uploaded[0])
+        uploaded[uploads++] = ect_load_le16(r + 9);
+    return LIAR_PASSES;
+}
+
+static void each_sync_manager_has_its_assignment(void **state)
+{
+    static const liar_kind_t kind = {"noted", .request = notes_uploads};
+    static const ect_reader_sink_t sink = {.object = ignores_object, .entry = ignores_entry};
+    liar_t l;
+    (void)state;
+    liar_open(&l, &testdev, &kind);
+    assert_int_equal(ect_reader_open(&reader, &l.link, NULL), ECT_READER_OK);
+    for (unsigned int sm = 0; sm < 32; sm++) {
+        uploads = 0;
+        assert_int_equal(ect_reader_assigned(&reader, UINT32_C(1) << sm, &sink), ECT_READER_OK);
+        assert_true(uploads > 0);
+        assert_int_equal(uploaded[0], 0x1C10 + sm);
+    }
+    uploads = 0;
+    assert_int_equal(ect_reader_assigned(&reader, 0, &sink), ECT_READER_OK);
+    assert_int_equal(uploads, 0);
+    ect_reader_close(&reader);
+    liar_close(&l);
+}
+
 /* --- progress ----------------------------------------------------------------------------------------------------- */
 
 typedef struct steps {
@@ -307,13 +671,6 @@ static void takes_object(void *ctx, const ect_reader_object_t *object)
     ((steps_t *)ctx)->objects++;
 }
 
-static void takes_entry(void *ctx, const ect_reader_object_t *object, const ect_reader_entry_t *entry)
-{
-    (void)ctx;
-    (void)object;
-    (void)entry;
-}
-
 static void progress_counts_objects(void **state)
 {
     static const unsigned int limits[] = {UINT32_MAX, 0, 5};
@@ -321,7 +678,7 @@ static void progress_counts_objects(void **state)
     for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++) {
         steps_t steps = {.most = limits[i]};
         const ect_reader_config_t config = {.progress = takes_step, .progress_ctx = &steps};
-        const ect_reader_sink_t sink = {.object = takes_object, .entry = takes_entry, .ctx = &steps};
+        const ect_reader_sink_t sink = {.object = takes_object, .entry = ignores_entry, .ctx = &steps};
         size_t count;
         liar_t l;
         liar_open(&l, &testdev, NULL);
@@ -343,6 +700,36 @@ static void progress_counts_objects(void **state)
     }
 }
 
+/* The caller takes longer over the first entry than the reader may run. */
+static void holds_up(void *ctx, const ect_reader_object_t *object, const ect_reader_entry_t *entry)
+{
+    liar_t *l = ctx;
+    (void)object;
+    (void)entry;
+    l->number++;
+    wire_advance(&l->w, 600000 * MS);
+}
+
+static void fails_with_gap(void *ctx, const ect_reader_gap_t *gap)
+{
+    (void)ctx;
+    fail_msg("gap at %04X", gap->index);
+}
+
+static void a_limit_between_two_objects_is_no_gap(void **state)
+{
+    liar_t l;
+    const ect_reader_sink_t sink = {.object = ignores_object, .entry = holds_up, .gap = fails_with_gap, .ctx = &l};
+    (void)state;
+    liar_open(&l, &testdev, NULL);
+    assert_int_equal(ect_reader_open(&reader, &l.link, NULL), ECT_READER_OK);
+    assert_int_equal(ect_reader_dictionary(&reader, ECT_READER_IDENTITY_AND_PDOS, &sink), ECT_READER_STOPPED);
+    assert_string_equal(reader.text, "not finished within 600000 ms");
+    assert_int_equal(l.number, 1); /* 1000h has one entry */
+    ect_reader_close(&reader);
+    liar_close(&l);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -350,12 +737,27 @@ int main(int argc, char **argv)
          NULL},
         {"frames have their addresses, length and number", frames_are_numbered, NULL, NULL, NULL},
         {"an EEPROM without acknowledge is read ten times", a_read_of_the_eeprom_is_tried_ten_times, NULL, NULL, NULL},
+        {"the categories of an EEPROM end with it, without an end mark too",
+         categories_up_to_the_end_of_an_eeprom_are_read, NULL, NULL, NULL},
+        {"a poll follows the one before after 20 us, from the ninth after 200 us, from the seventeenth after 1 ms, "
+         "to the timeout",
+         the_pause_between_polls_grows_until_the_timeout, NULL, NULL, NULL},
+        {"a wait ends after 100000 polls on a clock that never moves", a_wait_ends_without_a_clock, NULL, NULL, NULL},
+        {"the limit stops the reader at its nanosecond", the_limit_is_a_time_to_the_nanosecond, NULL, NULL, NULL},
         {"a request skips 63 mails that are no reply", a_request_skips_63_mails, NULL, NULL, NULL},
         {"segment requests alternate, and have no content", segment_requests_alternate, NULL, NULL, NULL},
         {"the details of an entry are those that its description announces", details_are_those_announced, NULL, NULL,
          NULL},
         {"a list that is repeated has no object of the first", a_list_that_is_repeated_begins_anew, NULL, NULL, NULL},
+        {"the values of identity and PDOs are those of 1000h, 1008h, 1018h, 1600h to 1BFFh, 1C10h to 1C2Fh",
+         values_of_identity_and_pdos_end_at_their_indices, NULL, NULL, NULL},
+        {"an assigned PDO is read by an index of at least two bytes", an_assigned_pdo_has_an_index_of_two_bytes, NULL,
+         NULL, NULL},
+        {"SyncManager 0 to 31 have the assignments 1C10h to 1C2Fh", each_sync_manager_has_its_assignment, NULL, NULL,
+         NULL},
         {"progress counts the objects, and stops where it is refused", progress_counts_objects, NULL, NULL, NULL},
+        {"a limit that passes between two objects is no gap of the next", a_limit_between_two_objects_is_no_gap, NULL,
+         NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
