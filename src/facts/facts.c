@@ -264,7 +264,7 @@ static int by_key(const void *a, const void *b)
 {
     uint64_t left = key(*(const ect_fact_t *const *)a);
     uint64_t right = key(*(const ect_fact_t *const *)b);
-    return left < right ? -1 : left > right;
+    return (left > right) - (left < right);
 }
 
 /* Facts sorted by key, for a binary search. */

@@ -15,6 +15,7 @@
 
 #include "seams/device.h"
 #include "sii/sii.h"
+#include "support/every.h"
 #include "support/testdev.h"
 #include "wire/bytes.h"
 
@@ -233,6 +234,29 @@ static void each_byte_of_General_is_a_fact(void **state)
             fail_msg("byte %u: expected %s, got %s", rows[i].at, rows[i].text, text);
     }
     ect_facts_free(&f);
+}
+
+/* A category that is too short for the ports is none. */
+static void General_has_at_least_18_bytes(void **state)
+{
+    static const struct {
+        uint16_t words;
+        const char *current;
+    } rows[] = {{0, "none"}, {8, "none"}, {9, "-2 mA"}, {10, "-2 mA"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t image[512] = {0};
+        ect_facts_t f = {.source = "image"};
+        ect_store_le16(image + 0x80, ECT_SII_GENERAL);
+        ect_store_le16(image + 0x82, rows[i].words);
+        ect_store_le16(image + 0x84 + 12, (uint16_t)-2);
+        ect_store_le16(image + 0x84 + 2 * (size_t)rows[i].words, ECT_SII_END);
+        ect_facts_of_sii(&f, image, sizeof image);
+        const char *current = text_of(&f, ECT_FACT_EBUS, 0, 0);
+        if (strcmp(current, rows[i].current) != 0)
+            fail_msg("%u words: expected %s, got %s", rows[i].words, rows[i].current, current);
+        ect_facts_free(&f);
+    }
 }
 
 static void long_values_of_a_file_are_compared_by_their_sum(void **state)
@@ -570,7 +594,45 @@ static void an_image_has_a_fact_of_each_field(void **state)
     ect_facts_free(&g);
 }
 
-/* The PDOs of a slave with CoE may be in its dictionary alone: an image with PDOs of one direction is whole. */
+static bool has_kind(const ect_facts_t *facts, ect_fact_kind_t kind)
+{
+    for (size_t i = 0; i < facts->count; i++) {
+        if (facts->list[i].kind == kind)
+            return true;
+    }
+    return false;
+}
+
+static void expect_places(const char *device, const ect_facts_t *facts, const ect_facts_t *others)
+{
+    for (size_t i = 0; i < facts->count; i++) {
+        const ect_fact_t *f = &facts->list[i];
+        if (has_kind(others, f->kind) && strcmp(text_of(others, f->kind, f->index, f->element), "none") == 0 &&
+            (f->text == NULL || strcmp(f->text, "none") != 0))
+            fail_msg("%s: kind %d of %s at %04X:%u: none of %s", device, f->kind, facts->source, f->index, f->element,
+                     others->source);
+    }
+}
+
+/* Facts at different places are never compared. */
+static void a_device_and_its_image_have_their_facts_at_the_same_places(void **state)
+{
+    (void)state;
+    for (size_t i = 0; every_device(i) != NULL; i++) {
+        const ect_device_t *device = every_device(i);
+        uint8_t image[8192];
+        ect_facts_t f = {.source = "image"}, g = {.source = "description"};
+        assert_true(device->sii_size <= sizeof image);
+        assert_true(ect_sii_write(device, NULL, 0, image, device->sii_size) > 0);
+        ect_facts_of_sii(&f, image, device->sii_size);
+        ect_facts_of_device(&g, device);
+        expect_places(device->name, &f, &g);
+        expect_places(device->name, &g, &f);
+        ect_facts_free(&f);
+        ect_facts_free(&g);
+    }
+}
+
 /* The default of a constant is its value: a difference is one of the description, and reported there. */
 static void a_constant_has_no_default(void **state)
 {
@@ -603,6 +665,7 @@ static void a_constant_has_no_default(void **state)
     }
 }
 
+/* The PDOs of a slave with CoE may be in its dictionary alone: an image with PDOs of one direction is whole. */
 static void an_image_with_coe_has_all_pdos_or_none(void **state)
 {
     static const struct {
@@ -779,6 +842,7 @@ int main(void)
         cmocka_unit_test(helpers_write_facts_as_texts),
         cmocka_unit_test(a_sum_is_that_of_FNV_1a),
         cmocka_unit_test(each_byte_of_General_is_a_fact),
+        cmocka_unit_test(General_has_at_least_18_bytes),
         cmocka_unit_test(long_values_of_a_file_are_compared_by_their_sum),
         cmocka_unit_test(a_part_is_missed_only_where_its_whole_is_there),
         cmocka_unit_test(facts_without_a_text_are_equal_to_any),
@@ -791,6 +855,7 @@ int main(void)
         cmocka_unit_test(a_value_that_the_slave_did_not_give_is_no_fact),
         cmocka_unit_test(any_dictionary_is_read_or_refused),
         cmocka_unit_test(an_image_has_a_fact_of_each_field),
+        cmocka_unit_test(a_device_and_its_image_have_their_facts_at_the_same_places),
         cmocka_unit_test(a_constant_has_no_default),
         cmocka_unit_test(an_image_with_coe_has_all_pdos_or_none),
         cmocka_unit_test(an_image_shorter_than_its_header_is_one_fact),
