@@ -264,9 +264,75 @@ static void ENI_013_a_sync_manager_has_the_line_of_its_element_or_of_its_write(v
         ect_esi_t *esi;
         const ect_esi_device_t *model = model_of("lines", rows[i].text, &esi);
         assert_true(model->sm_count > 0);
+        assert_int_equal(model->line, 2);
         assert_int_equal(model->sms[0].line, rows[i].line);
         assert_int_equal(model->sms[0].start, rows[i].start);
         assert_int_equal(model->sms[0].control, rows[i].control);
+        ect_esi_close(esi);
+    }
+}
+
+/* A file that has the mailboxes and start-up commands alone. */
+static void ENI_013_sync_managers_of_assigned_pdos_lie_behind_the_mailboxes(void **state)
+{
+#define ASSIGN(attributes, index, sub, data)                                                                           \
+    "<InitCmd" attributes "><Transition>PS</Transition><Index>" index "</Index><SubIndex>" sub "</SubIndex>" data      \
+    "</InitCmd>"
+#define BOXES_AND(send, send_length, receive, receive_length, commands)                                                \
+    ENI_ONE("", "<Mailbox><Send><Start>" send "</Start><Length>" send_length "</Length></Send><Recv><Start>" receive   \
+                "</Start><Length>" receive_length "</Length></Recv><CoE><InitCmds>" commands                           \
+                "</InitCmds></CoE></Mailbox>")
+#define ONE "<Data>0016</Data>"
+    static const struct {
+        const char *title, *text;
+        size_t count;
+        uint16_t start; /* of the last SyncManager */
+        const char *type;
+        uint8_t control;
+    } rows[] = {
+        {"SyncManager 2", BOXES_AND("4096", "128", "4224", "128", ASSIGN("", "#x1C12", "1", ONE)), 3, 0x1100, "Outputs",
+         0x64},
+        {"the mailboxes in the other order", BOXES_AND("4224", "128", "4096", "128", ASSIGN("", "#x1C12", "1", ONE)), 3,
+         0x1100, "Outputs", 0x64},
+        {"one byte more of the second", BOXES_AND("4096", "128", "4224", "129", ASSIGN("", "#x1C12", "1", ONE)), 3,
+         0x1200, "Outputs", 0x64},
+        {"one byte more of the first, behind the second",
+         BOXES_AND("4224", "129", "4096", "128", ASSIGN("", "#x1C12", "1", ONE)), 3, 0x1200, "Outputs", 0x64},
+        {"SyncManager 3", BOXES_AND("4096", "128", "4224", "128", ASSIGN("", "#x1C13", "1", "<Data>001a</Data>")), 4,
+         0x1500, "Inputs", 0x20},
+        {"the last PDO of outputs",
+         BOXES_AND("4096", "128", "4224", "128", ASSIGN("", "#x1C12", "1", "<Data>ff19</Data>")), 3, 0x1100, "Outputs",
+         0x64},
+        {"complete access",
+         BOXES_AND("4096", "128", "4224", "128", ASSIGN(" CompleteAccess='1'", "#x1C12", "0", "<Data>01000016</Data>")),
+         3, 0x1100, "Outputs", 0x64},
+        {"complete access from sub-index 1",
+         BOXES_AND("4096", "128", "4224", "128", ASSIGN(" CompleteAccess='1'", "#x1C12", "1", ONE)), 3, 0x1100,
+         "Outputs", 0x64},
+        {"complete access to the count alone",
+         BOXES_AND("4096", "128", "4224", "128", ASSIGN(" CompleteAccess='1'", "#x1C12", "0", "<Data>0000</Data>")), 2,
+         0x1080, "MBoxIn", 0x22},
+        {"the count", BOXES_AND("4096", "128", "4224", "128", ASSIGN("", "#x1C12", "0", ONE)), 2, 0x1080, "MBoxIn",
+         0x22},
+        {"one byte", BOXES_AND("4096", "128", "4224", "128", ASSIGN("", "#x1C12", "1", "<Data>16</Data>")), 2, 0x1080,
+         "MBoxIn", 0x22},
+        {"an upload", BOXES_AND("4096", "128", "4224", "128", ASSIGN("", "#x1C12", "1", "")), 2, 0x1080, "MBoxIn",
+         0x22},
+        {"SyncManager 15", BOXES_AND("4096", "128", "4224", "128", ASSIGN("", "#x1C1F", "1", ONE)), 16,
+         0x1100 + 13 * 0x400, "Outputs", 0x64},
+        {"no SyncManager of a twin", BOXES_AND("4096", "128", "4224", "128", ASSIGN("", "#x1C20", "1", ONE)), 2, 0x1080,
+         "MBoxIn", 0x22},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_esi_t *esi;
+        const ect_esi_device_t *model = model_of(rows[i].title, rows[i].text, &esi);
+        const ect_esi_sm_t *sm = model->sm_count > 0 ? &model->sms[model->sm_count - 1] : NULL;
+        if (sm == NULL || model->sm_count != rows[i].count || sm->start != rows[i].start ||
+            strcmp(sm->type, rows[i].type) != 0 || sm->control != rows[i].control || sm->line != 2)
+            fail_msg("%s: got %zu SyncManagers, the last at 0x%04X, %s, control 0x%02X, line %d", rows[i].title,
+                     model->sm_count, sm != NULL ? sm->start : 0u, sm != NULL ? sm->type : "",
+                     sm != NULL ? sm->control : 0u, sm != NULL ? sm->line : 0);
         ect_esi_close(esi);
     }
 }
@@ -371,6 +437,7 @@ int main(void)
         cmocka_unit_test(ENI_014_a_pdo_belongs_to_the_sync_manager_that_lists_it),
         cmocka_unit_test(a_boot_mailbox_and_an_explicit_device_id_are_taken_over),
         cmocka_unit_test(ENI_013_a_sync_manager_has_the_line_of_its_element_or_of_its_write),
+        cmocka_unit_test(ENI_013_sync_managers_of_assigned_pdos_lie_behind_the_mailboxes),
         cmocka_unit_test(ENI_019_a_write_of_the_activation_makes_the_clock),
         cmocka_unit_test(ENI_021_IdentifyCmd_is_the_alias_of_a_slave_without_Identification),
         cmocka_unit_test(ENI_021_the_identification_has_the_register_that_the_file_names),

@@ -2,6 +2,7 @@
 /* Network files in all found forms are read, or refused with one line. */
 #include "from_text.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 
 #define CASE(test) cmocka_unit_test(test)
@@ -144,6 +145,201 @@ static void ENI_002_numbers_have_every_notation_and_negative_identities_are_larg
         assert_int_equal(slave_of(eni, 0)->serial, numbers[i].value);
         free_eni(eni);
     }
+}
+
+/* A number element in its place, and the values that it may have. */
+#define OF_INFO(element)    ENI_ONE(element, "")
+#define OF_COMMAND(element) ENI_COMMAND("<Cmd>5</Cmd>" element)
+#define OF_LOGICAL(element) ENI_COMMAND("<Cmd>10</Cmd>" element)
+#define OF_SLAVE(element)   ENI_ONE("", element)
+#define OF_CONFIG(element)  ENI_HEAD "\n" ENI_SLAVE("", "") element ENI_TAIL
+#define OF_MAIL(protocol, element)                                                                                     \
+    ENI_ONE("", "<Mailbox><" protocol "><InitCmd>" element "</InitCmd></" protocol "></Mailbox>")
+
+static const struct {
+    const char *name, *text; /* %s: the element */
+    int64_t low, high;
+} ranges[] = {
+    {"PhysAddr", OF_INFO("%s"), 0, UINT16_MAX},
+    {"SerialNo", OF_INFO("%s"), INT32_MIN, UINT32_MAX},
+    {"Ado", OF_INFO("<Identification Value='1'>%s</Identification>"), 0, UINT16_MAX},
+    {"BitStart", OF_SLAVE("<ProcessData><Send>%s</Send></ProcessData>"), 0, UINT32_MAX},
+    {"BitLength", OF_SLAVE("<ProcessData><Recv>%s</Recv></ProcessData>"), 0, UINT32_MAX},
+    {"MinSize", OF_SLAVE("<ProcessData><Sm0>%s</Sm0></ProcessData>"), 0, UINT16_MAX},
+    {"MaxSize", OF_SLAVE("<ProcessData><Sm0>%s</Sm0></ProcessData>"), 0, UINT16_MAX},
+    {"DefaultSize", OF_SLAVE("<ProcessData><Sm0>%s</Sm0></ProcessData>"), 0, UINT16_MAX},
+    {"StartAddress", OF_SLAVE("<ProcessData><Sm15>%s</Sm15></ProcessData>"), 0, UINT16_MAX},
+    {"ControlByte", OF_SLAVE("<ProcessData><Sm0>%s</Sm0></ProcessData>"), 0, UINT8_MAX},
+    {"Pdo", OF_SLAVE("<ProcessData><Sm0>%s</Sm0></ProcessData>"), 0, UINT16_MAX},
+    {"Start", OF_SLAVE("<Mailbox><Send>%s</Send></Mailbox>"), 0, UINT16_MAX},
+    {"Length", OF_SLAVE("<Mailbox><Recv>%s</Recv></Mailbox>"), 0, UINT16_MAX},
+    {"PhysAddr", OF_SLAVE("<PreviousPort><Port>B</Port>%s</PreviousPort>"), 0, UINT16_MAX},
+    {"GroupMemberCnt", OF_SLAVE("<HotConnect>%s</HotConnect>"), 1, ECT_ENI_SLAVES},
+    {"CycleTime0", OF_SLAVE("<DC>%s</DC>"), INT32_MIN, UINT32_MAX},
+    {"CycleTime1", OF_SLAVE("<DC>%s</DC>"), INT32_MIN, UINT32_MAX},
+    {"ShiftTime", OF_SLAVE("<DC>%s</DC>"), INT32_MIN, UINT32_MAX},
+    {"Cmd", ENI_COMMAND("%s<Ado>0</Ado>"), 0, 14},
+    {"Adp", OF_COMMAND("%s<Ado>0</Ado>"), INT16_MIN, UINT16_MAX},
+    {"Ado", OF_COMMAND("%s"), 0, UINT16_MAX},
+    {"Addr", OF_LOGICAL("%s"), INT32_MIN, UINT32_MAX},
+    {"DataLength", OF_COMMAND("%s<Ado>0</Ado>"), 0, 1486},
+    {"Cnt", OF_COMMAND("%s<Ado>0</Ado>"), 0, UINT16_MAX},
+    {"Retries", OF_COMMAND("%s<Ado>0</Ado>"), 0, UINT32_MAX},
+    {"InputOffs", OF_COMMAND("%s<Ado>0</Ado>"), 0, UINT32_MAX},
+    {"OutputOffs", OF_COMMAND("%s<Ado>0</Ado>"), 0, UINT32_MAX},
+    {"Timeout", OF_COMMAND("<Ado>0</Ado><Validate>%s</Validate>"), 0, UINT32_MAX},
+    {"SrcBitOffs", OF_COMMAND("<Ado>0</Ado><CopyInfos><CopyInfo>%s</CopyInfo></CopyInfos>"), 0, UINT32_MAX},
+    {"DstBitOffs", OF_COMMAND("<Ado>0</Ado><CopyInfos><CopyInfo>%s</CopyInfo></CopyInfos>"), 0, UINT32_MAX},
+    {"BitSize", OF_COMMAND("<Ado>0</Ado><CopyInfos><CopyInfo>%s</CopyInfo></CopyInfos>"), 0, UINT32_MAX},
+    {"Index", OF_MAIL("CoE", "%s"), 0, UINT16_MAX},
+    {"SubIndex", OF_MAIL("CoE", "<Index>0</Index>%s"), 0, UINT8_MAX},
+    {"Timeout", OF_MAIL("CoE", "<Index>0</Index>%s"), 0, UINT32_MAX},
+    {"Timeout", OF_MAIL("EoE", "%s"), 0, UINT32_MAX},
+    {"Type", OF_MAIL("EoE", "%s"), 0, 15},
+    {"OpCode", OF_MAIL("SoE", "%s"), 0, UINT8_MAX},
+    {"DriveNo", OF_MAIL("SoE", "%s"), 0, 7},
+    {"Elements", OF_MAIL("SoE", "%s"), 0, UINT8_MAX},
+    {"IDN", OF_MAIL("SoE", "%s"), 0, UINT16_MAX},
+    {"OpCode", OF_MAIL("FoE", "%s"), 0, UINT8_MAX},
+    {"Password", OF_MAIL("FoE", "%s"), 0, UINT32_MAX},
+    {"CycleTime", OF_CONFIG("<Cyclic>%s</Cyclic>"), 0, UINT32_MAX},
+    {"ByteSize", OF_CONFIG("<ProcessImage><Inputs>%s</Inputs></ProcessImage>"), 0, UINT32_MAX},
+    {"BitSize", OF_CONFIG("<ProcessImage><Inputs><Variable>%s</Variable></Inputs></ProcessImage>"), 0, UINT32_MAX},
+    {"BitOffs", OF_CONFIG("<ProcessImage><Outputs><Variable>%s</Variable></Outputs></ProcessImage>"), 0, UINT32_MAX},
+    {"Count", "<EtherCATConfig><Config><Master><MailboxStates>\n%s</MailboxStates></Master>" ENI_SLAVE("", "") ENI_TAIL,
+     0, UINT32_MAX},
+};
+
+static void ENI_002_each_number_has_a_range(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
+        const int64_t values[] = {ranges[i].low, ranges[i].high, ranges[i].low - 1, ranges[i].high + 1};
+        for (size_t k = 0; k < 4; k++) {
+            char element[100], text[900], why[400] = "", expected[400] = "";
+            (void)snprintf(element, sizeof element, "<%s>%" PRId64 "</%s>", ranges[i].name, values[k], ranges[i].name);
+            const char *at = strstr(ranges[i].text, "%s");
+            (void)snprintf(text, sizeof text, "%.*s%s%s", (int)(at - ranges[i].text), ranges[i].text, element, at + 2);
+            if (k >= 2)
+                (void)snprintf(expected, sizeof expected, "t.xml:2: %s is %" PRId64 ", not %" PRId64 " to %" PRId64,
+                               ranges[i].name, values[k], ranges[i].low, ranges[i].high);
+            ect_eni_t *eni = ect_eni_parse("t.xml", text, strlen(text), why, sizeof why);
+            if ((eni != NULL) != (k < 2) || strcmp(why, expected) != 0)
+                fail_msg("row %zu, %s: expected \"%s\", got \"%s\"", i, element, expected, why);
+            ect_eni_close(eni);
+        }
+    }
+}
+
+/* Elements without content, each on a line of its own. */
+static const char bare[] =
+    "<EtherCATConfig><Config><Master><InitCmds>\n<InitCmd><Cmd>0</Cmd></InitCmd></InitCmds></Master>"
+    "\n<Slave>" ENI_INFO("<Identification/>") "<ProcessData><Send/><Recv/>\n<Sm0/></ProcessData><Mailbox><Send/><Recv/>"
+                                              "<BootStrap/><CoE>\n<InitCmd><Index>0</Index></InitCmd></"
+                                              "CoE><EoE>\n<InitCmd><Type>0</Type></InitCmd></EoE>"
+                                              "<SoE>\n<InitCmd><IDN>0</IDN></InitCmd></"
+                                              "SoE><FoE>\n<InitCmd><FileName>a</FileName></InitCmd></FoE></Mailbox>"
+                                              "<InitCmds>\n<InitCmd><Cmd>0</Cmd><CopyInfos>\n<CopyInfo/></"
+                                              "CopyInfos><Validate/></InitCmd></InitCmds>"
+                                              "\n<PreviousPort><Port>B</Port></PreviousPort><HotConnect/><DC/></"
+                                              "Slave><Cyclic>\n<Frame>\n<Cmd><Cmd>0</Cmd></Cmd>"
+                                              "</Frame></Cyclic><ProcessImage><Inputs>\n<Variable/></Inputs><Outputs/"
+                                              "></ProcessImage>" ENI_TAIL;
+
+static void ENI_002_a_number_that_is_absent_is_0_but_for_counters_groups_and_elements(void **state)
+{
+    (void)state;
+    ect_eni_t *eni = eni_of("bare", bare);
+    const ect_eni_network_t *network = ect_eni_network(eni);
+    const ect_eni_slave_t *s = slave_of(eni, 0);
+    const ect_eni_command_t *c = s->commands;
+    const ect_eni_mailbox_t *m = &s->mailbox;
+    const ect_eni_mail_t *eoe = &m->mails[0], *soe = &m->mails[1], *foe = &m->mails[2];
+    const struct {
+        const char *what;
+        int64_t value, expected;
+    } numbers[] = {
+        {"members of a group", s->members, 1},
+        {"Cnt", c->counter, -1},
+        {"Elements", soe->elements, 0x40},
+        {"OpCode of SoE", soe->type, 1},
+        {"OpCode of FoE", foe->type, 1},
+        {"port", s->previous.port, 1},
+        {"PhysAddr", s->address, 0},
+        {"AutoIncAddr", s->place.given, 0},
+        {"SerialNo", s->serial, 0},
+        {"Identification", s->identification.given, 0},
+        {"value of Identification", s->identification.value, 0},
+        {"Ado of Identification", s->identification_ado, 0},
+        {"BitStart", s->sends[0].start | s->receives[0].start, 0},
+        {"BitLength", s->sends[0].length | s->receives[0].length, 0},
+        {"MinSize", s->sms[0].minimum, 0},
+        {"MaxSize", s->sms[0].maximum, 0},
+        {"DefaultSize", s->sms[0].size.given, 0},
+        {"value of DefaultSize", s->sms[0].size.value, 0},
+        {"StartAddress", s->sms[0].start, 0},
+        {"ControlByte", s->sms[0].control, 0},
+        {"start of a mailbox", m->send.start | m->receive.start | m->boot_send.start | m->boot_receive.start, 0},
+        {"length of a mailbox", m->send.length | m->receive.length | m->boot_send.length | m->boot_receive.length, 0},
+        {"StatusBitAddr", m->status_bit.given, 0},
+        {"sub-index", m->commands[0].subindex, 0},
+        {"timeout of CoE", m->commands[0].timeout_ms, 0},
+        {"timeout of a mail", eoe->timeout_ms | soe->timeout_ms | foe->timeout_ms, 0},
+        {"type of EoE", eoe->type, 0},
+        {"DriveNo", soe->drive, 0},
+        {"Password", foe->password, 0},
+        {"address of the neighbour", s->previous.address, 0},
+        {"CycleTime0", s->cycle0_ns, 0},
+        {"CycleTime1", s->cycle1_ns, 0},
+        {"ShiftTime", s->shift_ns, 0},
+        {"Adp", c->adp, 0},
+        {"Ado", c->ado, 0},
+        {"Addr", c->address, 0},
+        {"DataLength", (int64_t)c->data.length, 0},
+        {"Retries", c->retries, 0},
+        {"InputOffs", c->input_offset, 0},
+        {"OutputOffs", c->output_offset, 0},
+        {"Timeout of Validate", c->validate.timeout_ms, 0},
+        {"comparison", c->validate.compare, ECT_ENI_EQ},
+        {"SrcBitOffs", c->copies[0].source, 0},
+        {"DstBitOffs", c->copies[0].target, 0},
+        {"BitSize of a copy", c->copies[0].bits, 0},
+        {"CycleTime", network->cyclics[0].cycle_us, 0},
+        {"ByteSize", network->inputs.bytes | network->outputs.bytes, 0},
+        {"BitSize", network->inputs.variables[0].bits, 0},
+        {"BitOffs", network->inputs.variables[0].offset, 0},
+        {"StartAddr", network->status_start.given, 0},
+        {"Count", network->status_count, 0},
+    };
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        if (numbers[i].value != numbers[i].expected)
+            fail_msg("%s: expected %" PRId64 ", got %" PRId64, numbers[i].what, numbers[i].expected, numbers[i].value);
+    }
+    free_eni(eni);
+}
+
+static void elements_have_their_lines(void **state)
+{
+    (void)state;
+    ect_eni_t *eni = eni_of("bare", bare);
+    const ect_eni_network_t *network = ect_eni_network(eni);
+    const ect_eni_slave_t *s = slave_of(eni, 0);
+    const int lines[] = {network->commands[0].line,
+                         s->line,
+                         s->sms[0].line,
+                         s->mailbox.commands[0].line,
+                         s->mailbox.mails[0].line,
+                         s->mailbox.mails[1].line,
+                         s->mailbox.mails[2].line,
+                         s->commands[0].line,
+                         s->commands[0].copies[0].line,
+                         s->previous.line,
+                         network->cyclics[0].frames[0].line,
+                         network->cyclics[0].frames[0].commands[0].line,
+                         network->inputs.variables[0].line};
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++)
+        assert_int_equal(lines[i], i + 2);
+    free_eni(eni);
 }
 
 static void ENI_003_bytes_are_read_across_blanks_and_comments_in_either_case(void **state)
@@ -395,6 +591,9 @@ int main(void)
         CASE(every_prefix_of_a_file_is_refused_with_one_line),
         CASE(ENI_001_the_root_may_hold_the_configuration_and_unknown_elements_are_skipped),
         CASE(ENI_002_numbers_have_every_notation_and_negative_identities_are_large_ones),
+        CASE(ENI_002_each_number_has_a_range),
+        CASE(ENI_002_a_number_that_is_absent_is_0_but_for_counters_groups_and_elements),
+        CASE(elements_have_their_lines),
         CASE(ENI_003_bytes_are_read_across_blanks_and_comments_in_either_case),
         CASE(ENI_005_a_validate_has_data_mask_and_comparison),
         CASE(ENI_006_007_data_makes_a_download_whatever_Ccs_and_a_disabled_command_is_kept),

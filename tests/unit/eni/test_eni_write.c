@@ -227,7 +227,60 @@ static const ect_dc_mode_t *clock_of(const ect_device_t *device)
     return NULL;
 }
 
-/* Two slaves, the second at port B of the first, in a hot-connect group, with an alias; both with clocks. */
+enum { MAILS = 7, BYTES = 40 };
+
+/* Mails of each protocol, in the order of a network file. */
+static const uint8_t writes[] = "\x02\0\x21\x43\x65\x87"
+                                "a & b.bin\0\x01\x02",
+                     reads[] = "\x01\0\0\0\0\0log";
+static const uint8_t bytes[BYTES] = {10, 0, 0, 5};
+static const ect_init_mail_t mails[MAILS] = {
+    {.transitions = "IP", .protocol = ECT_MAILBOX_TYPE_AOE, .comment = "NetId", .size = 38, .data = bytes},
+    {.transitions = "IP PS", .protocol = ECT_MAILBOX_TYPE_EOE, .type = 2, .size = 16, .data = bytes},
+    {.transitions = "PS", .protocol = ECT_MAILBOX_TYPE_EOE, .type = 6, .disabled = true},
+    {.transitions = "PS",
+     .protocol = ECT_MAILBOX_TYPE_SOE,
+     .type = ECT_INIT_WRITES,
+     .drive = 1,
+     .elements = 0x40,
+     .idn = 0x8102,
+     .size = 2,
+     .data = bytes},
+    {.transitions = "SO", .protocol = ECT_MAILBOX_TYPE_SOE, .type = ECT_INIT_READS, .elements = 0xC8, .idn = 17},
+    {.transitions = "PS",
+     .protocol = ECT_MAILBOX_TYPE_FOE,
+     .type = ECT_ENI_FOE_WRITES,
+     .size = sizeof writes - 1,
+     .data = writes},
+    {.transitions = "PS",
+     .protocol = ECT_MAILBOX_TYPE_FOE,
+     .type = ECT_ENI_FOE_READS,
+     .size = sizeof reads,
+     .data = reads}};
+
+/* A device with commands of each kind: CoE, the mails above, and a mailbox for BOOT. */
+static ect_device_t device_with_commands(const ect_device_t *like)
+{
+    static const uint8_t value[4] = {1, 2, 3, 4};
+    static const ect_init_command_t commands[] = {
+        {.transitions = "IP PS OS", .index = 0x1018, .subindex = 1, .upload = true},
+        {.transitions = "PS", .comment = "gain", .index = 0x8000, .subindex = 1, .size = 2, .data = value},
+        {.transitions = "PS", .index = 0x8001, .complete = true, .size = 4, .data = value},
+        {.transitions = "SO", .index = 0x8002, .subindex = 255, .disabled = true, .size = 1, .data = value}};
+    ect_device_t device = *like;
+    device.mailbox_protocols =
+        ECT_MAILBOX_AOE | ECT_MAILBOX_EOE | ECT_MAILBOX_COE | ECT_MAILBOX_FOE | ECT_MAILBOX_SOE | ECT_MAILBOX_VOE;
+    device.init_commands = commands;
+    device.init_command_count = sizeof commands / sizeof commands[0];
+    device.init_mails = mails;
+    device.init_mail_count = MAILS;
+    device.boot_out = (ect_boot_mailbox_t){.start = 0x1000, .length = 512};
+    device.boot_in = (ect_boot_mailbox_t){.start = 0x1200, .length = 256};
+    return device;
+}
+
+/* Three slaves: the second at port B of the first, in a hot-connect group, with an alias; both with clocks. The third
+ * at port C of the first, in a group without a name, with commands of each kind. */
 static void write_known(written_t *w)
 {
     *w = (written_t){.count = 0};
@@ -239,6 +292,14 @@ static void write_known(written_t *w)
     w->parts[1].up_port = 1;
     w->parts[1].group = "Tool";
     w->parts[1].members = 1;
+    const ect_device_t commanded = device_with_commands(w->parts[1].device);
+    add_part(w, "pmctendo-dd5");
+    w->parts[2].device = &commanded;
+    w->parts[2].identity.serial = 0x80000001; /* written as a signed number */
+    w->parts[2].up = 0;
+    w->parts[2].up_port = 2;
+    w->parts[2].group = "";
+    w->parts[2].members = 2;
     write_parts("known", w);
 }
 
@@ -524,35 +585,6 @@ static void ENI_007_a_disabled_command_stays_disabled(void **state)
 
 static void ENI_025_mails_of_AoE_EoE_SoE_and_FoE_come_back(void **state)
 {
-    enum { MAILS = 7, BYTES = 40 };
-    static const uint8_t writes[] = "\x02\0\x21\x43\x65\x87"
-                                    "a & b.bin\0\x01\x02",
-                         reads[] = "\x01\0\0\0\0\0log";
-    static const uint8_t bytes[BYTES] = {10, 0, 0, 5};
-    static const ect_init_mail_t mails[MAILS] = {
-        /* in the order of a network file */
-        {.transitions = "IP", .protocol = ECT_MAILBOX_TYPE_AOE, .comment = "NetId", .size = 38, .data = bytes},
-        {.transitions = "IP PS", .protocol = ECT_MAILBOX_TYPE_EOE, .type = 2, .size = 16, .data = bytes},
-        {.transitions = "PS", .protocol = ECT_MAILBOX_TYPE_EOE, .type = 6, .disabled = true},
-        {.transitions = "PS",
-         .protocol = ECT_MAILBOX_TYPE_SOE,
-         .type = ECT_INIT_WRITES,
-         .drive = 1,
-         .elements = 0x40,
-         .idn = 0x8102,
-         .size = 2,
-         .data = bytes},
-        {.transitions = "SO", .protocol = ECT_MAILBOX_TYPE_SOE, .type = ECT_INIT_READS, .elements = 0xC8, .idn = 17},
-        {.transitions = "PS",
-         .protocol = ECT_MAILBOX_TYPE_FOE,
-         .type = ECT_ENI_FOE_WRITES,
-         .size = sizeof writes - 1,
-         .data = writes},
-        {.transitions = "PS",
-         .protocol = ECT_MAILBOX_TYPE_FOE,
-         .type = ECT_ENI_FOE_READS,
-         .size = sizeof reads,
-         .data = reads}};
     char why[400] = "";
     written_t w = {.count = 0};
     (void)state;

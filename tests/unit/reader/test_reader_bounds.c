@@ -411,6 +411,42 @@ static void a_request_skips_63_mails(void **state)
     }
 }
 
+/* A mailbox error of liar_t::number bytes. */
+static liar_mail_t refuses_in_some_bytes(liar_t *l, const uint8_t *r)
+{
+    static const uint8_t error[6] = {1, 0, 0x34, 0x12, 0x78, 0x56};
+    (void)r;
+    liar_set_mail(l, 0, error, l->number);
+    return LIAR_REPLIES;
+}
+
+static void a_mailbox_error_has_its_code_in_the_second_word(void **state)
+{
+    static const struct {
+        unsigned int bytes;
+        uint32_t code;
+        const char *text;
+    } rows[] = {{6, 0x1234, "the slave refuses the mail with mailbox error 0x1234"},
+                {4, 0x1234, "the slave refuses the mail with mailbox error 0x1234"},
+                {3, 0, "the slave refuses the mail with mailbox error 0x0000"},
+                {0, 0, "the slave refuses the mail with mailbox error 0x0000"}};
+    static const liar_kind_t kind = {"refuses", .request = refuses_in_some_bytes};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t value[4];
+        size_t size = sizeof value;
+        liar_t l;
+        liar_open(&l, &testdev, &kind);
+        l.number = rows[i].bytes;
+        assert_int_equal(ect_reader_open(&reader, &l.link, NULL), ECT_READER_OK);
+        assert_int_equal(ect_reader_upload(&reader, INDEX, SUBINDEX, false, value, &size), ECT_READER_REFUSED);
+        assert_int_equal(reader.code, rows[i].code);
+        assert_string_equal(reader.text, rows[i].text);
+        ect_reader_close(&reader);
+        liar_close(&l);
+    }
+}
+
 /* A segment request has no content behind its command but the object (ETG.1000.6 table 36 reserves the rest). */
 static liar_mail_t watches_segments(liar_t *l, const uint8_t *r)
 {
@@ -745,6 +781,8 @@ int main(int argc, char **argv)
         {"a wait ends after 100000 polls on a clock that never moves", a_wait_ends_without_a_clock, NULL, NULL, NULL},
         {"the limit stops the reader at its nanosecond", the_limit_is_a_time_to_the_nanosecond, NULL, NULL, NULL},
         {"a request skips 63 mails that are no reply", a_request_skips_63_mails, NULL, NULL, NULL},
+        {"a mailbox error has its code in the second word, or none", a_mailbox_error_has_its_code_in_the_second_word,
+         NULL, NULL, NULL},
         {"segment requests alternate, and have no content", segment_requests_alternate, NULL, NULL, NULL},
         {"the details of an entry are those that its description announces", details_are_those_announced, NULL, NULL,
          NULL},
