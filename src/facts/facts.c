@@ -166,15 +166,15 @@ void ect_facts_add_mapping(ect_facts_t *facts, unsigned int pdo, unsigned int el
 static const char *names_of_bits(char *text, size_t room, const char *const *names, size_t count, unsigned int bits)
 {
     size_t used = 0;
-    ECT_ASSERT(room > 0 && count < 32);
-    text[0] = '\0';
-    for (size_t i = 0; i < count && used < room; i++) {
-        if ((bits >> i & 1u) != 0 && names[i] != NULL)
+    ECT_ASSERT(count < 32);
+    for (size_t i = 0; i < count; i++) {
+        if ((bits >> i & 1u) != 0)
             used += (size_t)snprintf(text + used, room - used, "%s%s", used > 0 ? " " : "", names[i]);
+        ECT_ASSERT(used < room);
     }
-    if (bits >> count != 0 && used < room)
-        used += (size_t)snprintf(text + used, room - used, "%sbits 0x%X", used > 0 ? " " : "", bits >> count << count);
-    return used > 0 ? text : "none";
+    if (bits >> count != 0)
+        (void)snprintf(text + used, room - used, "%sbits 0x%X", used > 0 ? " " : "", bits >> count << count);
+    return bits != 0 ? text : "none";
 }
 
 void ect_facts_add_access(ect_facts_t *facts, unsigned int index, unsigned int subindex, unsigned int access)

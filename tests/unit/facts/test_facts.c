@@ -481,6 +481,34 @@ static void without_an_assignment_the_sync_managers_of_pdos_are_unknown(void **s
     }
 }
 
+/* An array may have more elements than its sub-index 0 counts: they are not in use. */
+static void elements_beyond_the_count_of_a_pdo_and_of_an_assignment_are_none(void **state)
+{
+    static const struct {
+        const char *count, *mappings[2], *sms[2];
+    } rows[] = {{"00", {"none", "none"}, {"none", "none"}},
+                {"01", {"7000:01, 16 bits", "none"}, {"6", "none"}},
+                {"02", {"7000:01, 16 bits", "7000:02, 8 bits"}, {"6", "6"}},
+                {"ff", {"7000:01, 16 bits", "7000:02, 8 bits"}, {"6", "6"}}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char json[600];
+        ect_facts_t f = {.source = "slave"};
+        (void)snprintf(json, sizeof json,
+                       "{\"objects\": [{\"index\": 5632, \"entries\": [{\"subindex\": 0, \"value\": \"%s\"},"
+                       "{\"subindex\": 1, \"value\": \"10010070\"}, {\"subindex\": 2, \"value\": \"08020070\"}]},"
+                       "{\"index\": 7190, \"entries\": [{\"subindex\": 0, \"value\": \"%s\"},"
+                       "{\"subindex\": 1, \"value\": \"0116\"}, {\"subindex\": 2, \"value\": \"0216\"}]}]}",
+                       rows[i].count, rows[i].count);
+        assert_true(ect_facts_of_dictionary(&f, json));
+        for (unsigned int n = 0; n < 2; n++) {
+            assert_string_equal(text_of(&f, ECT_FACT_PDO_ENTRY, 0x1600, n + 1), rows[i].mappings[n]);
+            assert_string_equal(text_of(&f, ECT_FACT_PDO_SM, 0x1601 + n, 0), rows[i].sms[n]);
+        }
+        ect_facts_free(&f);
+    }
+}
+
 static void a_value_that_the_slave_did_not_give_is_no_fact(void **state)
 {
     static const char json[] = "{\"objects\": [{\"index\": 4120, \"entries\": [{\"subindex\": 1}, {\"subindex\": 2, "
@@ -729,6 +757,44 @@ static void a_pdo_of_an_image_may_be_fixed_and_mandatory(void **state)
         assert_string_equal(text_of(&f, ECT_FACT_PDO_SM, 0x1600, 0), "2");
         assert_string_equal(text_of(&f, ECT_FACT_PDO_FIXED, 0x1600, 0), rows[i].fixed);
         assert_string_equal(text_of(&f, ECT_FACT_PDO_MANDATORY, 0x1600, 0), rows[i].mandatory);
+        assert_false(f.complete[ECT_FACT_SM]); /* the image has no word on SyncManagers */
+        ect_facts_free(&f);
+    }
+}
+
+static void an_entry_of_an_image_may_have_a_name_or_a_type_alone(void **state)
+{
+    static const struct {
+        uint8_t name, type;
+        const char *name_fact, *type_fact, *bits;
+    } rows[] = {{0, 0, "none", "none", "no text, no type, 0x1234"},
+                {1, 0, "\"DC\"", "none", "a text, no type, 0x1234"},
+                {0, 5, "none", "0x05", "no text, a type, 0x1234"},
+                {1, 6, "\"DC\"", "0x06", "a text, a type, 0x1234"},
+                {2, 6, "string 2, which does not exist", "0x06", "a text, a type, 0x1234"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t image[ECT_SII_CATEGORIES + 40] = {0}, *at = image + ECT_SII_CATEGORIES;
+        ect_facts_t f = {.source = "image"};
+        ect_store_le16(at, ECT_SII_STRINGS);
+        ect_store_le16(at + 2, 2);
+        memcpy(at + 4, (const uint8_t[]){1, 2, 'D', 'C'}, 4);
+        ect_store_le16(at + 8, ECT_SII_TXPDO);
+        ect_store_le16(at + 10, 8);
+        ect_store_le16(at + 12, 0x1A00);
+        at[14] = 1; /* entry */
+        ect_store_le16(at + 20, 0x6000);
+        at[22] = 7;
+        at[23] = rows[i].name;
+        at[24] = rows[i].type;
+        at[25] = 8;
+        ect_store_le16(at + 26, 0x1234);
+        ect_store_le16(at + 28, ECT_SII_END);
+        ect_facts_of_sii(&f, image, sizeof image);
+        assert_string_equal(text_of(&f, ECT_FACT_PDO_ENTRY, 0x1A00, 1), "6000:07, 8 bits");
+        assert_string_equal(text_of(&f, ECT_FACT_PDO_ENTRY_NAME, 0x1A00, 1), rows[i].name_fact);
+        assert_string_equal(text_of(&f, ECT_FACT_PDO_ENTRY_TYPE, 0x1A00, 1), rows[i].type_fact);
+        assert_string_equal(text_of(&f, ECT_FACT_PDO_ENTRY_BITS, 0x1A00, 1), rows[i].bits);
         ect_facts_free(&f);
     }
 }
@@ -753,6 +819,7 @@ static void a_sync_manager_of_an_image_with_a_length_is_enabled_or_not(void **st
         sm[7] = ECT_SM_OUTPUTS;
         ect_facts_of_sii(&f, image, sizeof image);
         assert_string_equal(text_of(&f, ECT_FACT_SM_ENABLED, 0, 0), rows[i].enabled);
+        assert_true(f.complete[ECT_FACT_SM]);
         ect_facts_free(&f);
     }
 }
@@ -768,6 +835,34 @@ static void a_description_has_defaults_of_identity(void **state)
     assert_string_not_equal(text_of(&f, ECT_FACT_ENTRY_DEFAULT, 0x1008, 0), "none");
     assert_string_equal(text_of(&f, ECT_FACT_ENTRY_DEFAULT, 0x1001, 0), "00");
     ect_facts_free(&f);
+}
+
+static void a_device_name_of_a_description_has_at_most_256_bytes(void **state)
+{
+    static const struct {
+        uint16_t bytes;
+        bool known;
+    } rows[] = {{1, true}, {255, true}, {256, true}, {257, false}};
+    char name[257];
+    (void)state;
+    memset(name, 'a', sizeof name);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_entry_t entry = {.data_type = ECT_TYPE_VISIBLE_STRING,
+                                   .bit_length = (uint16_t)(8 * rows[i].bytes),
+                                   .access = ECT_ACCESS_RO | ECT_ACCESS_SHARED,
+                                   .name = "Device name",
+                                   .data = name};
+        const ect_object_t object = {
+            .index = 0x1008, .object_code = ECT_OBJECT_VAR, .name = "Device name", .entries = &entry};
+        ect_device_t device = testdev;
+        ect_facts_t f = {.source = "description"};
+        device.objects = &object;
+        device.object_count = 1;
+        ect_facts_of_device(&f, &device);
+        if ((strcmp(text_of(&f, ECT_FACT_ENTRY_DEFAULT, 0x1008, 0), "none") != 0) != rows[i].known)
+            fail_msg("%u bytes: %s", rows[i].bytes, rows[i].known ? "no default" : "a default");
+        ect_facts_free(&f);
+    }
 }
 
 /* The name of the second clock is the string of number 1, the first has none: there is a clock all the same. */
@@ -852,6 +947,7 @@ int main(void)
         cmocka_unit_test(a_dictionary_has_facts_of_objects_and_of_pdos),
         cmocka_unit_test(each_assignment_names_its_sync_manager),
         cmocka_unit_test(without_an_assignment_the_sync_managers_of_pdos_are_unknown),
+        cmocka_unit_test(elements_beyond_the_count_of_a_pdo_and_of_an_assignment_are_none),
         cmocka_unit_test(a_value_that_the_slave_did_not_give_is_no_fact),
         cmocka_unit_test(any_dictionary_is_read_or_refused),
         cmocka_unit_test(an_image_has_a_fact_of_each_field),
@@ -860,8 +956,10 @@ int main(void)
         cmocka_unit_test(an_image_with_coe_has_all_pdos_or_none),
         cmocka_unit_test(an_image_shorter_than_its_header_is_one_fact),
         cmocka_unit_test(a_pdo_of_an_image_may_be_fixed_and_mandatory),
+        cmocka_unit_test(an_entry_of_an_image_may_have_a_name_or_a_type_alone),
         cmocka_unit_test(a_sync_manager_of_an_image_with_a_length_is_enabled_or_not),
         cmocka_unit_test(a_description_has_defaults_of_identity),
+        cmocka_unit_test(a_device_name_of_a_description_has_at_most_256_bytes),
         cmocka_unit_test(a_clock_of_an_image_may_have_no_name),
         cmocka_unit_test(a_category_beyond_the_image_is_none),
         cmocka_unit_test(objects_with_facts_elsewhere_are_known),

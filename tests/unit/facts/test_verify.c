@@ -340,6 +340,26 @@ static void as_in_the_file(void **state)
     }
 }
 
+/* The twin makes 1018h, and objects that a PDO maps; a slave may have none of them if the file has none. */
+static void made(void **state)
+{
+    (void)state;
+    char *text = load("analog.xml");
+    ect_facts_t expected = {.source = "file"}, found = {.source = "slave"};
+    facts_of_text(&expected, text, "AI2");
+    assert_string_equal(fact_of(&expected, ECT_FACT_OBJECT, 0x8000), "code 9");
+    assert_null(fact_of(&expected, ECT_FACT_OBJECT, 0x1018));
+    assert_null(fact_of(&expected, ECT_FACT_OBJECT, 0x6000));
+    found.complete[ECT_FACT_OBJECT] = true;
+    char *lines = lines_of(&expected, &found);
+    assert_non_null(strstr(lines, "slave: object 8000: expected code 9 (file), found nothing\n"));
+    assert_null(strstr(lines, "something"));
+    free(lines);
+    free(text);
+    ect_facts_free(&expected);
+    ect_facts_free(&found);
+}
+
 /* Facts of some kinds are compared alone. */
 static void parts(void **state)
 {
@@ -350,7 +370,11 @@ static void parts(void **state)
     (void)ect_facts_add(&found, ECT_FACT_VENDOR, 0, 0, "2");
     (void)ect_facts_add(&found, ECT_FACT_SM, 1, 0, "inputs");
     first.complete[ECT_FACT_SM] = found.complete[ECT_FACT_SM] = true;
+    for (ect_fact_kind_t kind = ECT_FACT_VENDOR; kind <= ECT_FACT_TYPE; kind++)
+        first.complete[kind] = true;
     ect_facts_take(&part, &first, ECT_FACT_VENDOR, ECT_FACT_REVISION);
+    for (ect_fact_kind_t kind = ECT_FACT_VENDOR; kind <= ECT_FACT_TYPE; kind++)
+        assert_int_equal(part.complete[kind], kind <= ECT_FACT_REVISION);
     char *lines = lines_of(&part, &found);
     expect_line("the identity alone", lines, "new: identity vendor id: expected 1 (old), found 2");
     free(lines);
@@ -474,6 +498,7 @@ int main(void)
         {"a missing thing is one line", missing, NULL, NULL, NULL},
         {"facts of some kinds are compared alone", parts, NULL, NULL, NULL},
         {"a value that the twin changes is compared as in the file", as_in_the_file, NULL, NULL, NULL},
+        {"an object that the twin makes may be missing", made, NULL, NULL, NULL},
         {"placeholders and letters beyond ISO 646 are not compared", texts, NULL, NULL, NULL},
         {"an image that is cut off anywhere is read as far as it goes", cut_images, NULL, NULL, NULL},
         {"EEPROM images as bytes and as Intel HEX", intel_hex, NULL, NULL, NULL},
