@@ -171,11 +171,10 @@ static uint32_t al_status(ect_eni_player_t *p, uint16_t address)
 
 static void put_mailbox(uint8_t sm[8], const ect_eni_box_t *box, uint8_t control)
 {
-    memset(sm, 0, 8);
+    enum { ENABLE = 1 << 16 };
     ect_store_le16(sm, box->start);
     ect_store_le16(sm + 2, box->length);
-    sm[4] = control;
-    sm[6] = 1;
+    ect_store_le32(sm + 4, control | ENABLE);
 }
 
 /* A file may have CoE commands only. Its master then brings the slave to PREOP without commands, with the mailbox of

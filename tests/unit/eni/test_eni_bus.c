@@ -337,6 +337,67 @@ static void ENI_013_sync_managers_of_assigned_pdos_lie_behind_the_mailboxes(void
     }
 }
 
+static void ENI_015_pdos_that_are_assigned_and_not_described_have_no_entries(void **state)
+{
+    static const struct {
+        uint16_t index;
+        const char *name;
+        bool tx;
+    } rows[] = {{0x1600, "PDO 1600", false},
+                {0x17FF, "PDO 17FF", false},
+                {0x1A00, "PDO 1A00", true},
+                {0x1BFF, "PDO 1BFF", true}};
+    ect_esi_t *esi;
+    (void)state;
+    const ect_esi_device_t *model =
+        model_of("assigned",
+                 BOXES_AND("4096", "128", "4224", "128",
+                           ASSIGN(" CompleteAccess='1'", "#x1C12", "1", "<Data>0016ff170018ff15</Data>")
+                               ASSIGN(" CompleteAccess='1'", "#x1C13", "1", "<Data>001aff1b001c001a</Data>")),
+                 &esi);
+    assert_int_equal(model->pdo_count, sizeof rows / sizeof rows[0]);
+    for (size_t i = 0; i < model->pdo_count; i++) {
+        const ect_esi_pdo_t *pdo = &model->pdos[i];
+        assert_int_equal(pdo->index, rows[i].index);
+        assert_string_equal(pdo->name, rows[i].name);
+        assert_int_equal(pdo->tx, rows[i].tx);
+        assert_int_equal(pdo->sm, -1);
+        assert_int_equal(pdo->samples, 1);
+        assert_int_equal(pdo->entry_count, 0);
+        assert_int_equal(pdo->line, 2);
+    }
+    assert_true(model->mailbox.pdo_assign && model->mailbox.complete_access && !model->mailbox.pdo_config);
+    ect_esi_close(esi);
+}
+
+static void ENI_013_an_fmmu_for_each_direction_and_for_the_state_of_the_mailbox(void **state)
+{
+#define SENDS    "<Send><BitStart>0</BitStart><BitLength>8</BitLength></Send>"
+#define RECEIVES "<Recv><BitStart>0</BitStart><BitLength>8</BitLength></Recv>"
+#define HAS_BIT  "<Mailbox><Recv><StatusBitAddr>0</StatusBitAddr></Recv></Mailbox>"
+    static const struct {
+        const char *text, *fmmus[4];
+    } rows[] = {
+        {ENI_ONE("", ""), {NULL}},
+        {ENI_ONE("", "<ProcessData>" SENDS "</ProcessData>"), {"Outputs"}},
+        {ENI_ONE("", "<ProcessData>" RECEIVES "</ProcessData>"), {"Inputs"}},
+        {ENI_ONE("", HAS_BIT), {"MBoxState"}},
+        {ENI_ONE("", "<ProcessData>" SENDS RECEIVES "</ProcessData>" HAS_BIT), {"Outputs", "Inputs", "MBoxState"}},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_esi_t *esi;
+        const ect_esi_device_t *model = model_of(rows[i].text, rows[i].text, &esi);
+        size_t count = 0;
+        for (; rows[i].fmmus[count] != NULL; count++) {
+            assert_true(count < model->fmmu_count);
+            assert_string_equal(model->fmmus[count], rows[i].fmmus[count]);
+        }
+        assert_int_equal(model->fmmu_count, count);
+        ect_esi_close(esi);
+    }
+}
+
 #define WRITE_DC(ado, data) ENI_ONE("", "<InitCmds>" WRITE_SM(ado, data) "</InitCmds>")
 
 static void ENI_019_a_write_of_the_activation_makes_the_clock(void **state)
@@ -438,6 +499,8 @@ int main(void)
         cmocka_unit_test(a_boot_mailbox_and_an_explicit_device_id_are_taken_over),
         cmocka_unit_test(ENI_013_a_sync_manager_has_the_line_of_its_element_or_of_its_write),
         cmocka_unit_test(ENI_013_sync_managers_of_assigned_pdos_lie_behind_the_mailboxes),
+        cmocka_unit_test(ENI_015_pdos_that_are_assigned_and_not_described_have_no_entries),
+        cmocka_unit_test(ENI_013_an_fmmu_for_each_direction_and_for_the_state_of_the_mailbox),
         cmocka_unit_test(ENI_019_a_write_of_the_activation_makes_the_clock),
         cmocka_unit_test(ENI_021_IdentifyCmd_is_the_alias_of_a_slave_without_Identification),
         cmocka_unit_test(ENI_021_the_identification_has_the_register_that_the_file_names),

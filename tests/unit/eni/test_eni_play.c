@@ -156,7 +156,7 @@ typedef struct fake {
 static bool fake_exchange(void *ctx, uint8_t *frame, size_t length)
 {
     fake_t *fake = ctx;
-    (void)length;
+    expect_frame(frame, length);
     fake->frames++;
     memcpy(frame + 26, fake->value, sizeof fake->value);
     frame[26 + frame[22]] = 1; /* behind the data */
@@ -259,9 +259,11 @@ static void a_wire_without_replies_is_named(void **state)
     ect_eni_player_t player = {.eni = eni, .wire = &wire};
     assert_false(ect_eni_play(&player, ECT_ENI_PREOP));
     assert_int_equal(player.reported, 1);
+    assert_int_equal(fake.frames, 4); /* three repeats */
     player.state = ECT_ENI_PREOP;
     assert_false(ect_eni_play_cycle(&player));
     assert_int_equal(player.reported, 2);
+    assert_int_equal(fake.frames, 5);
     ect_eni_close(eni);
 }
 
@@ -293,6 +295,182 @@ static void a_mailbox_that_is_too_short_for_a_command_is_named(void **state)
     }
 }
 
+/* --- slaves and mailboxes that are waited for --------------------------------------------------------------------- */
+
+/* A wire on which time is counted: two slaves with an AL status each, and mailboxes that take and give mails or do not.
+ */
+typedef struct waiting {
+    uint16_t statuses[2]; /* the first and the second read; then the second */
+    uint16_t code;
+    bool takes;
+    unsigned int status_reads, writes, reads, cycles;
+    uint64_t ns;
+    char line[300];
+} waiting_t;
+
+enum { CMD_FPRD = 4, CMD_FPWR = 5, CMD_BRD = 7, BOX_OUT = 0x1000, BOX_IN = 0x1040 };
+
+static bool waiting_exchange(void *ctx, uint8_t *frame, size_t length)
+{
+    static const uint8_t sms[16] = {0, 0x10, 64, 0, 0x26, 0, 1, 0, 0x40, 0x10, 64, 0, 0x22, 0, 1, 0};
+    static const uint8_t preop[2] = {2, 0};
+    waiting_t *w = ctx;
+    uint8_t *data = frame + 26;
+    const uint8_t command = frame[16];
+    const uint16_t adp = ect_load_le16(frame + 18), ado = ect_load_le16(frame + 20), bytes = ect_load_le16(frame + 22);
+    bool processed = true;
+    expect_frame(frame, length);
+    if (command == CMD_FPWR && ado == 0x0800) {
+        assert_int_equal(bytes, sizeof sms);
+        assert_memory_equal(data, sms, sizeof sms);
+    } else if (command == CMD_FPWR && ado == 0x0120) {
+        assert_int_equal(bytes, sizeof preop);
+        assert_memory_equal(data, preop, sizeof preop);
+    } else if (command == CMD_FPRD && ado == 0x0130) {
+        assert_int_equal(bytes, 6);
+        ect_store_le16(data, w->statuses[w->status_reads++ > 0]);
+        ect_store_le16(data + 4, w->code);
+    } else if (command == CMD_FPWR && ado == BOX_OUT) {
+        w->writes++;
+        processed = w->takes;
+    } else if (command == CMD_FPRD && ado == BOX_IN) {
+        w->reads++;
+        processed = false;
+    } else if (command == CMD_BRD) {
+        w->cycles++;
+    } else {
+        assert_int_equal(ado, 0x0010); /* of the station address, by position */
+        assert_int_equal(ect_load_le16(data), 0x1001 + (uint16_t)(0 - adp));
+    }
+    ect_store_le16(data + bytes, processed);
+    return true;
+}
+
+static void waiting_wait(void *ctx, uint64_t ns)
+{
+    ((waiting_t *)ctx)->ns += ns;
+}
+
+static void waiting_report(void *ctx, const char *line)
+{
+    waiting_t *w = ctx;
+    (void)snprintf(w->line, sizeof w->line, "%s", line);
+}
+
+#define WAITING_SLAVE(disabled, timeout)                                                                               \
+    "<Slave>" ENI_INFO("") "<Mailbox><Send><Start>4096</Start><Length>64</Length></Send><Recv><Start>4160</Start>"     \
+                           "<Length>64</Length></Recv><CoE><InitCmd><Transition>PS</Transition><Index>4096</Index>"    \
+                           "<Timeout>" timeout "</Timeout><Disabled>" disabled "</Disabled></InitCmd></CoE></Mailbox>" \
+                           "</Slave>"
+#define WAITING_CYCLE "<Cyclic><Frame><Cmd><State>PREOP</State><Cmd>7</Cmd><Ado>0</Ado></Cmd></Frame></Cyclic>"
+
+static void ENI_024_PREOP_is_waited_for_a_second_or_until_an_error(void **state)
+{
+    static const char text[] = ENI_HEAD WAITING_SLAVE("1", "0") WAITING_SLAVE("1", "0") ENI_TAIL;
+    static const struct {
+        const char *title;
+        uint16_t statuses[2], code;
+        unsigned int reads; /* of AL status of both slaves, each a millisecond after the one before */
+        const char *line;
+    } rows[] = {
+        {"at once", {2, 2}, 0, 2, ""},
+        {"at the second read", {1, 2}, 0, 3, ""},
+        {"never",
+         {1, 1},
+         0,
+         2000,
+         "t.xml:1: slave 2 does not enter PREOP with the mailbox of the file: AL status 0x0001, "
+         "code 0x0000"},
+        {"an error",
+         {0x11, 0x12},
+         0x0016,
+         2,
+         "t.xml:1: slave 2 does not enter PREOP with the mailbox of the file: "
+         "AL status 0x0012, code 0x0016"},
+        {"another state",
+         {3, 4},
+         0,
+         2,
+         "t.xml:1: slave 2 does not enter PREOP with the mailbox of the file: "
+         "AL status 0x0004, code 0x0000"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        waiting_t w = {.statuses = {rows[i].statuses[0], rows[i].statuses[1]}, .code = rows[i].code};
+        const ect_eni_wire_t wire = {
+            .ctx = &w, .exchange = waiting_exchange, .wait = waiting_wait, .report = waiting_report};
+        ect_eni_t *eni = eni_of(rows[i].title, text);
+        ect_eni_player_t player = {.eni = eni, .wire = &wire};
+        const bool fine = ect_eni_play(&player, ECT_ENI_PREOP);
+        if (fine != (rows[i].line[0] == '\0') || w.status_reads != rows[i].reads ||
+            w.ns != rows[i].reads * 1000000ull || strcmp(w.line, rows[i].line) != 0)
+            fail_msg("%s: expected %u reads and \"%s\", got %u in %llu ns and \"%s\"", rows[i].title, rows[i].reads,
+                     rows[i].line, w.status_reads, (unsigned long long)w.ns, w.line);
+        ect_eni_close(eni);
+    }
+}
+
+/* While the player waits, it sends the cyclic frames every millisecond. */
+static void ENI_015_a_mailbox_is_tried_for_a_second_or_the_Timeout_of_the_command(void **state)
+{
+    static const struct {
+        const char *title, *timeout;
+        bool takes;
+        unsigned int writes, reads;
+        const char *line;
+    } rows[] = {
+        {"a mailbox that stays full", "0", false, 1000, 0, "t.xml:1: slave 1, 1000:0: its mailbox takes no mail"},
+        {"no reply", "0", true, 1, 1001, "t.xml:1: slave 1, 1000:0: no reply comes"},
+        {"no reply within the Timeout", "5", true, 1, 6, "t.xml:1: slave 1, 1000:0: no reply comes"},
+        {"a Timeout beyond a minute", "60001", true, 1, 60001, "t.xml:1: slave 1, 1000:0: no reply comes"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        waiting_t w = {.takes = rows[i].takes};
+        const ect_eni_wire_t wire = {
+            .ctx = &w, .exchange = waiting_exchange, .wait = waiting_wait, .report = waiting_report};
+        char text[1200];
+        (void)snprintf(text, sizeof text, ENI_HEAD WAITING_SLAVE("0", "%s") WAITING_CYCLE ENI_TAIL, rows[i].timeout);
+        ect_eni_t *eni = eni_of(rows[i].title, text);
+        ect_eni_player_t player = {.eni = eni, .wire = &wire, .state = ECT_ENI_PREOP};
+        const unsigned int waits = (rows[i].takes ? 0 : rows[i].writes) + rows[i].reads;
+        assert_false(ect_eni_play(&player, ECT_ENI_SAFEOP));
+        if (w.writes != rows[i].writes || w.reads != rows[i].reads || w.cycles != waits || w.ns != waits * 1000000ull ||
+            strcmp(w.line, rows[i].line) != 0)
+            fail_msg("%s: expected %u writes, %u reads, \"%s\", got %u, %u, %u cycles, %llu ns and \"%s\"",
+                     rows[i].title, rows[i].writes, rows[i].reads, rows[i].line, w.writes, w.reads, w.cycles,
+                     (unsigned long long)w.ns, w.line);
+        ect_eni_close(eni);
+    }
+}
+
+static void ENI_016_a_cycle_takes_the_shortest_CycleTime_or_a_millisecond(void **state)
+{
+#define CYCLE_OF(us) "<Cyclic><CycleTime>" us "</CycleTime></Cyclic>"
+    static const struct {
+        const char *text;
+        uint64_t ns;
+    } rows[] = {
+        {ENI_HEAD ENI_SLAVE("", "") ENI_TAIL, 1000000},
+        {ENI_HEAD ENI_SLAVE("", "") "<Cyclic/>" ENI_TAIL, 1000000},
+        {ENI_HEAD ENI_SLAVE("", "") CYCLE_OF("2000") ENI_TAIL, 2000000},
+        {ENI_HEAD ENI_SLAVE("", "") CYCLE_OF("2000") CYCLE_OF("500") ENI_TAIL, 500000},
+        {ENI_HEAD ENI_SLAVE("", "") CYCLE_OF("500") CYCLE_OF("2000") ENI_TAIL, 500000},
+        {ENI_HEAD ENI_SLAVE("", "") CYCLE_OF("0") CYCLE_OF("700") "<Cyclic/>" ENI_TAIL, 700000},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        waiting_t w = {.ns = 0};
+        const ect_eni_wire_t wire = {
+            .ctx = &w, .exchange = waiting_exchange, .wait = waiting_wait, .report = waiting_report};
+        ect_eni_t *eni = eni_of("cycle", rows[i].text);
+        ect_eni_player_t player = {.eni = eni, .wire = &wire, .state = ECT_ENI_OPERATIONAL};
+        assert_true(ect_eni_play_cycle(&player));
+        assert_int_equal(w.ns, rows[i].ns);
+        ect_eni_close(eni);
+    }
+}
+
 /* --- mails -------------------------------------------------------------------------------------------------------- */
 
 /* Slaves that reply to every upload, and detect a mail with the counter of the previous mail. */
@@ -302,7 +480,39 @@ typedef struct postbox {
     unsigned int emergencies; /* before each reply */
     unsigned int left;        /* of them */
     size_t longest;           /* of the mails, with their headers */
+    size_t bytes, announced;  /* of a download */
+    uint8_t value[600];
+    uint8_t toggle;
 } postbox_t;
+
+/* Takes the data of a download, expedited, normal or in segments (ETG.1000.6 clause 5.6.2). */
+static void take_download(postbox_t *p, const uint8_t *mail, size_t size)
+{
+    const uint8_t command = mail[8];
+    size_t at = 16, count = size - at;
+    if ((command & 0xE2) == 0x22) {
+        assert_int_equal(size, 16);
+        at = 12;
+        count = 4u - (command >> 2 & 3);
+        p->announced = count;
+    } else if ((command & 0xE0) == 0x20) {
+        assert_int_equal(command, 0x21);
+        p->announced = ect_load_le32(mail + 12);
+        p->bytes = 0;
+        p->toggle = 0;
+    } else if ((command & 0xE0) == 0x00) {
+        at = 9;
+        count = size - at - (size == 16 ? command >> 1 & 7 : 0);
+        assert_int_equal(command & 0x10, p->toggle);
+        assert_int_equal(command & 1, p->bytes + count == p->announced);
+        p->toggle ^= 0x10;
+    } else {
+        return;
+    }
+    assert_true(p->bytes + count <= sizeof p->value);
+    memcpy(p->value + p->bytes, mail + at, count);
+    p->bytes += count;
+}
 
 static bool postbox_exchange(void *ctx, uint8_t *frame, size_t length)
 {
@@ -327,6 +537,12 @@ static bool postbox_exchange(void *ctx, uint8_t *frame, size_t length)
         p->longest = size > p->longest ? size : p->longest;
         p->mails++;
         p->left = p->emergencies;
+        assert_int_equal(ect_load_le16(mail + 2) | mail[4], 0); /* address, channel and priority */
+        assert_int_equal(mail[5] & 0x8F, COE);
+        assert_int_equal(ect_load_le16(mail + 6), 0x2000); /* an SDO request */
+        for (size_t i = size; i < frame[LENGTH]; i++)
+            assert_int_equal(mail[i], 0);
+        take_download(p, mail, size);
         *last = counter;
     } else {
         mail[5] = COE;
@@ -390,13 +606,22 @@ static void ENI_015_a_long_value_is_sent_in_mails_that_fit_the_mailbox(void **st
         size_t bytes;
         unsigned int mails;
         size_t longest;
-    } rows[] = {
-        {5, 1, 21},    {FIRST, 1, BOX}, {FIRST + 1, 2, BOX}, {FIRST + SEGMENT, 2, BOX}, {FIRST + SEGMENT + 1, 3, BOX},
-        {500, 10, BOX}};
+    } rows[] = {{1, 1, 16},
+                {3, 1, 16},
+                {4, 1, 16},
+                {5, 1, 21},
+                {FIRST, 1, BOX},
+                {FIRST + 7, 2, BOX},
+                {FIRST + 6, 2, BOX},
+                {FIRST + 1, 2, BOX},
+                {FIRST + SEGMENT, 2, BOX},
+                {FIRST + SEGMENT + 1, 3, BOX},
+                {500, 10, BOX}};
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         char data[2 * 500 + 1] = "", text[3000];
-        memset(data, '7', 2 * rows[i].bytes);
+        for (size_t k = 0; k < rows[i].bytes; k++)
+            (void)snprintf(data + 2 * k, 3, "%02x", (unsigned int)(k * 7 + k / 256) & 0xFF);
         (void)snprintf(text, sizeof text,
                        ENI_HEAD ENI_SLAVE("<PhysAddr>1001</PhysAddr>",
                                           BOXES("<InitCmd><Transition>PS</Transition><Index>8192</Index>"
@@ -411,6 +636,10 @@ static void ENI_015_a_long_value_is_sent_in_mails_that_fit_the_mailbox(void **st
         if (postbox.mails != rows[i].mails || postbox.longest != rows[i].longest)
             fail_msg("%zu bytes: expected %u mails up to %zu bytes, got %u up to %zu", rows[i].bytes, rows[i].mails,
                      rows[i].longest, postbox.mails, postbox.longest);
+        assert_int_equal(postbox.announced, rows[i].bytes);
+        assert_int_equal(postbox.bytes, rows[i].bytes);
+        for (size_t k = 0; k < rows[i].bytes; k++)
+            assert_int_equal(postbox.value[k], (k * 7 + k / 256) & 0xFF);
         ect_eni_close(eni);
     }
 }
@@ -506,6 +735,10 @@ static const talk_t drives[] = {
     {"as it is", NULL, NULL, ECT_ENI_OPERATIONAL, NULL},
     {"an IDN that does not exist", SOE_OF("1", "0", "33026", "200"), SOE_OF("1", "0", "999", "200"), ECT_ENI_SAFEOP,
      "slave 1, SoE drive 0, S-0-0999: SoE error 0x1001\n"},
+    {"an IDN of the last parameter set", SOE_OF("1", "0", "33026", "200"), SOE_OF("1", "0", "32767", "200"),
+     ECT_ENI_SAFEOP, "slave 1, SoE drive 0, S-7-4095: SoE error 0x1001\n"},
+    {"a product's IDN of the second parameter set", SOE_OF("1", "0", "33026", "200"), SOE_OF("1", "0", "36865", "200"),
+     ECT_ENI_SAFEOP, "slave 1, SoE drive 0, P-1-0001: SoE error 0x1001\n"},
     {"no elements", SOE_OF("1", "0", "33026", "200"), SOE_OF("1", "0", "33026", "0"), ECT_ENI_SAFEOP,
      "slave 1, SoE drive 0, P-0-0258: SoE error 0x800C\n"},
     {"a drive that does not exist", SOE_OF("3", "1", "32", "64"), SOE_OF("3", "2", "32", "64"), ECT_ENI_PREOP,
@@ -605,6 +838,125 @@ static void ENI_025_a_reply_of_SoE_is_bounded_whatever_the_slave_sends(void **st
     }
 }
 
+/* A slave that replies to each read of its mailbox with the same mail of AoE or EoE. */
+typedef struct server {
+    uint8_t mail[64];
+    unsigned int reads;
+    char line[200];
+} server_t;
+
+static bool server_exchange(void *ctx, uint8_t *frame, size_t length)
+{
+    server_t *server = ctx;
+    expect_frame(frame, length);
+    frame[26 + frame[22]] = 1;
+    if (frame[16] == CMD_FPRD) {
+        server->reads++;
+        memcpy(frame + 26, server->mail, sizeof server->mail);
+    }
+    return true;
+}
+
+static void server_report(void *ctx, const char *line)
+{
+    server_t *server = ctx;
+    (void)snprintf(server->line, sizeof server->line, "%s", line);
+}
+
+#define TALK(protocol, body)                                                                                           \
+    ENI_ONE("", "<Mailbox><Send><Start>4096</Start><Length>64</Length></Send><Recv><Start>4160</Start>"                \
+                "<Length>64</Length></Recv><" protocol "><InitCmd><Transition>PS</Transition>" body                    \
+                "</InitCmd></" protocol "></Mailbox>")
+/* A request of command 2 with the number 01020304h. */
+#define ADS_REQUEST TALK("AoE", "<Data>0000000000000000 0000000000000000 0200 0400 00000000 00000000 04030201</Data>")
+/* A reply: length, flags, error, invoke id, result. */
+#define ADS(bytes, command, flags, error, invoke, result)                                                              \
+    {bytes,                                                                                                            \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     1,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     command,                                                                                                          \
+     0,                                                                                                                \
+     flags,                                                                                                            \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     (error) & 0xFF,                                                                                                   \
+     (error) >> 8,                                                                                                     \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     invoke,                                                                                                           \
+     3,                                                                                                                \
+     2,                                                                                                                \
+     1,                                                                                                                \
+     (result) & 0xFF,                                                                                                  \
+     (result) >> 8}
+#define EOE_REQUEST                 TALK("EoE", "<Type>2</Type><Data>0102</Data>")
+#define EOE(type, protocol, result) {4, 0, 0, 0, 0, protocol, type, 1, (result) & 0xFF, (result) >> 8}
+
+static void ENI_025_a_reply_of_AoE_or_EoE_is_that_to_the_request(void **state)
+{
+    enum { SKIPPED = 65 };
+    static const struct {
+        const char *title, *text;
+        uint8_t mail[64];
+        unsigned int reads;
+        const char *line; /* its end */
+    } rows[] = {
+        {"AoE: no error", ADS_REQUEST, ADS(36, 2, 5, 0, 4, 0), 1, ""},
+        {"AoE: an error", ADS_REQUEST, ADS(36, 2, 5, 0x0706, 4, 0), 1, "AoE: ADS error 0x0706"},
+        {"AoE: a result", ADS_REQUEST, ADS(36, 2, 5, 0, 4, 0x0705), 1, "AoE: ADS error 0x0705"},
+        {"AoE: an error before a result", ADS_REQUEST, ADS(36, 2, 5, 0x0706, 4, 0x0705), 1, "AoE: ADS error 0x0706"},
+        {"AoE: a part of a result is none", ADS_REQUEST, ADS(35, 2, 5, 0, 4, 0x0705), 1, ""},
+        {"AoE: no result", ADS_REQUEST, ADS(32, 2, 5, 0, 4, 0x0705), 1, ""},
+        {"AoE: shorter than its header", ADS_REQUEST, ADS(31, 2, 5, 0, 4, 0), SKIPPED, "AoE: no reply comes"},
+        {"AoE: a request", ADS_REQUEST, ADS(36, 2, 4, 0, 4, 0), SKIPPED, "AoE: no reply comes"},
+        {"AoE: another command", ADS_REQUEST, ADS(36, 3, 5, 0, 4, 0), SKIPPED, "AoE: no reply comes"},
+        {"AoE: another number", ADS_REQUEST, ADS(36, 2, 5, 0, 5, 0), SKIPPED, "AoE: no reply comes"},
+        {"EoE: no error", EOE_REQUEST, EOE(3, 2, 0), 1, ""},
+        {"EoE: an error", EOE_REQUEST, EOE(3, 2, 0x0201), 1, "EoE type 2: EoE result 0x0201"},
+        {"EoE: bits beside the type", EOE_REQUEST, EOE(0x13, 2, 0), 1, ""},
+        {"EoE: the request itself", EOE_REQUEST, EOE(2, 2, 0), SKIPPED, "EoE type 2: no reply comes"},
+        {"EoE: another type", EOE_REQUEST, EOE(4, 2, 0), SKIPPED, "EoE type 2: no reply comes"},
+        {"EoE: another protocol", EOE_REQUEST, EOE(3, 1, 0), SKIPPED, "EoE type 2: no reply comes"},
+        {"EoE: a mailbox error", EOE_REQUEST, EOE(3, 0, 0), 1, "EoE type 2: a mailbox error comes"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        server_t server = {.reads = 0};
+        memcpy(server.mail, rows[i].mail, sizeof server.mail);
+        const ect_eni_wire_t wire = {
+            .ctx = &server, .exchange = server_exchange, .wait = fake_wait, .report = server_report};
+        ect_eni_t *eni = eni_of(rows[i].title, rows[i].text);
+        ect_eni_player_t player = {.eni = eni, .wire = &wire, .state = ECT_ENI_PREOP};
+        const bool fine = ect_eni_play(&player, ECT_ENI_SAFEOP);
+        if (fine != (rows[i].line[0] == '\0') || !has_end(server.line, rows[i].line) || server.reads != rows[i].reads)
+            fail_msg("%s: expected %u reads and \"%s\", got %u and \"%s\"", rows[i].title, rows[i].reads, rows[i].line,
+                     server.reads, server.line);
+        ect_eni_close(eni);
+    }
+}
+
 static void ENI_024_a_slave_that_is_not_there_is_named(void **state)
 {
     static const char *const words[] = {"--quiet", "fzm1"};
@@ -633,6 +985,10 @@ int main(void)
         cmocka_unit_test(ENI_025_mails_of_AoE_and_EoE_get_the_reply_of_the_twin),
         cmocka_unit_test(ENI_025_commands_of_SoE_get_the_reply_of_the_twin),
         cmocka_unit_test(ENI_025_a_reply_of_SoE_is_bounded_whatever_the_slave_sends),
+        cmocka_unit_test(ENI_024_PREOP_is_waited_for_a_second_or_until_an_error),
+        cmocka_unit_test(ENI_015_a_mailbox_is_tried_for_a_second_or_the_Timeout_of_the_command),
+        cmocka_unit_test(ENI_016_a_cycle_takes_the_shortest_CycleTime_or_a_millisecond),
+        cmocka_unit_test(ENI_025_a_reply_of_AoE_or_EoE_is_that_to_the_request),
         cmocka_unit_test(each_slave_gets_mails_with_counters_of_its_own),
         cmocka_unit_test(emergencies_before_a_reply_are_skipped),
         cmocka_unit_test(ENI_015_a_long_value_is_sent_in_mails_that_fit_the_mailbox),

@@ -619,6 +619,41 @@ static void ENI_025_mails_of_AoE_EoE_SoE_and_FoE_come_back(void **state)
     drop(&w);
 }
 
+/* Behind its header an FoE request has a name that ends within the mail. */
+static void ENI_025_a_mail_of_FoE_without_a_name_has_no_operation(void **state)
+{
+    static const uint8_t request[] = {1, 0, 0, 0, 0, 0, 'a', 0, 7};
+    static const struct {
+        uint16_t size;
+        const char *text; /* NULL: no operation */
+    } rows[] = {{0, NULL},
+                {5, NULL},
+                {6, NULL},
+                {7, NULL},
+                {8, "<OpCode>1</OpCode><FileName>a</FileName></InitCmd>"},
+                {9, "<OpCode>1</OpCode><FileName>a</FileName><Data>07</Data></InitCmd>"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_init_mail_t mail = {
+            .transitions = "PS", .protocol = ECT_MAILBOX_TYPE_FOE, .type = 1, .size = rows[i].size, .data = request};
+        written_t w = {.count = 0};
+        char command[200] = "";
+        add_part(&w, "pmctendo-dd5");
+        ect_device_t device = *w.parts[0].device;
+        device.init_mails = &mail;
+        device.init_mail_count = 1;
+        w.parts[0].device = &device;
+        write_parts("FoE", &w);
+        const char *at = strstr(strstr(w.file, "<FoE>"), "<Timeout>2000</Timeout>") + strlen("<Timeout>2000</Timeout>");
+        for (const char *end = strstr(at, "</InitCmd>") + strlen("</InitCmd>"); at < end; at++) {
+            if (*at != ' ' && *at != '\n')
+                strncat(command, at, 1);
+        }
+        assert_string_equal(command, rows[i].text != NULL ? rows[i].text : "</InitCmd>");
+        drop(&w);
+    }
+}
+
 /* Commands of an ESI file, by way of its twin. */
 static void ENI_025_commands_of_an_ESI_file_are_those_of_the_written_file(void **state)
 {
@@ -763,6 +798,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(ENI_019_cycle_times_of_synchronisation_have_the_cycle_of_the_clock),
         cmocka_unit_test(ENI_020_mailboxes_have_a_bit_each),
         cmocka_unit_test(ENI_025_mails_of_AoE_EoE_SoE_and_FoE_come_back),
+        cmocka_unit_test(ENI_025_a_mail_of_FoE_without_a_name_has_no_operation),
         cmocka_unit_test(ENI_025_commands_of_an_ESI_file_are_those_of_the_written_file),
         cmocka_unit_test(ENI_006_uploads_and_transitions_come_back),
         cmocka_unit_test(ENI_007_a_disabled_command_stays_disabled),
