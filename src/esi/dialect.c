@@ -79,6 +79,7 @@ bool ect_esi_dialect_find(const ect_build_t *build, uint8_t drive, ect_esi_diale
     for (unsigned int i = 0; i < sizeof dialect->modes / sizeof dialect->modes[0]; i++)
         dialect->modes[i] = ect_esi_dialect_link(build, drive, (uint16_t)(OPERATION_MODE + i));
     dialect->class_1 = ect_esi_dialect_link(build, drive, CLASS_1);
+    dialect->class_1.is_signed = false; /* bit 15 is one of its bits */
     return true;
 }
 

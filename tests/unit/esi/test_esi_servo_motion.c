@@ -153,6 +153,33 @@ static void fault(void **state)
     reach(0, IS_ENABLED);
 }
 
+/* Codes of CiA 402: over-temperature 4xxxh, voltages 3xxxh, currents 2xxxh, feedback 7300h, communication 7500h, 8100h.
+ */
+static void class_1_of_codes(void **state)
+{
+    static const struct {
+        const char *code;
+        unsigned int bit;
+    } rows[] = {
+        {"0x1FFF", 15}, {"0x2000", 7},  {"0x2FFF", 7},  {"0x3000", 15}, {"0x31FF", 15}, {"0x3200", 8},  {"0x3210", 8},
+        {"0x3220", 9},  {"0x3221", 8},  {"0x32FF", 8},  {"0x3300", 15}, {"0x42FF", 15}, {"0x4300", 1},  {"0x4310", 1},
+        {"0x43FF", 1},  {"0x4400", 15}, {"0x7200", 15}, {"0x7300", 5},  {"0x73FF", 5},  {"0x7400", 15}, {"0x7500", 12},
+        {"0x75FF", 12}, {"0x7600", 15}, {"0x8000", 15}, {"0x8100", 12}, {"0x81FF", 12}, {"0x8200", 15}, {"0x8610", 15},
+        {"0x8611", 11}, {"0x8612", 15}, {"0xFFFF", 15},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        open_in_op("SPEED");
+        set("axis1.fault", rows[i].code);
+        cycles(2);
+        const uint32_t class_1 = number_of(0, CLASS_1_IDN, VALUE);
+        if (class_1 != 1u << rows[i].bit)
+            fail_msg("%s: expected bit %u, got 0x%04X", rows[i].code, rows[i].bit, (unsigned int)class_1);
+        if (i + 1 < sizeof rows / sizeof rows[0])
+            (void)close_drive(NULL);
+    }
+}
+
 static void cause_remains(void **state)
 {
     static const uint8_t start[] = {3, 0};
@@ -213,6 +240,8 @@ int main(void)
         {"SOE-043: the operation mode is that of S-0-0032, or of the selected number", primary_mode, NULL, close_drive,
          NULL},
         {"SOE-041: S-0-0099 resets a fault, S-0-0011 and bit 13 have it", fault, NULL, close_drive, NULL},
+        {"SOE-041: S-0-0011 has a bit for the cause of each error code, else bit 15", class_1_of_codes, NULL,
+         close_drive, NULL},
         {"SOE-041: S-0-0099 ends in an error while the cause remains", cause_remains, NULL, close_drive, NULL},
         {"S-0-0134 is 0 when OP ends; a moving drive gets a fault, which S-0-0099 resets in SAFEOP", below_op, NULL,
          close_drive, NULL},
