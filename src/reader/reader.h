@@ -126,7 +126,7 @@ typedef struct ect_reader {
     ect_reader_result_t result;      /**< of the last call */
     uint32_t code;                   /**< of ECT_READER_ABORTED and ECT_READER_REFUSED */
     char text[ECT_READER_TEXT];      /**< one line without a line end */
-    uint8_t objects[0x10000 / 8];    /**< a bit for each index: all ends within 65 536 steps */
+    uint8_t objects[0x10000 / 8];    /**< a bit for each index: each walk ends in 65 536 steps */
     uint8_t frame[ECT_READER_FRAME]; /**< being sent */
     uint8_t reply[ECT_READER_FRAME]; /**< being received */
     uint8_t mail[ECT_READER_MAIL];   /**< last one received */

@@ -61,8 +61,8 @@ static void __attribute__((noinline)) grow_stack(void)
         stack[at - 1] = 0;
 }
 
-/* Locked memory counts against a limit for those without rights: at the limit later allocations would fail, so what
- * comes later is locked only where there is none. */
+/* Locks the present memory, and later allocations only without a limit of locked memory: at the limit they would fail.
+ */
 static bool lock_memory(void)
 {
     struct rlimit limit = {.rlim_cur = RLIM_INFINITY, .rlim_max = RLIM_INFINITY};

@@ -34,9 +34,8 @@ typedef enum ect_rights {
 int ect_rights_drop(unsigned int keep, char *message);
 
 /**
- * Gives this process, but not its children, real-time priority (SCHED_FIFO), and locks its memory. Due after the last
- * large allocation, and before a user namespace is entered, because the rights there do not apply.
- * do not count for this.
+ * Gives this process, but not its children, real-time priority (SCHED_FIFO), and locks its memory with 512 KB of stack.
+ * Due after the last large allocation, and before a user namespace is entered, because the rights there do not apply.
  * @param priority      ECT_RIGHTS_LOWEST..ECT_RIGHTS_HIGHEST
  * @param[out] message  on failure one line for the user, cause and cure; ECT_RIGHTS_MESSAGE bytes
  * @return 0, or -1
