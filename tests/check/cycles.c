@@ -2,7 +2,7 @@
 /*
  * On a Cortex-M4 in QEMU: the instructions of slave stack, device and port, for each device behind its controller in
  * OP. The controller, the chip in front of it and the master are software here, and do not count. Each line is
- * DEVICE BOARD WORK COUNTED COMPUTED; the latter is what a twin like that board takes (bus/chain/slow_config.h).
+ * DEVICE BOARD WORK COUNTED COMPUTED; a twin like that board uses the latter (bus/chain/slow_config.h).
  *
  * With -icount shift=10 an instruction takes 1024 ns, and the timer of the board counts each 40 ns.
  */
@@ -296,7 +296,7 @@ static void counted_poll(void)
     count_off();
 }
 
-/* Object 1018h:1, and the poll that sees the reply fetched. */
+/* Object 1018h:1, and the poll that detects that the reply was fetched. */
 static void upload(uint8_t counter)
 {
     static uint8_t mail[LARGEST];

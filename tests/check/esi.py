@@ -2,7 +2,7 @@
 """Looks whether the elements of an ESI file fit together: order of elements, references, lengths, nothing that is obsolete.
 
 usage: esi.py FILE...
-       esi.py --committed ECTWIN FOLDER   regenerates the files of FOLDER and wants no difference, then checks them
+       esi.py --committed ECTWIN FOLDER   regenerates the files of FOLDER, expects no difference, then checks them
        esi.py --write ECTWIN FOLDER       regenerates them: ESI of each family, SII of each device
        esi.py --schema FILE...            against the schema that $ECTWIN_ESI_SCHEMA names; 77 without one
        esi.py --self FILE                 makes one mistake after another in a copy and wants each to be found

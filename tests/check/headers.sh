@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Each public header compiles alone, first in its file, in C and in C++; what it declares has the linkage of C.
+# Each public header compiles alone, first in its file, in C and in C++; its declarations have the linkage of C.
 # usage: headers.sh SRC      (public: all but internal.h, instance.h and bus/inprocess)
 set -u
 src=$1
@@ -9,7 +9,7 @@ done
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 status=0
-# In C++ a member that is left out of an initialiser is no more than in C: zero.
+# In C++ a member that an initialiser omits is zero, as in C.
 flags="-Wall -Wextra -Wno-missing-field-initializers -Werror -I$src -I$src/soes -fsyntax-only"
 
 compiles() { # HEADER COMPILER ARGUMENT...

@@ -48,7 +48,7 @@ def room_name(path, root):
 
 
 def find(header, includer, root):
-    """The file that an #include means: a room of src, or beside the file, or in the program that it belongs to."""
+    """The file of an #include: in a room of src, in the folder of the including file, or in its program."""
     program = [p for p in includer.parents if p.parent.name in ("programs", "examples", "src") or p.name == "firmware"]
     places = [includer.parent, root / "src", root / "src/soes", *program, root / "examples/master", root / "firmware"]
     return next((place / header for place in places if (place / header).is_file()), None)

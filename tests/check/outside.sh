@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Other projects against an installed ectwin: the device and the board of examples/, by CMake, by pkg-config, and for a Cortex-M4.
-# usage: outside.sh BUILD SLAVEINFO [FLAGS]     SLAVEINFO: of SOEM, if it is there; FLAGS: what BUILD was compiled with
+# usage: outside.sh BUILD SLAVEINFO [FLAGS]     SLAVEINFO: of SOEM, if installed; FLAGS: what BUILD was compiled with
 set -eu
 build=$1
 slaveinfo=$2
@@ -77,7 +77,7 @@ for program in "$work/soes-by-cmake/my_firmware" "$work/soes-by-pkg-config"; do
   check "$program: sizes" "24bits 24bits" "$(sed -n 's/ \(Output\|Input\) size: //p' <<<"$map" | xargs)"
 done
 
-# A stack of its own, by its sources, which calls an emulated EEPROM: our hardware file has what it needs.
+# A separate stack, by its sources, which calls an emulated EEPROM: ectwin's hardware file supplies the functions that it needs.
 mkdir "$work/foreign"
 cp "$root"/tests/soes/{app.c,app.h,ecat_options.h,main.c} "$work/foreign"
 cat >"$work/foreign/stack.c" <<'STACK'

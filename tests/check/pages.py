@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Code and links of the pages lead somewhere.  usage: pages.py ROOT
 
-A block that begins with ```LANGUAGE FILE is the code of FILE, line by line; a line of … in it stands for any number of lines that
-are left out. A link to a file or to a heading of this tree has a target. Every page of docs/ is reached from README.md.
+A block that begins with ```LANGUAGE FILE is the code of FILE, line by line; a line of … in it stands for any number of omitted
+lines. A link to a file or to a heading of this tree has a target. Every page of docs/ is reached from README.md.
 """
 import pathlib
 import re

@@ -32,7 +32,7 @@ def key(title):
 
 
 def call_graph(work, sources, flags=()):
-    """Frames in bytes by function, who calls whom, and the files that they are in."""
+    """Frames in bytes by function, the calls between functions, and their files."""
     frames, calls, files = {}, {}, {}
     for number, source in enumerate(sources):
         info = f"{work}/{number}"

@@ -52,7 +52,7 @@ static uint16_t least(uint16_t value, uint16_t most)
     return value < most ? value : most;
 }
 
-/* Counts go down only: how long an array is cannot be seen. */
+/* Counts only decrease, because the length of an array is unknown. */
 static void change_counts(copy_t *c, uint8_t which, uint32_t value)
 {
     ect_device_t *d = &c->device;
@@ -220,7 +220,7 @@ static void request(session_t *s, uint8_t state)
     (void)command(s, FPWR, STATION, ECT_REG_AL_CONTROL, bytes, 2);
 }
 
-/* A request, and everything that it is answered with. */
+/* A request, and all its replies. */
 static void exchange(session_t *s, uint8_t kind, const uint8_t *payload, uint16_t length)
 {
     uint8_t mail[1486] = {0};

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 /*
- * Folders of `ectwin clone` with anything in them: the input is the bus file, then each other file behind a line
- * "=== NAME". A device of an accepted bus file is read from its part. It is refused with one line, or it becomes a
- * twin: the file written of it is read again as the same description, and a file written of that is the same byte by
- * byte, as the clone of a clone. At last all twins are powered on as one bus.
+ * Folders of `ectwin clone` with anything in them: the input is the bus file, then each other file behind a line "===
+ * NAME". A device of an accepted bus file is read from its part. It is refused with one line, or it becomes a twin: the
+ * file of this twin is read as the same description, and the file of that description is equal byte by byte, like the
+ * clone of a clone. At last all twins are powered on as one bus.
  */
 #include <stdint.h>
 #include <stdio.h>
@@ -89,7 +89,7 @@ static void drop(made_t *made)
     ect_esi_close(made->esi);
 }
 
-/* The descriptions of a twin and of the twin of the file that was written of it must be the same. A file that
+/* The descriptions of a twin and of the twin of its written file must be equal. A file that
  * contradicts itself may have differences to itself. */
 static void compare(const ect_esi_twin_t *twin, const ect_esi_twin_t *again)
 {

@@ -19,7 +19,7 @@ enum { MAILBOX = 128, MAIL_HEADER = 6, HEADER = 4, UNIT = 32 };
 enum { LAST = 1, STAMPED = 2, SIX_BITS = 0x3F, LONGEST = 1514, TAGGED = 1518, SHORTEST = 14, STAMP = 4, ROOM = 2048 };
 enum { EOE = 2, FULL = 96, FIFO = 256, MOST_MAILS = 4096, MOST_STEPS = 400 };
 
-/* A frame that comes in fragments. */
+/* A frame in fragments. */
 typedef struct assembly {
     bool open;
     unsigned int length, limit, fragment, number;
@@ -291,7 +291,7 @@ static void write_one(session_t *s)
     write_fragment(s, fragment | units << 6 | number << 12, flags, next(s) % (MAILBOX - MAIL_HEADER - HEADER + 1));
 }
 
-/* A whole frame, but one fragment is left out or has one bit of its header changed. */
+/* A whole frame, but one fragment is omitted or has one bit of its header changed. */
 static void write_frame(session_t *s)
 {
     const unsigned int length = next_length(s), number = next(s) & 0x0F, wrong = next(s), bit = next(s) % 32;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The FZM1 itself: what it reads from its memory at power-on, then a PLC, a user and a clock that do anything.
+ * The FZM1 itself: the content of its memory at power-on, then random actions of a PLC, a user and a clock.
  * Input: a length, so many bytes that replace the beginning of a good record (its check value made right), then
  * operations.
  */

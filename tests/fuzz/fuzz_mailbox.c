@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The mailbox of one twin under a master, CoE and FoE, from PREOP on. The input is a sequence of steps: an operation
- * and its bytes. Every mail that comes back must be well-formed.
+ * and its bytes. Every reply must be well-formed.
  */
 #include <assert.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The reader of a slave against a slave of any bytes: registers that lead to PREOP, and then EEPROM and mails from the
- * input. The first two bytes choose what the reader does. Each mail of the input: its length in a byte, then its bytes,
- * behind a header that fits; a length of 255 is a mail with a header of its own.
+ * input. The first two bytes select the function of the reader. Each mail of the input: its length in a byte, then its
+ * bytes, behind a header that fits; a length of 255 is a mail with a header of its own.
  */
 #define _GNU_SOURCE
 #include <assert.h>

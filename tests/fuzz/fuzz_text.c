@@ -8,7 +8,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* A fault that is read is written, and what was written is read as the same. */
+/* A fault that is read is written, and reading the written text gives the same fault. */
 static void read_faults(char *text)
 {
     char message[ECT_FAULT_MESSAGE] = "", written[ECT_FAULT_TEXT], again[ECT_FAULT_TEXT];

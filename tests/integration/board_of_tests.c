@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The whole command ectwin-board, on a Linux of its own: where it opens an SPI and GPIO lines, a virtual LAN9252
- * answers, whose ESC is at a network interface.  usage: board_of_tests IFACE ARGUMENT...    (the device is the last
- * one)
+ * The whole command ectwin-board, on a Linux of its own: the SPI and GPIO lines that it opens belong to a virtual
+ * LAN9252, whose ESC is at a network interface. usage: board_of_tests IFACE ARGUMENT... (the device is the last one)
  *
  * Environment: LATE=BYTES until the chip is ready, CSR_LASTS=BYTES, WORD_LASTS=BYTES (ports/virtual/lan9252.h);
- * FAULTS_MS: for so long after the start one bit in 100000 flips, and the chip hangs for 0.2 s of each second.
- * SAVE: somebody has the device save (its signal `save`), and the disk is so slow that it is under way when the signal
- * to end comes; "saving" on standard error reports that it is.
+ * FAULTS_MS: for so long after the start one bit in 100000 flips, and the chip hangs for 0.2 s of each second. SAVE:
+ * the signal `save` starts a save of the device, and the disk is so slow that the save is active when the signal to end
+ * arrives; "saving" on standard error reports that it is.
  */
 #define _GNU_SOURCE
 #include <aio.h>
@@ -40,7 +39,7 @@ static ect_esc_t esc;
 static ect_virtual_lan9252_t chip = {.esc = &esc};
 static ect_packet_t port;
 static int spi_fd = -1, chip_fd = -1, reset_fd = -1;
-static int irq[2] = {-1, -1}; /* what was given out as the line, and where its edges are written to */
+static int irq[2] = {-1, -1}; /* the descriptor returned for the line, and the end to which its edges are written */
 static bool irq_level;
 static bool ending; /* the command has its signal to end */
 
@@ -254,7 +253,7 @@ ssize_t __wrap_aio_return(struct aiocb *control)
     return getenv("SAVE") ? 0 : __real_aio_return(control);
 }
 
-/* While the command waits, the ESC does its work: frames are answered, and an edge of the line ends the waiting. */
+/* While the command waits, the ESC runs: frames get their replies, and an edge of the line ends the wait. */
 int __real_ppoll(struct pollfd *fds, nfds_t count, const struct timespec *timeout, const sigset_t *mask);
 int __wrap_ppoll(struct pollfd *fds, nfds_t count, const struct timespec *timeout, const sigset_t *mask);
 

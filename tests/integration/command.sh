@@ -89,7 +89,7 @@ what_cannot_be_opened_is_2() {
   check "with: a folder for what is saved that cannot be made" 2 $?
 }
 
-# Signals set before the start have their values; saved parameters are there at the next start.
+# Signals set before the start have their values; saved parameters are restored at the next start.
 start_values_and_memory() {
   mkdir -p "$work/store"
   check "with: --set" "node_address=3 data1=7.5" \

@@ -80,7 +80,7 @@ for element in VendorId:E57:E58 ProductCode:108:109 RevisionNo:10000:10001; do
     "$("$ectwin" check --esi-dir "$work/esi" "eni:$work/other.xml" 2>&1 | grep -o 'slave 1,.*')"
 done
 
-# A clone reads a bus: what it finds is what a master finds.
+# A clone reads a bus, and finds the same as a master.
 "$ectwin" with --quiet --in-process --virtual-time "eni:$eni/machine.xml" -- "$ectwin" clone --preop -i {} -o "$work/clone" >"$work/out" 2>"$work/err"
 check "ENI-009: identities in the order of the file" "@0x00000108/0x00010000 @0x000002A1/0x00000003 @0x00000108/0x00010000" \
   "$(grep -o '@0x[^:]*' "$work/out" | xargs)"
@@ -103,7 +103,7 @@ check "in a bus file, relative to it, behind other twins" "4 twins: fzm1,eni:$wo
 check "behind other twins the tree moves along" "4:2.2" "$("$ectwin" with --quiet --in-process --virtual-time "$work/bus.yaml" -- \
   "$ectwin" clone --preop -i {} -o "$work/clone2" >/dev/null 2>&1; grep -o '[0-9]:[0-9]\.[0-9]' "$work/clone2/bus.yaml" | xargs)"
 
-# The other way: a written file is the same bus, and a verify of it with the ESI files of its devices is silent.
+# In the other direction: a written file is the same bus, and its verification with the ESI files of its devices finds nothing.
 "$ectwin" eni --serial 1:5 --alias 2:17 --wire 3:1.2 fzm1*2,vr-bu-ect-map7 -o "$work/own.xml"
 "$ectwin" check "eni:$work/own.xml" >"$work/out" 2>"$work/err"
 check "ectwin eni: read back, the same slaves" "1, Slave 1 (FZM1): 2, Slave 2 (FZM1): 3, Slave 3 (VR-BU-ECT-Map7):" \

@@ -93,7 +93,7 @@ def checksum(data):
 
 
 def ping(count, size):
-    """@return how many of the pings are answered, byte by byte"""
+    """@return the number of pings with a correct reply, compared byte by byte"""
     answered = 0
     with socket.socket(socket.AF_INET, socket.SOCK_RAW, socket.IPPROTO_ICMP) as wire:
         wire.settimeout(120)
@@ -325,8 +325,8 @@ def lines_of(path, select, *options):
 
 
 def tshark():
-    """Wireshark as an independent judge. It does not assemble frames, so it can judge the content of whole ones only; and it knows one of
-    the two layouts of set IP, of which the bridge's SOEM writes the other."""
+    """Wireshark as an independent judge. It does not assemble frames, so it can judge the content of whole ones only; and it
+    accepts only one of the two layouts of set IP; the bridge's SOEM writes the other one."""
     path = f"{work}/run.pcapng"
     inside("ping", ["--eoe", "echo", "--pcap", path])
     fragment, whole = "ecat_mailbox.eoe.type == 0", "ecat_mailbox.eoe.fragno == 0 && ecat_mailbox.eoe.last == 1"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Slaves of one's own behind `ectwin with --external`: a SOES application by ectwin_soes_main, and one with its own loop.
-# usage: external.sh ECTWIN TWIN OWN_LOOP SLAVEINFO [CASE]     SLAVEINFO: of SOEM, if it is there
+# usage: external.sh ECTWIN TWIN OWN_LOOP SLAVEINFO [CASE]     SLAVEINFO: of SOEM, if installed
 set -u
 ectwin=$1
 twin=$2

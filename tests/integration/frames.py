@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Broadcast reads into a wire, and what comes back of them.  usage: frames.py IFACE COUNT PAUSE_MS [SECONDS]
+"""Broadcast reads into a wire, and their replies.  usage: frames.py IFACE COUNT PAUSE_MS [SECONDS]
 
 Sends COUNT frames, at least PAUSE_MS apart, each with its number as index, and listens until all are back or none comes
 for SECONDS (default 5) after the last one. A machine that stands still for longer loses no frame: all are sent, and the
-socket is read before the end. Prints a line for each that comes back: number, working counter, milliseconds since it
+socket is read before the end. Prints a line for each reply: number, working counter, milliseconds since it
 was sent."""
 import select
 import socket

@@ -57,8 +57,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         {"A handler that calls waitpid() runs after the search for it, and a call of the program's own works within",
          a_handler_runs_after_the_search, NULL, NULL, NULL},
-        {"A search in a call that comes within a search leaves that one as it is", a_search_within_ends_no_other, NULL,
-         NULL, NULL},
+        {"A search inside another search does not affect the outer one", a_search_within_ends_no_other, NULL, NULL,
+         NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

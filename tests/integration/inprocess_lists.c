@@ -111,7 +111,7 @@ static void system_files_describe_the_interface(void **state)
     assert_int_equal(access(path, R_OK), 0);
     assert_int_equal(stat("/sys/class/net/lo/mtu", &its), 0); /* of the machine */
     assert_int_equal(open("/sys/class/net/none/mtu", O_RDONLY | O_CLOEXEC), -1);
-    /* The folder is there, and is no link. The compiler does not know the size, and has it checked. */
+    /* The folder exists, and is no link. The compiler cannot derive the size, and adds a check of it. */
     volatile size_t size = sizeof target;
     assert_int_equal(readlink(path, target, size), -1);
     assert_int_equal(errno, EINVAL);

@@ -407,7 +407,7 @@ def held():
         check("its connection remains", {"ok": True}, mute.request(bus, deflect, 2))
         check("a signal without rest keeps its value", True, watcher.value(data, 7))
         mute.socket.close()
-        for attempt in range(10):  # on a busy machine its reply may come too late
+        for attempt in range(10):  # on a busy machine its reply may be too late
             steady = holder(10 + attempt)
             kept = reads(steady, 5) == f"data1={10 + attempt}"
             if kept:

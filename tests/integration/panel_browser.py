@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The page of `ectwin panel` in headless Chromium: plugs, signals, faults, hostile names, with a master beside.
+"""The page of `ectwin panel` in headless Chromium: plugs, signals, faults, hostile names, with a running master.
 
 usage: panel_browser.py ECTWIN MASTER [FOLDER]      FOLDER: screenshots are written there. Exits with 77 without Chromium.
 """
@@ -214,8 +214,8 @@ def widths(browser):
     check("every control has a name for screen readers", [], named)
 
 
-# The points that a chart of 20 curves hands to the canvas for each frame of 16 ms in 5 s of the chart's time: `changes` a millisecond.
-# Then its picture beside one that is painted completely.
+# The points that a chart of 20 curves passes to the canvas for each frame of 16 ms in 5 s of the chart's time, at `changes` per
+# millisecond. Then its picture, compared with a completely painted one.
 CHART_WORK = """const changes = arguments[0];
 return import('/plot.js').then(({ Plot }) => {
   const listeners = [];
@@ -263,7 +263,7 @@ def chart_work(browser):
 
 
 def remotes(browser, url, folder):
-    """The front of a base unit and of its remote units: what is moved there reaches the PLC."""
+    """The front of a base unit and of its remote units: operated controls reach the PLC."""
     lines = pathlib.Path(folder, "inputs")
     joystick = "vr-bu-ect-map1", [MASTER, "{}", "38"]  # byte 38: joystick 1 of the first armed remote unit
     seen = lambda: [int(line) for line in lines.read_text().split()]  # noqa: E731

@@ -19,7 +19,7 @@ ENTRY = "return document.querySelector('[data-entry=\"' + arguments[0] + '\"] ' 
 
 
 def shows(browser, entry, value):
-    """Waits for the value of an entry of the process data; returns what is shown in the end."""
+    """Waits for the value of an entry of the process data; returns the final content of the page."""
     browser.wait(f"const text = (() => {{ {ENTRY} }})(); return text === arguments[2]", entry, "output", value, seconds=120)
     return browser.run(ENTRY, entry, "output")
 

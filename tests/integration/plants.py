@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Plants outside the twins' process (docs/PLANTS.md): the tank of examples/tank on the virtual clock, plants beside running twins.
+"""Plants outside the twins' process (docs/PLANTS.md): the tank of examples/tank on the virtual clock, plants of running twins.
 
 usage: plants.py ECTWIN ECTWIN-TANK-PLC
 """

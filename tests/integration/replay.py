@@ -237,7 +237,7 @@ def buses(file):
 
 
 def stores(file):
-    """what twins have saved, and what a master has written to their EEPROMs, is in the record; a changed one differs"""
+    """the saved data of twins, and the writes of a master to their EEPROMs, are in the record; a changed one differs"""
     store, values = file.parent / "store", file.parent / "values.json"
     save = f"{ECTWIN} set -n 2 comment1=saved output_period=777 && {ECTWIN} set -n 2 save=1 && {ECTWIN} wait -n 2 saves=1"
     expect("a run that saves", 0, call(ECTWIN, "with", "--store", store, "fzm1*2", "--", "sh", "-c", save).returncode)

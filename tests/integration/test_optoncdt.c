@@ -141,7 +141,7 @@ static void states(void **state)
     (void)ecx_FPWR(&master.port, station, 0x1000, sizeof mail, mail, EC_TIMEOUTRET3);
     osal_usleep(20000);
     assert_int_equal(ecx_FPRD(&master.port, station, ECT_REG_SM1 + 5, 1, &status, EC_TIMEOUTRET3), 1);
-    assert_int_equal(status & 0x08, 0); /* INIT: a request has no answer */
+    assert_int_equal(status & 0x08, 0); /* INIT: a request has no reply */
     soem_go(&master, 1, EC_STATE_PRE_OP);
     assert_int_equal(read_number(0x1018, 1, &vendor), 0);
     assert_int_equal(vendor, master.slaves[1].eep_man);
@@ -330,7 +330,7 @@ static void oversampling(void **state)
     }
 }
 
-/* A CSV file's rows go by; what is not there has no distance. */
+/* A CSV file's rows go by; a missing surface has no distance. */
 static void table(void **state)
 {
     (void)state;

@@ -9,7 +9,7 @@ import tempfile
 import ectwin as module
 import pytest
 
-# Masters without a library: the frames are written by hand. A broadcast read of AL status counts the slaves.
+# Masters without a library: the program builds its frames itself. A broadcast read of AL status counts the slaves.
 BROADCAST = """
 import os, socket, sys, time
 def broadcast(interface):

@@ -329,7 +329,7 @@ static void sequence(void **state)
     control(0x0D, 0x4F, 0x40); /* disable voltage */
     enable();
     control(0x0E, 0x6F, 0x21); /* shutdown */
-    control(0x0F, 0x6F, 0x23); /* bit 3 rises before Switched On is there: it stops there */
+    control(0x0F, 0x6F, 0x23); /* bit 3 rises before Switched On is reached: the axis stays in it */
     control(0x07, 0x6F, 0x23);
     control(0x0F, 0x6F, 0x27);
     control(0x07, 0x6F, 0x23); /* disable operation */
@@ -466,7 +466,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         FROM_PREOP("PLZ-007 PLZ-008 PLZ-010 PLZ-012 PLZ-027 PLZ-028 PLZ-029 PLZ-030: the worked example, 1C12:1 = "
-                   "1704h, and its reply; what is not CoE is answered",
+                   "1704h, and its reply; a mail that is not CoE gets a reply",
                    mailbox),
         FROM_PREOP(
             "PLZ-009 PLZ-011 PLZ-014: a mail raises SM0's event after its frame, is read and makes room for the next",

@@ -54,7 +54,7 @@ class Beside(unittest.TestCase):
             self.twin.set({"trigger": 1})
             on, off = next(watch), next(watch)
             self.assertEqual((on.slave, on.name, on.value, off.value), (1, "busy", 1, 0))
-            self.assertGreaterEqual(off.time - on.time, 199e-6)  # in a twin that runs late it is seen later
+            self.assertGreaterEqual(off.time - on.time, 199e-6)  # in a late twin it is detected later
             self.assertIsNone(watch.next(0.05))
 
     def test_a_machine_that_stands_still_leaves_the_twin_its_time(self):

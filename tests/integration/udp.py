@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""--udp: a master over EtherCAT in UDP, in `with` beside the interface and in `run` without one.
+"""--udp: a master over EtherCAT in UDP, in `with` in addition to the interface and in `run` without one.
 
 usage: ectwin with --udp 0 fzm1 -- udp.py ECTWIN [CASE]
 """

@@ -29,7 +29,8 @@ for one in analog.xml#AI2 analog.xml#DRIVE digital.xml#DI4 digital.xml#DO16 digi
   check "$one and its twin" "" "$(cat "$work/out")"
 done
 
-# A twin of nothing but the image: the same EEPROM, layout and PDOs; a master brings it to OP; options replace what they name.
+# A twin of nothing but the image: the same EEPROM, layout and PDOs; a master brings it to OP; options replace the items that they
+# name.
 for device in $("$ectwin" list | awk '{print $1}'); do
   with --behaviour none "sii:$work/$device.bin" -- "$ectwin" verify "$work/$device.bin" slave:{} >"$work/out" 2>"$work/err"
   check "the twin of $device's image: exit code" 0 $?

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""A tagged frame is answered with its tag, a plain one without.  usage: ectwin with DEVICE -- vlan.py IFACE"""
+"""The reply to a tagged frame has its tag, the reply to a plain frame has none.  usage: ectwin with DEVICE -- vlan.py IFACE"""
 
 import socket
 import struct

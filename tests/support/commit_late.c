@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The chip with another time of commit, for tests: a frame takes effect COMMIT_LATE_NS after its end, also if further
- * frames pass before. Linked with --wrap for the functions named __wrap_...; the core has no part of it.
+ * frames pass before. Linked with --wrap for the functions named __wrap_...; it does not belong to the core.
  */
 #include "bus/chain/fast.h"
 #include "esc/internal.h"

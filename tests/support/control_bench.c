@@ -167,7 +167,7 @@ unsigned int serve(bench_t *b)
     while (wants_to_be_served(b)) {
         serve_once(b);
         if (++calls == MOST_CALLS)
-            fail_msg("the socket never comes to rest");
+            fail_msg("the socket never becomes idle");
     }
     return calls;
 }

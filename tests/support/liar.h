@@ -30,7 +30,7 @@ typedef struct liar_kind {
     void (*reply)(liar_t *l, uint8_t *mail);
     /* After the reader has fetched a mail of the liar. @return whether there is another, in liar_t::mail */
     bool (*next)(liar_t *l);
-    /* A datagram that comes back: `ado`, its data and its working counter. @return false: the frame is lost */
+    /* A returned datagram: `ado`, its data and its working counter. @return false: the frame is lost */
     bool (*datagram)(liar_t *l, uint8_t *d, uint16_t ado, uint8_t *data, uint16_t length, uint8_t *wkc);
 } liar_kind_t;
 

@@ -176,7 +176,7 @@ static int memory_flush(void *ctx, unsigned int bank, bool wait)
 
 void sensor_memory_cut(sensor_memory_t *m, uint32_t written_mask)
 {
-    while (m->cached > 0) { /* the last one first: it restores the content of the one before */
+    while (m->cached > 0) { /* the last one first: each restores the content before it */
         m->cached--;
         if ((written_mask >> (m->cached % 32) & 1) != 0)
             memcpy(m->bank[m->cache[m->cached].bank] + m->cache[m->cached].offset, m->cache[m->cached].before,

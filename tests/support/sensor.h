@@ -31,7 +31,7 @@ uint32_t sensor_read(sensor_t *s);
 uint32_t sensor_wait(sensor_t *s, uint64_t ns);
 /* Asserts which of `mask` are on, now. */
 void sensor_expect(sensor_t *s, const char *when, uint32_t mask, uint32_t want);
-/* How long until the signals of `mask` become `want`: nanoseconds; fails after a minute. */
+/* Nanoseconds until the signals of `mask` become `want`; fails after a minute. */
 uint64_t sensor_until(sensor_t *s, uint32_t mask, uint32_t want);
 int32_t sensor_data(sensor_t *s, unsigned int n); /* 1..8 */
 
@@ -58,7 +58,7 @@ typedef struct sensor_memory {
         unsigned int bank;
         uint32_t offset, length;
         uint8_t before[1024];
-    } cache[SENSOR_UNSAFE]; /* what has been written and is not safe */
+    } cache[SENSOR_UNSAFE]; /* data that are written and not yet safe */
     unsigned int cached;
 } sensor_memory_t;
 /* The power goes: each write that was not safe is on the medium, or is not. */

@@ -56,7 +56,7 @@ extern const ect_device_t testdev;
 
 enum { TESTDEV_PROTOCOLS = 8 };
 
-/* The device with a protocol more. `list` gets its protocols and lives as long as the device; `mailbox` is an
+/* The device with a protocol more. `list` gets its protocols and must exist as long as the device; `mailbox` is an
  * ECT_MAILBOX_... of the SII. */
 ect_device_t testdev_with(const ect_protocol_t *protocol, const ect_protocol_t *list[TESTDEV_PROTOCOLS],
                           uint8_t mailbox, size_t instance_size);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* ADS over EtherCAT: commands, index groups, refusals, and the place beside other mail. */
+/* ADS over EtherCAT: commands, index groups, refusals, and the order with other mail. */
 #include <string.h>
 
 #include "seams/aoe.h"
@@ -410,7 +410,7 @@ static void own_groups(void **state)
         {"no room", READ, "33221100 77665544 01000000", 0, "05070000 00000000"},
         {"another offset", READ, "33221100 00000000 01000000", 0, "03070000 00000000"},
         {"another group", WRITE, "33221101 77665544 01000000 00", 0, "02070000"},
-        {"the dictionary beside it", READ, COE "00000020 04000000", 0, "00000000 04000000 44332211"},
+        {"and the dictionary", READ, COE "00000020 04000000", 0, "00000000 04000000 44332211"},
     };
     (void)state;
     reopen(&with_own, ECT_STATE_PREOP, true);

@@ -501,7 +501,7 @@ static bool fetch(uint8_t answer[SIZE])
 static void expect_sdo(const uint8_t *coe, uint16_t length, uint8_t answer[SIZE])
 {
     mail(coe, length);
-    expect(fetch(answer), "no answer to an SDO");
+    expect(fetch(answer), "no reply to an SDO");
     expect(answer[8] != 0x80, "an SDO was refused");
 }
 
@@ -688,7 +688,7 @@ static void line_mails(void **state)
     start_line();
     to_op();
     mail(list, sizeof list);
-    t.device.host->emergency(t.device.host->ctx, 0x1234, 0, data); /* while the list's mail is there */
+    t.device.host->emergency(t.device.host->ctx, 0x1234, 0, data); /* while the list's mail is pending */
     ect_slave_wake(&t.slave);
     pass(20 * MS);
     assert_true(fetch(answer));
@@ -741,7 +741,7 @@ static void line_sync0(void **state)
         assert_int_equal(ect_esc_al_event(&t.esc) & ECT_EVENT_SYNC0, 0);
     }
     assert_int_equal(al_status(), ECT_STATE_OP);
-    /* The master stops: SYNC0 alone detects this, one more than 10F1h:2 allows in a row. */
+    /* The master stops: SYNC0 alone detects this, after one more than the successive errors that 10F1h:2 allows. */
     while (al_status() == ECT_STATE_OP && t.now_ns < last_ns + 20 * MS)
         pass(MS / 10);
     assert_int_equal((t.now_ns - first_ns) / MS - (last_ns - first_ns) / MS,

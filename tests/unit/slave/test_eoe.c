@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Ethernet over EtherCAT: fragments of both directions, IP parameters, and their place beside other mail. */
+/* Ethernet over EtherCAT: fragments of both directions, IP parameters, and their order with other mail. */
 #include <string.h>
 
 #include "seams/eoe.h"
@@ -10,7 +10,7 @@ enum { SM0 = 0x1800, SM1 = 0x2000, MAIL_HEADER = 6, HEADER = 4, LAST = 1, STAMPE
 enum { FRAGMENT, STAMP, SET_IP, SET_IP_DONE, SET_FILTER, SET_FILTER_DONE, GET_IP, GET_IP_DONE, GET_FILTER };
 enum { NOTHING = -1, MAILBOX_ERROR = -2, QUEUE = 8, ROOM = 1600 };
 
-/* A device whose host keeps what it takes, and has a queue of frames to give. */
+/* A device whose host keeps the frames that it accepts, and has a queue of frames to send. */
 typedef struct netdev {
     testdev_t base;
     ect_eoe_state_t eoe;
@@ -264,7 +264,7 @@ static void tag_makes_room(void **state)
     data[1] = LAST;
     ect_store_le16(data + 2, 1 | 31 << 6);
     send_data(data, HEADER + 523);
-    assert_int_equal(net()->eoe.received, 0); /* 1515 bytes, whose type is none of a tag */
+    assert_int_equal(net()->eoe.received, 0); /* 1515 bytes, whose type is not that of a tag */
     assert_int_equal(net()->eoe.dropped, 1);
 }
 
@@ -293,7 +293,7 @@ static void broken_frames(void **state)
         {"EOE-010: 8 bytes of which 4 are a stamp", 2, {2, 6, 5, 192, 8, LAST | STAMPED}, 1, 0},
         {"EOE-010: 3 bytes with a stamp of 4", 2, {2, 6, 5, 192, 3, LAST | STAMPED}, 0, 1},
         {"EOE-010: a stamp before the last piece has no meaning", 1, {1, 3, 5, 96, 96, STAMPED}, 1, 0},
-        {"EOE-011: a stamp is wanted", 2, {2, 6, 5, 192, 8, LAST | STAMP_WANTED}, 1, 0},
+        {"EOE-011: a stamp is requested", 2, {2, 6, 5, 192, 8, LAST | STAMP_WANTED}, 1, 0},
         {"EOE-002: reserved bits", 2, {2, 6, 5, 192, 8, LAST | 0xF8}, 1, 0},
     };
     (void)state;
@@ -461,7 +461,7 @@ static void frame_numbers(void **state)
     }
 }
 
-/* All of the first frame, then all of the second one, though a frame of the master comes in between. */
+/* All of the first frame, then all of the second one, despite a frame of the master in between. */
 static void one_frame_at_a_time(void **state)
 {
     uint8_t data[ROOM];
@@ -594,7 +594,7 @@ static void names(void **state)
     send_data(cut, sizeof cut);
     expect_mail("EOE-034: a name that is cut short", done, sizeof done);
     send_data(get, sizeof get);
-    expect_mail("EOE-034: it comes back with 32 bytes", want, sizeof want);
+    expect_mail("EOE-034: it returns with 32 bytes", want, sizeof want);
     wire_close(&w);
     size = ECT_EOE_MAILBOX_LEAST;
     open_net();

@@ -92,7 +92,7 @@ static uint8_t byte_at(uint32_t n)
     return (uint8_t)(7 * n + n / 256);
 }
 
-/* Sends the file's packets; the one after the last full packet is shorter. */
+/* Sends the file's packets; the packet after the last full packet is shorter. */
 static void write_packets(uint16_t size)
 {
     uint8_t data[FULL];
@@ -168,12 +168,12 @@ static void refused(void **state)
         uint32_t password, code;
         const char *text;
     } table[] = {
-        {"a file that is not there", "dat", READ, 0, ECT_FOE_NOT_FOUND, "no such file"},
+        {"a missing file", "dat", READ, 0, ECT_FOE_NOT_FOUND, "no such file"},
         {"a name that is too long", "data2", WRITE, 0, ECT_FOE_NOT_FOUND, "no such file"},
         {"no name", "", READ, 0, ECT_FOE_NOT_FOUND, ""},
         {"no password", "secret", READ, 0, ECT_FOE_ACCESS, ""},
         {"a wrong password", "secret", WRITE, 0x1235, ECT_FOE_ACCESS, ""},
-        {"a password that is not wanted", "data", READ, 1, ECT_FOE_ACCESS, ""},
+        {"an unnecessary password", "data", READ, 1, ECT_FOE_ACCESS, ""},
         {"a constant file written", "constant", WRITE, 0, ECT_FOE_NO_RIGHTS, ""},
         {"a packet without a transfer", "", DATA, 1, ECT_FOE_ILLEGAL, ""},
         {"an acknowledge without a transfer", "", ACK, 1, ECT_FOE_ILLEGAL, ""},
@@ -284,7 +284,7 @@ static void packet_numbers(void **state)
         begin(READ, "data", 0);
         expect("the file", DATA, 1);
         send_mail(ACK, wrong[i] == 1 ? 3 : wrong[i], "", 0);
-        expect_error("an acknowledge of what was not sent", ECT_FOE_PACKET_NUMBER, "");
+        expect_error("an acknowledge of a packet that was not sent", ECT_FOE_PACKET_NUMBER, "");
     }
     wire_close(&w);
 }
@@ -621,7 +621,7 @@ static void given_up(void **state)
     wire_close(&w);
 }
 
-/* A transfer continues beside other mails, and over a change of state. */
+/* A transfer continues during other mails, and over a change of state. */
 static void beside_others(void **state)
 {
     uint8_t data[FULL] = {9};
@@ -659,9 +659,9 @@ int main(void)
          NULL, NULL},
         {"FoE: a mail without a whole header is a mailbox error (CF-026)", too_short, NULL, NULL, NULL},
         {"FoE: errors of the device end the transfer: check value, no room (CF-084)", of_the_device, NULL, NULL, NULL},
-        {"FoE: a packet out of order is refused with 8005h and the file given up (CF-084)", packet_numbers, NULL, NULL,
+        {"FoE: a packet out of order is refused with 8005h and the file abandoned (CF-084)", packet_numbers, NULL, NULL,
          NULL},
-        {"FoE: packets and acknowledges that come again are answered again and not taken again", sent_again, NULL, NULL,
+        {"FoE: repeated packets and acknowledges get a reply again and are not processed again", sent_again, NULL, NULL,
          NULL},
         {"FoE: a device that takes its time is waited for", late_answers, NULL, NULL, NULL},
         {"FoE: so it is in the middle of a file, and when it cannot be read on", late_pieces, NULL, NULL, NULL},
@@ -672,8 +672,8 @@ int main(void)
         {"FoE: a device needs no more than open and read", open_and_read_only, NULL, NULL, NULL},
         {"FoE: a master gets BUSY once, and again when it asks again (CF-084)", busy, NULL, NULL, NULL},
         {"FoE: without a word from master or device a transfer ends", timeouts, NULL, NULL, NULL},
-        {"FoE: a file that was given up does not count", given_up, NULL, NULL, NULL},
-        {"FoE: a transfer goes on beside SDOs and over a change of state", beside_others, NULL, NULL, NULL},
+        {"FoE: an abandoned file does not count", given_up, NULL, NULL, NULL},
+        {"FoE: a transfer continues during SDOs and over a change of state", beside_others, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("foe", tests, NULL, NULL);
 }

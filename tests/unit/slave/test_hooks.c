@@ -194,9 +194,9 @@ int main(int argc, char **argv)
         T("CF-070: a device refuses a read, of an entry and of a whole object, with a reason or its own code",
           read_refused),
         T("CF-069: a device supplies the data of a read, at any length", read_supplied),
-        T("CF-070: a long value is seen whole by the device before any of it is stored", long_write_checked),
+        T("CF-070: the device gets a long value as a whole before any part is stored", long_write_checked),
         T("CF-070: a long value without room to collect it is out of memory, and changes nothing", staging_too_small),
-        T("a device's big buffer is there, zero at each power-on, when the host has one", buffer),
+        T("a device has its big buffer, zero at each power-on, if the host supplies one", buffer),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -936,7 +936,7 @@ static void headers_checked(void **state)
         assert_int_equal(send_upload(&w, counter, 0x2000), 1);
         expect_fetch(&w, "the next request", mail);
         if (mail[8] != 0x43 || ect_load_le32(mail + 12) != 0x11223344)
-            fail_msg("after %s: the next request is not answered", row->what);
+            fail_msg("after %s: no reply to the next request", row->what);
         expect_empty(&w, row->what);
     }
     wire_close(&w);
@@ -1190,8 +1190,7 @@ static void reenabled(void **state)
             (void)fetch(&w, mail);
             assert_int_equal(send_write(&w, 2, 2), 1);
             if (!fetch(&w, mail) || testdev_of(&w, 0)->u32 != 2)
-                fail_msg("SM%u off and on, %s unread: the next request is not answered", sm,
-                         unread ? "a mail" : "none");
+                fail_msg("SM%u off and on, %s unread: no reply to the next request", sm, unread ? "a mail" : "none");
             wire_close(&w);
         }
     }
@@ -1327,34 +1326,34 @@ int main(int argc, char **argv)
         cmocka_set_test_filter(argv[1]);
     const struct CMUnitTest tests[] = {
         T("CF-016: a request goes into an empty SM0 only; while it is full a write has WKC 0", out_full),
-        T("CF-016: SM0 is full, and the request carried out, with its last byte only", out_last_byte),
+        T("CF-016: SM0 is full, and the request executed, only with its last byte", out_last_byte),
         T("CF-016 CF-018: the actual length and the last byte in two datagrams of a frame are a request",
           out_actual_length_and_last_byte),
         T("CF-017: SM1 is read from its first byte, only when full, and empty with its last byte only", in_partly_read),
         T("CF-024: replies run 1..7 as the slave's own sequence, whatever the master's counter", own_counter),
-        T("CF-024: a request with the counter of the last one is not carried out again, its reply is given again",
+        T("CF-024: a request with the counter of the last one is not executed again, its reply is repeated",
           not_carried_out_again),
-        T("CF-024: a request that came twice before its reply was fetched has one reply, though both are seen at once",
+        T("CF-024: a request sent twice before its reply is fetched has one reply, though both are found at once",
           repeated_and_fetched_at_once),
         T("CF-024: counter 0 is never a repetition", counter_zero),
         T("CF-024: a counter older than the last is a new request", older_counter_is_new),
-        T("CF-024 CF-025: a repetition that comes while the reply is unread is dropped: that reply answers it",
+        T("CF-024 CF-025: a repetition while the reply is unread is dropped: that reply serves both",
           repeated_while_unread),
         T("CF-024: the error reply to a request is given again too", repeated_error),
         T("CF-024: a repetition of what had no reply has none", repeated_without_reply),
         T("CF-024: an emergency in between does not change the reply to a repetition", repeated_after_emergency),
         T("CF-024: a repeat while the repetition of a reply is in SM1 changes nothing", repeat_of_a_repetition),
-        T("CF-024: two emergencies in between: the repetition is still not carried out again",
+        T("CF-024: two emergencies in between: the repetition is still not executed again",
           never_again_after_two_emergencies),
         T("CF-024: the last counter is forgotten when the mailbox stops", stop_forgets),
-        T("CF-025: INIT empties both mailboxes; nothing old comes or is carried out after it", stop_empties),
-        T("CF-025: a request is held while the reply before it is unread, and answered in order", held),
+        T("CF-025: INIT empties both mailboxes; nothing old is sent or executed after it", stop_empties),
+        T("CF-025: a request is held while the previous reply is unread, and gets its reply in order", held),
         T("CF-025: a request is held behind emergencies", held_behind_emergency),
-        T("CF-023: repeat with nothing sent is acknowledged, and nothing comes", repeat_nothing),
+        T("CF-023: a repeat request before any mail is acknowledged, and no mail follows", repeat_nothing),
         T("CF-023: a lost mail comes again unchanged, as often as asked", repeat_lost),
         T("CF-023: asked twice before it is read, the lost mail comes once, and no older one", repeat_twice),
         T("CF-023: repeat while the first mail is unread leaves it there", repeat_unread_first),
-        T("CF-023: with a newer mail in SM1, the lost one comes first, then the newer", repeat_with_newer_mail),
+        T("CF-023: with a newer mail in SM1, the lost one is sent first, then the newer one", repeat_with_newer_mail),
         T("CF-023: the lost mail is lost again before and after the newer one is back", repeat_lost_again),
         T("CF-023: after the older mail, the newer one can be lost and repeated too", repeat_then_newest_lost),
         T("CF-023: repeat and a new request at once: the lost mail, then the reply", repeat_and_request_at_once),
@@ -1364,17 +1363,17 @@ int main(int argc, char **argv)
           acknowledge_last),
         T("CF-026 CF-086: each bad header has an error reply with its detail, and the next request works",
           headers_checked),
-        T("CF-026: CoE services that are not served are answered with detail 4", services_checked),
-        T("CF-086: a protocol that is not offered is answered with detail 2, CoE too", coe_not_offered),
+        T("CF-026: unsupported CoE services get an error with detail 4", services_checked),
+        T("CF-086: an unsupported protocol gets an error with detail 2, CoE too", coe_not_offered),
         T("CF-017: no bytes of an older mail remain behind a shorter one", no_stale_bytes),
-        T("CF-023 CF-025: each fragment of a list can be repeated, and a request is answered between two of them",
+        T("CF-023 CF-025: each fragment of a list can be repeated, and a request gets its reply between two of them",
           fragments),
         T("CF-024: address, channel and type of a reply", reply_header),
         T("CF-027: a long upload fits itself to every length of SM1 from minimum to maximum", lengths_in_use),
         T("CF-027: requests are judged by the length of SM0 that the master chose", request_lengths),
         T("CF-021 CF-022: a mailbox SM off and on before the slave looks: 0x0016, or the mailbox goes on", reenabled),
         T("CF-033: a refused start of the mailbox loses nothing", refused_start),
-        T("CF-023 CF-024 CF-025: over a bad line every request is answered once, in order, and no mail is lost",
+        T("CF-023 CF-024 CF-025: over a bad line every request gets one reply, in order, and no mail is lost",
           bad_line),
     };
     return cmocka_run_group_tests_name("Mailbox", tests, NULL, NULL);

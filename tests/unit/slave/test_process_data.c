@@ -1002,7 +1002,7 @@ int main(int argc, char **argv)
         cmocka_set_test_filter(argv[1]);
     const struct CMUnitTest tests[] = {
         T("CF-048: each bit of the output image lands in its object, gaps nowhere", outputs_bit_by_bit),
-        T("CF-048: each bit of the inputs is at its place, gaps are 0, in SAFEOP and OP", inputs_bit_by_bit),
+        T("CF-048: each bit of the inputs has its position, gaps are 0, in SAFEOP and OP", inputs_bit_by_bit),
         T("CF-048: in SAFEOP SM2 is read but nothing applied; OP applies the newest; leaving OP makes outputs safe",
           outputs_rest_in_safeop),
         T("CF-048: below SAFEOP neither SM2 nor SM3 can be accessed", no_data_below_safeop),

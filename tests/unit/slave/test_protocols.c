@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Mailbox protocols of a product: two (support/voe.h) beside CoE, each served in the states of its entry. */
+/* Mailbox protocols of a product: two (support/voe.h) and CoE, each served in the states of its entry. */
 #include <stddef.h>
 #include <string.h>
 
@@ -191,11 +191,13 @@ static void forgets_on_restart(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        {"Protocols: one of a product is served beside CoE, in the states of its entry", served, NULL, NULL, NULL},
-        {"Protocols: one for BOOT alone; the others neither answer nor speak there", own_states, NULL, NULL, NULL},
-        {"Protocols: the error that an entry returns is answered; what no entry wants is detail 2 or 4 (CF-086)",
+        {"Protocols: one of a product is served with CoE, in the states of its entry", served, NULL, NULL, NULL},
+        {"Protocols: one for BOOT alone; the others neither reply nor send mails in them", own_states, NULL, NULL,
+         NULL},
+        {"Protocols: the error that an entry returns is sent; a mail without an entry gets detail 2 or 4 (CF-086)",
          an_error_is_answered, NULL, NULL, NULL},
-        {"Protocols: mails of its own follow when the mailbox is free, after emergencies and answers, and are repeated",
+        {"Protocols: a protocol's own mails follow when the mailbox is free, after emergencies and replies, and are "
+         "repeated",
          mails_of_its_own, NULL, NULL, NULL},
         {"Protocols: transfers under way are dropped when the mailbox restarts", forgets_on_restart, NULL, NULL, NULL},
     };

@@ -254,7 +254,7 @@ int main(void)
         T("PLZ-027 CF-069: a mailbox of 16 bytes serves SDOs", shortest_mailbox),
         T("CF-033: a coupler, without any SyncManager or object, runs from INIT to OP", coupler_runs),
         T("the memory that they need", memory),
-        T("the memory of who maps parts of entries: a run for each part", memory_of_parts),
+        T("the memory of a mapping with parts of entries: a run for each part", memory_of_parts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

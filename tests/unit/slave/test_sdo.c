@@ -371,7 +371,7 @@ static void refused_requests(void **state)
         {"command FFh", {{"0020 FF 0020 00 00000000", "0020 80 0020 00 01000405"}}},
         {"an upload segment without a transfer", {{"0020 60 0000 00 00000000", "0020 80 0000 00 01000405"}}},
         {"a download segment without a transfer", {{"0020 01 0000 00 00000000", "0020 80 0000 00 01000405"}}},
-        {"an abort without a transfer is not answered",
+        {"an abort without a transfer gets no reply",
          {{"0020 80 0020 00 00000008", NULL}, {"0020 40 0020 00 00000000", "0030 43 0020 00 44332211"}}},
     };
     (void)state;
@@ -984,7 +984,7 @@ static uint64_t get_bits(const uint8_t *bytes, uint32_t at, uint32_t count)
     return value;
 }
 
-/* Start of an item of a whole object, if `at` is the end of the one before; its end includes the pad. */
+/* Start of an item of a whole object, if `at` is the end of the previous one; its end includes the pad. */
 static uint32_t item_start(const item_t *item, uint32_t at)
 {
     return (item->flags & BITS) != 0 ? at : (at + 7u) & ~7u;
@@ -1657,7 +1657,7 @@ static const struct CMUnitTest tests[] = {
      NULL, NULL, NULL},
     {"CF-073: Complete Access down: as up; too long or ending inside an element changes nothing",
      complete_access_download, NULL, NULL, NULL},
-    {"CF-070 CF-071 CF-072: a refused request is answered with command 80h in service 2, index, sub-index and code",
+    {"CF-070 CF-071 CF-072: the reply to a refused request is command 80h in service 2, index, sub-index and code",
      refused_requests, NULL, NULL, NULL},
     {"CF-072: a wrong CoE service or a mail too short gets a mailbox error", wrong_services_and_lengths, NULL, NULL,
      NULL},
@@ -1666,7 +1666,7 @@ static const struct CMUnitTest tests[] = {
     {"CF-069: 1000 octets come up in segments through an SM1 of any length", octets_in_every_mailbox, NULL, NULL, NULL},
     {"CF-072: a toggle error or a wrong segment ends an upload with its abort", upload_toggle_and_interruptions, NULL,
      NULL, NULL},
-    {"CF-072: an upload given up by abort, initiate or INIT does not go on", upload_given_up, NULL, NULL, NULL},
+    {"CF-072: an upload ended by abort, initiate or INIT does not continue", upload_given_up, NULL, NULL, NULL},
     {"CF-069: 1000 octets go down in segments of any length", octets_in_pieces, NULL, NULL, NULL},
     {"CF-069: numbers go down in segments of any length", numbers_in_pieces, NULL, NULL, NULL},
     {"CF-069: texts go down in segments of any length", text_in_pieces, NULL, NULL, NULL},
@@ -1700,8 +1700,8 @@ static const struct CMUnitTest tests[] = {
      NULL},
     {"CF-067: the mandatory objects of every device", mandatory_objects, NULL, NULL, NULL},
     {"CF-068: sub-index 0 of every object counts its entries; beyond them 06090011", subindices, NULL, NULL, NULL},
-    {"CF-070 CF-073 CF-078: a random session answers as a model of the dictionary does", random_session, NULL, NULL,
-     NULL},
+    {"CF-070 CF-073 CF-078: a random session gives the replies of a model of the dictionary", random_session, NULL,
+     NULL, NULL},
     {"CF-069: a text that the device shortens while it is uploaded: the upload ends", text_changes_under_way, NULL,
      NULL, NULL},
     {"CF-073: a list that the device shortens while it is uploaded: the upload ends", list_changes_under_way, NULL,

@@ -166,7 +166,7 @@ static void lists_of_the_catalogue(void **state)
     }
 }
 
-/* The content once by hand, as a second source beside the loop above. */
+/* The content written out, as a second source besides the loop above. */
 static void lists_by_hand(void **state)
 {
     static const struct {
@@ -256,7 +256,7 @@ static void a_new_request_ends_a_long_list(void **state)
     assert_int_equal(s.mail[2], 0x04);
     assert_int_equal(ect_load_le16(s.mail + 6), 0x2005);
     if (fragments != 2)
-        fail_msg("a request while fragment 2 of 10 is in SM1: expected its answer next, got %u more fragments first",
+        fail_msg("a request while fragment 2 of 10 is in SM1: expected its reply next, got %u more fragments first",
                  fragments - 2);
     assert_int_equal(fetch(&s), NO_MAIL);
     wire_close(&s.w);
@@ -439,7 +439,7 @@ static void descriptions_by_hand(void **state)
 
 /* --- value info --------------------------------------------------------------------------------------------------- */
 
-/* Default, minimum and maximum by hand; a length of 0 bytes: the entry has none. */
+/* Default, minimum and maximum written out; a length of 0 bytes: the entry has none. */
 typedef struct details {
     uint16_t index;
     uint8_t subindex;
@@ -691,7 +691,7 @@ int main(int argc, char **argv)
         {"CF-076: a request while the last fragment is in SM1 gets the next reply", a_new_request_ends_a_list, NULL,
          NULL, NULL},
         {"CF-076: INIT ends a list under way", init_ends_a_list, NULL, NULL, NULL},
-        {"CF-076: an SDO request during a list is answered between two fragments, and the list goes on",
+        {"CF-076: an SDO request during a list gets its reply between two fragments, and the list continues",
          an_sdo_after_a_list, NULL, NULL, NULL},
         {"CF-076: every object and entry of every device is described as in its tables", descriptions, NULL, NULL,
          NULL},
@@ -702,13 +702,13 @@ int main(int argc, char **argv)
         {"CF-076: an entry longer than a number is described without a default", octets_without_default, NULL, NULL,
          NULL},
         {"CF-076: a default of more than 32 bits is described whole", long_default, NULL, NULL, NULL},
-        {"CF-076: value info that the mailbox has no room for is left out", value_info_in_a_small_mailbox, NULL, NULL,
+        {"CF-076: value info that does not fit into the mailbox is omitted", value_info_in_a_small_mailbox, NULL, NULL,
          NULL},
         {"CF-076: names are cut where the mailbox ends", names_are_cut_at_the_mailbox, NULL, NULL, NULL},
         {"CF-076: records have the data type of their structure", types_of_records, NULL, NULL, NULL},
         {"CF-076: unknown objects, entries and opcodes get an information error", information_errors, NULL, NULL, NULL},
         {"CF-076: a request cut short gets a mailbox error", too_short_requests, NULL, NULL, NULL},
-        {"CF-076: a device without SDO information answers with a mailbox error", no_information_offered, NULL, NULL,
+        {"CF-076: a device without SDO information replies with a mailbox error", no_information_offered, NULL, NULL,
          NULL},
         {"CF-076: a new request ends a list under way", a_new_request_ends_a_long_list, NULL, NULL, NULL},
     };

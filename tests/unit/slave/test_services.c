@@ -533,7 +533,7 @@ static void power_cut(void **state)
         power_on(true);
         uint32_t expected = code == 0 ? 2222 : 1111;
         if (t.device.stored != expected || (code != 0 && code != 0x06060000))
-            fail_msg("cut at operation %d: answer 0x%08X, value %u", cut, code, t.device.stored);
+            fail_msg("cut at operation %d: reply 0x%08X, value %u", cut, code, t.device.stored);
         to_preop();
         assert_int_equal(write_number(0x1010, 1, ECT_STORE_SIGNATURE, 4), 0);
     }
@@ -1063,7 +1063,7 @@ int main(int argc, char **argv)
         TEST("CF-074 CF-078: mapping and assignment change in PREOP only", only_in_preop),
         TEST("CF-080: a message is in 10F3h with code, flags, text id, time and parameters", diagnosis_message),
         TEST("CF-080: overwrite mode keeps the newest messages; 0 to sub-index 3 clears", diagnosis_overwrites),
-        TEST("CF-080: acknowledge mode keeps what is not acknowledged", diagnosis_acknowledge_mode),
+        TEST("CF-080: acknowledge mode keeps messages that are not acknowledged", diagnosis_acknowledge_mode),
         TEST("CF-080: acknowledge mode keeps what came before it was chosen", diagnosis_mode_changes),
         TEST("CF-080: each type can be switched off; impossible values are refused", diagnosis_filters),
         TEST("CF-079 CF-080: with the flag set each message sends an emergency", diagnosis_emergency),
@@ -1071,23 +1071,23 @@ int main(int argc, char **argv)
         TEST("CF-081: a wrong signature, or no storage, is refused with 08000020", wrong_signature),
         TEST("CF-081: power cut at any write leaves the old record or the new one", power_cut),
         TEST("CF-081: banks take turns; a damaged byte is noticed", many_stores),
-        TEST("CF-082: 1C32h shows what is supported and refuses the rest", sync_types),
+        TEST("CF-082: 1C32h shows the supported types and refuses the others", sync_types),
         TEST("CF-092: SYNC0 cycles that are not supported are refused with 0x0036", sync_cycles),
         TEST("CF-082 CF-092: the abilities of a device decide type and cycle times", sync_abilities),
-        TEST("CF-043: SYNC0 that no longer comes leaves OP with 0x002C", sync_lost),
-        TEST("CF-043: so does one that has come in SAFEOP last", sync_lost_early),
-        TEST("CF-082: a SYNC0 event that is seen several times counts once", sync_level),
+        TEST("CF-043: missing SYNC0 pulses end OP with 0x002C", sync_lost),
+        TEST("CF-043: so do pulses that have ended in SAFEOP", sync_lost_early),
+        TEST("CF-082: a SYNC0 event that is read several times counts once", sync_level),
         TEST("CF-082: SYNC0 is in the AL event mask of a device that runs by it, and of no other", sync_event_mask),
         TEST("CF-022: outputs of a SyncManager without an event are taken when they were written, once",
              outputs_without_event),
         TEST("CF-082: limit 0 never leaves OP, counters saturate", sync_limit_off),
         TEST("CF-092: a read that fails on the way to SAFEOP is done again", sync_read_fails),
         TEST("CF-067: services without their objects do nothing", services_without_objects),
-        TEST("CF-081: a medium that does not answer", medium_does_not_answer),
+        TEST("CF-081: a medium that does not respond", medium_does_not_answer),
         TEST("CF-081: a medium that is too small is refused", medium_too_small),
         TEST("CF-081: a record of another firmware is passed over", record_of_another_firmware),
         TEST("CF-073 CF-074: whole objects and counts are checked like single entries", refused_in_whole_objects),
-        TEST("CF-080: unknown types, and overwriting what is acknowledged", diagnosis_types),
+        TEST("CF-080: unknown types, and overwriting of acknowledged messages", diagnosis_types),
         TEST("CF-082: the next master comes without SYNC0 and is not held to the last one's", sync_next_master),
         TEST("CF-043: the SYNC0 of an earlier OP is not missed in the next one", sync_again),
         TEST("CF-080: acknowledged messages are overwritten without loss, in both modes", diagnosis_wraps),

@@ -204,7 +204,7 @@ static void elements(void **state)
          "401F D007 D007"},
         {"all of a command", "41 FF 6300", "42 45 6300 0000 01000900 0000"},
         {"none of several", "41 8A 3300", "42 02 3300 0800 0800 506F736974696F6E"},
-        {"none of several is there", "41 8A 6300", "52 8A 6300 0120"},
+        {"all of several are missing", "41 8A 6300", "52 8A 6300 0120"},
     };
     (void)state;
     EACH(rows);
@@ -896,13 +896,13 @@ int main(void)
         TEST("SOE-018 a reply in pieces ends at another request", read_interrupted),
         TEST("SOE-030 SOE-031 commands start, run, end, fail, are cancelled and refused", commands),
         TEST("SOE-032 bit 5 of S-0-0135 reports ended commands", command_change),
-        TEST("SOE-019 SOE-020 the end of a command is notified if the device wants it", notifications),
+        TEST("SOE-019 SOE-020 the end of a command is notified if the device enables it", notifications),
         TEST("SOE-019 SOE-020 emergencies follow the reply under way, at most four wait", emergencies),
         TEST("SOE-020 an emergency from before PREOP is sent in PREOP", emergency_at_power_on),
         TEST("SOE-035 SOE-036 SOE-037 SOE-038 process data follow S-0-0016 and S-0-0024", telegrams),
         TEST("SOE-011 SOE-036 an IDN outside S-0-0024 is no process data", shorter_list),
         TEST("SOE-046 defaults are set, and written values permit OP", defaults),
-        TEST("SOE-040 SOE-046 transitions check what was written; S-0-0021 and S-0-0022", transition_checks),
+        TEST("SOE-040 SOE-046 transitions check the written values; S-0-0021 and S-0-0022", transition_checks),
         TEST("SOE-040 S-0-0127 and S-0-0128 check a transition as commands", check_commands),
         TEST("SOE-030 SOE-046 a device without functions has values, commands and checks", no_functions),
         TEST("SOE-040 S-0-0022 lists as many IDNs as it has room for", full_list),

@@ -163,8 +163,8 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"CF-082 CF-090 FZM-016: SYNC0 that slides over the frames counts in 1C32h and 1C33h; regulated it does not",
          slides, NULL, NULL, NULL},
-        {"CF-082 FZM-016: SYNC0 without outputs is counted, however many in a row, and OP goes on", outputs_stop, NULL,
-         NULL, NULL},
+        {"CF-082 FZM-016: SYNC0 without outputs is counted, any number in succession, and OP continues", outputs_stop,
+         NULL, NULL, NULL},
         {"CF-043 FZM-021: SYNC0 that stops ends OP with 0x002C, ECAT ERR flashes once", sync0_stops, NULL, NULL, NULL},
     };
     if (argc > 1)

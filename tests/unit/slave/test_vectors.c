@@ -73,7 +73,7 @@ typedef struct given {
 typedef struct talk {
     wire_t w;
     given_t given;
-    ect_end_t out; /* the end at which the last one has come back */
+    ect_end_t out; /* the end at which the last one has returned */
     unsigned int exchanges;
     const char *name;
 } talk_t;
@@ -252,7 +252,7 @@ static void expect_mail(wire_t *w, const char *text, const char *name)
         return;
     }
     if (!full)
-        fail_msg("%s: expected%s  got no answer", name, text);
+        fail_msg("%s: expected%s  got no reply", name, text);
     assert_int_equal(wire_read(w, 0, wire_device(w, 0)->sm[1].start, got, MAILBOX), 1);
     record(w);
     (void)parse(text, want);

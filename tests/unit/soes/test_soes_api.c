@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * SOES's API over our stack: an application and a hardware file in SOES's manner (tests/soes), unchanged but for what a
- * test sets in its configuration, behind a software ESC. docs/SOES.md defines the names.
+ * SOES's API over ectwin's stack: an application and a hardware file in SOES's manner (tests/soes), unchanged except
+ * the configuration that a test sets, behind a software ESC. docs/SOES.md defines the names.
  */
 #include <stdio.h>
 #include <string.h>
@@ -29,7 +29,7 @@ static ect_device_t description;
 static esc_cfg_t config;
 static void (*turn)(void);
 
-/* --- what has been called ----------------------------------------------------------------------------------------- */
+/* --- recorded calls ----------------------------------------------------------------------------------------- */
 
 static char calls[2000];
 
@@ -74,7 +74,7 @@ ect_slave_config_t __wrap_ect_soes_slave_config(void)
     return made_of;
 }
 
-/* The application as the configuration has it, and a master who has not yet asked for anything. */
+/* The application with its configuration, and a master that has not requested anything yet. */
 static void power_on(void)
 {
     memset(&w, 0, sizeof w);
@@ -812,8 +812,8 @@ static void mapped_wrongly(void **state)
         uint8_t pdos;
         uint16_t bytes, code;
     } rows[] = {
-        {"an object that is not there", 0x90000020, 0, 1, 4, ALERR_INVALIDOUTPUTMAPPING},
-        {"an entry that is not there", 0x80000320, 0, 1, 4, ALERR_INVALIDOUTPUTMAPPING},
+        {"a missing object", 0x90000020, 0, 1, 4, ALERR_INVALIDOUTPUTMAPPING},
+        {"a missing entry", 0x80000320, 0, 1, 4, ALERR_INVALIDOUTPUTMAPPING},
         {"fewer bits than the entry has", 0x80000208, 0, 1, 1, ALERR_INVALIDOUTPUTMAPPING},
         {"more entries than MAX_MAPPINGS_SM2", 0x70010010, 0x70010010, 2, 7, ALERR_INVALIDOUTPUTMAPPING},
         {"more bytes than MAX_RXPDO_SIZE", 0x80000220, 0x80000220, 1, 8, ALERR_INVALIDOUTPUTMAPPING},
@@ -1175,7 +1175,7 @@ static void reset_transfer(void **state)
     assert_int_equal(reply[2], 0x80); /* there is none to continue */
 }
 
-/* Without a clock the time is the ESC's, and a jump of it is none. */
+/* Without a clock the time is that of the ESC, and a jump of the ESC's time has no effect. */
 static void time_of_the_esc(void **state)
 {
     uint8_t offset[8] = {0, 0, 0, 0x80, 0, 0, 0, 0};
@@ -1222,7 +1222,7 @@ static int with_files(void **state)
     return 0;
 }
 
-/* A mail of FoE there, the answer back. @return its operation; *answer: packet or error */
+/* A mail of FoE to the slave, and its reply. @return its operation; *answer: packet or error */
 static uint8_t foe(uint8_t operation, uint32_t number, const void *data, uint16_t length, uint32_t *answer)
 {
     uint8_t mail[128] = {0};
@@ -1344,7 +1344,7 @@ static void command(uint8_t number, uint8_t word)
     hal.acknowledged = 0;
     memset(hal.data, 0xEE, sizeof hal.data);
     hal.control[0] = 0x20;
-    hal.control[1] = (uint8_t)(0x80 | 0x78 | number); /* busy, with all errors of the one before */
+    hal.control[1] = (uint8_t)(0x80 | 0x78 | number); /* busy, with all errors of the previous one */
     hal.control[2] = word;
     turns(1);
     assert_int_equal(hal.acknowledged, 1);
@@ -1395,7 +1395,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         T("ecat_slv_init: the hardware file, the ESC's EEPROM, defaults, INIT", start),
         T("set_defaults_hook and skip_default_initialization", defaults),
-        T("CF-037: cb_set_outputs and cb_get_inputs run beside the process data", process_data),
+        T("CF-037: cb_set_outputs and cb_get_inputs run with the process data", process_data),
         T("SAFEOP has inputs and fetches outputs; PREOP has neither", not_before_op),
         T("rxpdo_override and txpdo_override move them instead", overrides),
         T("watchdog_cnt: so many turns without outputs leave OP with 0x001B, outputs safe once", watchdog),
@@ -1404,12 +1404,12 @@ int main(int argc, char **argv)
         T("a hook that sets ESCerror refuses the change, with the code of ESC_ALerror", refused),
         T("BOOT has a mailbox of its own", boot),
         T("CF-040: get_device_id, or the station alias, is the explicit identification", identification),
-        T("use_interrupt: what is enabled and disabled, and who has the word about DC", interrupts),
+        T("use_interrupt: the enabled and disabled events, and the check of DC by the application", interrupts),
         T("a hook of a refusal or a fall gets the state with ESCerror", errors_of_state_hooks),
-        T("SYNC0 is in the EEPROM of who checks it", clock_modes),
+        T("SYNC0 is in the EEPROM of an application that checks it", clock_modes),
         T("DIG_process does what its flags name", parts_of_the_exchange),
         T("ecat_slv_worker serves events, and lets through those that concern it", worker),
-        T("a loop of the pieces: ESC_state does all of it", pieces),
+        T("a loop of separate calls: ESC_state does everything", pieces),
 #ifndef APP_RAW
         T("CF-074: dynamic process data", remapped),
         T("CF-074: a mapping that cannot be is refused on the way to SAFEOP", mapped_wrongly),
@@ -1426,7 +1426,7 @@ int main(int argc, char **argv)
         T("each function of a register reads or writes its address and length", accesses),
         T("elements of mapping and assignment are fixed while they count", fixed_elements),
         T("the description is made of the options and of the object list", described),
-        T("an event that stays is served 16 times in a row", staying_event),
+        T("a permanent event is served 16 times in succession", staying_event),
         T_HOOKS("a transfer ends with the state that it was in", reset_transfer),
         T("without a clock the time is the ESC's", time_of_the_esc),
         T_FILES("FOE_config: a file goes to its function by buffers", file_written),

@@ -361,7 +361,7 @@ static void values(void **state)
     }
 }
 
-/* Defaults of names that an application's ecat_options.h leaves out. */
+/* Defaults of names that an application's ecat_options.h omits. */
 static void options(void **state)
 {
     (void)state;

@@ -214,7 +214,7 @@ static void frames_of_the_application(void **state)
     }
     assert_int_equal(at, 200);
     assert_int_equal(app.fragments, 6); /* 5 of 32 bytes in a mailbox of 64, and 40 */
-    app.to_send = 1600;                 /* longer than a frame may be: dropped, and its buffer comes back */
+    app.to_send = 1600;                 /* longer than a frame may be: dropped, and its buffer is returned */
     wire_poll(&w);
     assert_int_equal(receive(data), NOTHING);
     assert_int_equal(app.freed, 2);
@@ -349,7 +349,7 @@ static void without_callbacks(void **state)
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
-        {"EOE-016 EOE-060: a frame is handed over in the application's buffer", frames_to_the_application, setup,
+        {"EOE-016 EOE-060: a frame is delivered in the application's buffer", frames_to_the_application, setup,
          teardown, NULL},
         {"EOE-061: fetch_send_buffer is called in each turn", frames_of_the_application, setup, teardown, NULL},
         {"EOE-060: a frame has its length, none without a payload; a longer one than fits is too long",
@@ -357,8 +357,7 @@ int main(void)
         {"EOE-060: EOE_init drops half a frame", half_a_frame_is_dropped, setup, teardown, NULL},
         {"EOE-035 EOE-036 EOE-062: the result of store_ethernet_settings is the master's", settings, setup, teardown,
          NULL},
-        {"EOE-060 EOE-062: addresses are numbers, with -1 for what is not known", address_functions, setup, teardown,
-         NULL},
+        {"EOE-060 EOE-062: addresses are numbers, with -1 for unknown", address_functions, setup, teardown, NULL},
         {"EOE-060: an address that is set before ecat_slv_init is kept, and EOE_init may be called there",
          before_the_slave, setup, teardown, NULL},
         {"EOE-060: without EOE_config set IP is refused and frames are dropped", without_callbacks, setup, teardown,

@@ -101,7 +101,7 @@ static void sparse_process_data(void **state)
 {
     uint8_t in[6], out = 0x99;
     (void)state;
-    open_in(OP); /* SOES reaches it, too: 6000:12 and 7000:9 are there */
+    open_in(OP); /* SOES reaches it, too: 6000:12 and 7000:9 exist */
     everything.fifth = 0x0505;
     assert_int_equal(wire_write(&w, 0, SM2_sma, &out, 1), 1);
     assert_int_equal(everything.ninth, 0x99);
@@ -154,7 +154,7 @@ static void sparse_information(void **state)
 
 /* --- values of other lengths -------------------------------------------------------------------------------------- */
 
-/* Their memory has what the application put there. */
+/* Their memory has the values of the application. */
 static void texts_without_defaults(void **state)
 {
     (void)state;

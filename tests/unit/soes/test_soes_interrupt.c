@@ -171,7 +171,7 @@ static void hook(void)
 {
     uint8_t number = (uint8_t)app.speed;
     expect(app.speed == number * 0x0101 && (app.lamps[0] | app.lamps[1] << 1) == (number & 3), "outputs by halves");
-    expect(t.left == 0 || app_outputs == t.outputs_when_left, "outputs were handed over after OP was left");
+    expect(t.left == 0 || app_outputs == t.outputs_when_left, "outputs were delivered after the end of OP");
     app.buttons[0] = (uint8_t)(app.position + 1) & 1;
     app.buttons[1] = (uint8_t)(app.position + 1) >> 1 & 1;
 }
@@ -258,7 +258,7 @@ static void upload(void)
     uint8_t name[32];
     size_t size = sizeof name;
     if (!t.broken)
-        expect(wire_sdo_upload(&w, 0, 0x1008, 0, false, name, &size) == 0 && size == 11, "an SDO got no answer");
+        expect(wire_sdo_upload(&w, 0, 0x1008, 0, false, name, &size) == 0 && size == 11, "an SDO got no reply");
 }
 
 static void to_op(void)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Documents of YAML: the files that are read, what is refused and at which line, and the nodes of a document. The calls
+/* Documents of YAML: the files that are read, refusals with their lines, and the nodes of a document. The calls
  * that fail for lack of memory are the test's. */
 #define _GNU_SOURCE
 #include <errno.h>
