@@ -153,7 +153,7 @@ static int receive(uint8_t ams[ROOM])
     assert_int_equal(mail[5] & 0x0F, ECT_MAILBOX_TYPE_AOE);
     assert_in_range(length, AMS, SIZE - MAIL_HEADER);
     for (int i = MAIL_HEADER + length; i < SIZE; i++)
-        assert_int_equal(mail[i], 0); /* no byte of a value that is refused */
+        assert_int_equal(mail[i], 0); /* no byte of a refused value */
     memcpy(ams, mail + MAIL_HEADER, (size_t)length);
     return length - AMS;
 }
@@ -361,7 +361,7 @@ static void malformed(void **state)
     assert_int_equal(receive(got), 0);
     assert_int_equal(ect_load_le32(got + ERROR), ECT_AMS_UNKNOWN_COMMAND);
     send_mail(mail, build(mail, STATE, 0x0004, "0102030405"));
-    assert_int_equal(receive(got), 8); /* bytes behind the parameters do not matter */
+    assert_int_equal(receive(got), 8); /* bytes behind the parameters have no effect */
 }
 
 /* --- NetId -------------------------------------------------------------------------------------------------------- */

@@ -363,7 +363,7 @@ static void slow(void)
         t.in_interrupt = true;
         master_cycle();
         interrupt();
-        expect(t.device.outputs_calls == before + 1, "the exchange was kept out while the medium was being written");
+        expect(t.device.outputs_calls == before + 1, "the exchange was blocked while the medium was being written");
     }
 }
 
@@ -435,7 +435,7 @@ static void split_poll(void)
         t.in_mainline = true;
         (void)ect_slave_mainline(&t.slave, t.now_ns);
         t.in_mainline = false;
-        expect(!t.slave.missed && !t.slave.held, "an exchange that was kept out has not been made up for");
+        expect(!t.slave.missed && !t.slave.held, "a blocked exchange was not repeated");
         expect(t.device.safe || t.slave.state == ECT_STATE_OP, "outputs are live outside OP");
     }
 }
@@ -533,7 +533,7 @@ static void to_op(void)
     master_cycle();
     work();
     expect(request(ECT_STATE_OP) == ECT_STATE_OP, "OP not reached");
-    expect(t.device.taken == t.sent, "outputs that the master wrote before OP were not taken with it");
+    expect(t.device.taken == t.sent, "outputs that the master wrote before OP were not applied with it");
 }
 
 static void life(void)
@@ -796,9 +796,9 @@ static void line_for_cycle(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        {"Contexts: an exchange that interrupts mainline at any PDI access or function loses and halves nothing",
+        {"Contexts: an exchange that interrupts mainline at any PDI access or function neither loses nor splits data",
          everywhere, NULL, NULL, NULL},
-        {"Contexts: while a medium is being written the exchange goes on", exchange_continues, NULL, NULL, NULL},
+        {"Contexts: while a medium is being written the exchange continues", exchange_continues, NULL, NULL, NULL},
         {"Contexts: below SAFEOP nothing is exchanged", no_exchange_below_safeop, NULL, NULL, NULL},
         {"Line: from INIT to OP and back by interrupts alone", line_life, NULL, NULL, NULL},
         {"Line: the process-data watchdog leads to SAFEOP with 0x001B and safe outputs (CF-047)", line_watchdog, NULL,
@@ -808,8 +808,8 @@ int main(void)
          NULL},
         {"Line: SYNC0 does not activate it below SAFEOP, is acknowledged from there, and supervises in OP", line_sync0,
          NULL, NULL, NULL},
-        {"Line: the AL event mask lets through what there is to do in each state", line_masks, NULL, NULL, NULL},
-        {"Line: one that drives the exchange alone", line_for_cycle, NULL, NULL, NULL},
+        {"Line: the AL event mask enables the events of each state", line_masks, NULL, NULL, NULL},
+        {"Line: a line for the exchange alone", line_for_cycle, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("contexts", tests, NULL, NULL);
 }

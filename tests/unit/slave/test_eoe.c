@@ -387,7 +387,7 @@ static void restart_forgets_pieces(void **state)
     expect_nothing("EOE-051: a frame not yet begun");
     send_piece(&(piece_t){1, 3, 5, 96, 96, 0});
     send_piece(&(piece_t){2, 6, 5, 192, 8, LAST});
-    expect_taken("EOE-051: the rest of a frame from before", 0, 0, 0);
+    expect_taken("EOE-051: the rest of an earlier frame", 0, 0, 0);
 }
 
 /* --- the device sends ----------------------------------------------------------------------------------------------
@@ -671,15 +671,15 @@ int main(void)
     static const struct CMUnitTest tests[] = {
         {"EOE-009 EOE-012 EOE-013: frames of each length arrive whole", frames_of_each_length, setup, teardown, NULL},
         {"EOE-013: 1515 bytes without a VLAN tag are dropped", tag_makes_room, setup, teardown, NULL},
-        {"EOE-002..011 EOE-015: a wrong fragment costs its frame alone", broken_frames, setup, teardown, NULL},
-        {"EOE-005: after a wrong fragment the rest of the frame is swallowed", rest_is_swallowed, setup, teardown,
+        {"EOE-002..011 EOE-015: a wrong fragment affects only its own frame", broken_frames, setup, teardown, NULL},
+        {"EOE-005: after a wrong fragment the rest of the frame is discarded", rest_is_swallowed, setup, teardown,
          NULL},
         {"EOE-023: the announced size includes the time stamp", stamp_counts_in_the_size, setup, teardown, NULL},
         {"EOE-055: frames to all, to groups and to other stations reach the device, none returns", any_destination,
          setup, teardown, NULL},
         {"EOE-017: a frame without an end does not disturb the next", frame_without_an_end, setup, teardown, NULL},
-        {"EOE-016: a frame for which the device has no room is dropped", host_without_room, setup, teardown, NULL},
-        {"EOE-051: INIT to PREOP forgets frames that are not complete", restart_forgets_pieces, setup, teardown, NULL},
+        {"EOE-016: a frame that does not fit into the device is dropped", host_without_room, setup, teardown, NULL},
+        {"EOE-051: INIT to PREOP discards incomplete frames", restart_forgets_pieces, setup, teardown, NULL},
         {"EOE-020 EOE-022 EOE-V6..V12: fragments of the device", frames_of_the_device, setup, teardown, NULL},
         {"EOE-024 EOE-026: frame numbers count modulo 16, fragments name the port", frame_numbers, setup, teardown,
          NULL},

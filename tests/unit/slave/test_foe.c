@@ -486,7 +486,7 @@ static void four_gigabytes(void **state)
     wire_close(&w);
 }
 
-/* A device that only reads, takes its time, and ignores the end: ten seconds. */
+/* A device that only reads, with delays, and ignores the end: ten seconds. */
 static void open_and_read_only(void **state)
 {
     (void)state;
@@ -655,23 +655,23 @@ int main(void)
         {"FoE: the text of an error is cut off at the end of the mailbox", long_texts, NULL, NULL, NULL},
         {"FoE: wrong names, passwords, rights and operations are refused with their codes and texts (CF-084)", refused,
          NULL, NULL, NULL},
-        {"FoE: files are at home in the states that the device names; elsewhere 8008h or 8009h (CF-084)", states, NULL,
-         NULL, NULL},
-        {"FoE: a mail without a whole header is a mailbox error (CF-026)", too_short, NULL, NULL, NULL},
-        {"FoE: errors of the device end the transfer: check value, no room (CF-084)", of_the_device, NULL, NULL, NULL},
+        {"FoE: files are accessible in the states that the device names; elsewhere 8008h or 8009h (CF-084)", states,
+         NULL, NULL, NULL},
+        {"FoE: a mail without a complete header gets a mailbox error (CF-026)", too_short, NULL, NULL, NULL},
+        {"FoE: errors of the device end the transfer: check value, no space (CF-084)", of_the_device, NULL, NULL, NULL},
         {"FoE: a packet out of order is refused with 8005h and the file abandoned (CF-084)", packet_numbers, NULL, NULL,
          NULL},
         {"FoE: repeated packets and acknowledges get a reply again and are not processed again", sent_again, NULL, NULL,
          NULL},
-        {"FoE: a device that takes its time is waited for", late_answers, NULL, NULL, NULL},
-        {"FoE: so it is in the middle of a file, and when it cannot be read on", late_pieces, NULL, NULL, NULL},
+        {"FoE: the transfer waits for a slow device", late_answers, NULL, NULL, NULL},
+        {"FoE: the same in the middle of a file, and if the rest cannot be read", late_pieces, NULL, NULL, NULL},
         {"FoE: a delayed failure is reported", late_errors, NULL, NULL, NULL},
         {"FoE: a packet while a file is read, or behind the last one, is refused", data_out_of_place, NULL, NULL, NULL},
         {"FoE: a file of 4 GiB less a byte is read to its end", up_to_four_gigabytes, NULL, NULL, NULL},
         {"FoE: a file of more than 4 GiB is refused", four_gigabytes, NULL, NULL, NULL},
-        {"FoE: a device needs no more than open and read", open_and_read_only, NULL, NULL, NULL},
-        {"FoE: a master gets BUSY once, and again when it asks again (CF-084)", busy, NULL, NULL, NULL},
-        {"FoE: without a word from master or device a transfer ends", timeouts, NULL, NULL, NULL},
+        {"FoE: a device needs only open and read", open_and_read_only, NULL, NULL, NULL},
+        {"FoE: a master gets BUSY once, and again at a repeated request (CF-084)", busy, NULL, NULL, NULL},
+        {"FoE: without a mail from master or device a transfer ends", timeouts, NULL, NULL, NULL},
         {"FoE: an abandoned file does not count", given_up, NULL, NULL, NULL},
         {"FoE: a transfer continues during SDOs and over a change of state", beside_others, NULL, NULL, NULL},
     };

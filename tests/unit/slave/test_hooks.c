@@ -195,7 +195,7 @@ int main(int argc, char **argv)
           read_refused),
         T("CF-069: a device supplies the data of a read, at any length", read_supplied),
         T("CF-070: the device gets a long value as a whole before any part is stored", long_write_checked),
-        T("CF-070: a long value without room to collect it is out of memory, and changes nothing", staging_too_small),
+        T("CF-070: a long value without a buffer is refused as out of memory, and changes nothing", staging_too_small),
         T("a device has its big buffer, zero at each power-on, if the host supplies one", buffer),
     };
     if (argc > 1)

@@ -187,7 +187,7 @@ int main(int argc, char **argv)
         {"CF-093 FZM-021 ECL-015: ERR shows the cause", err_by_cause, NULL, NULL, NULL},
         {"CF-093 FZM-023: the patterns keep the times of ETG.1300", pattern_times, NULL, NULL, NULL},
         {"CF-093 FZM-022 ECL-016: Link/Activity shows link and traffic", link_activity, NULL, NULL, NULL},
-        {"CF-093: a board's pins follow, driven at no other times than asked for", pins_follow, NULL, NULL, NULL},
+        {"CF-093: a board's pins follow, driven only at the requested times", pins_follow, NULL, NULL, NULL},
         {"CF-093: a board without one of the lamps", pins_that_are_not_there, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("indicators", tests, NULL, NULL);

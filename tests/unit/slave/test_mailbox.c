@@ -277,7 +277,7 @@ static void not_carried_out_again(void **state)
 }
 
 /* A master without a reply to its write sends the mail again, and then fetches the reply; a slave that is slow, or far
- * from its controller, finds both at once. One reply is enough: the master would take a second one for the reply to
+ * from its controller, finds both at once. One reply is enough: the master would accept a second one as the reply to
  * its next request. */
 static void repeated_and_fetched_at_once(void **state)
 {
@@ -296,7 +296,7 @@ static void repeated_and_fetched_at_once(void **state)
                 toggle(&w); /* forth and back: the slave handles its SyncManagers before the mailbox */
             for (unsigned int n = 0; n < 3; n++)
                 wire_poll(&w);
-            expect_empty(&w, "one reply for a request that came twice");
+            expect_empty(&w, "one reply to a request that was sent twice");
             assert_int_equal(testdev_of(&w, 0)->written, counter);
         }
         wire_close(&w);
@@ -451,7 +451,7 @@ static void never_again_after_two_emergencies(void **state)
     assert_int_equal(send_write(&w, 1, 2), 1);
     assert_int_equal(testdev_of(&w, 0)->written, 1);
     assert_false(full(&w, SM0_STATUS));
-    expect_empty(&w, "the reply is gone, and nothing stands for it");
+    expect_empty(&w, "the reply is lost, and nothing replaces it");
     assert_int_equal(send_write(&w, 2, 3), 1);
     assert_int_equal(testdev_of(&w, 0)->u32, 3);
     wire_close(&w);
@@ -1329,8 +1329,9 @@ int main(int argc, char **argv)
         T("CF-016: SM0 is full, and the request executed, only with its last byte", out_last_byte),
         T("CF-016 CF-018: the actual length and the last byte in two datagrams of a frame are a request",
           out_actual_length_and_last_byte),
-        T("CF-017: SM1 is read from its first byte, only when full, and empty with its last byte only", in_partly_read),
-        T("CF-024: replies run 1..7 as the slave's own sequence, whatever the master's counter", own_counter),
+        T("CF-017: SM1 is read from its first byte, only when full, and is empty only after its last byte",
+          in_partly_read),
+        T("CF-024: replies count 1..7 in the slave's own sequence, whatever the master's counter", own_counter),
         T("CF-024: a request with the counter of the last one is not executed again, its reply is repeated",
           not_carried_out_again),
         T("CF-024: a request sent twice before its reply is fetched has one reply, though both are found at once",
@@ -1339,25 +1340,25 @@ int main(int argc, char **argv)
         T("CF-024: a counter older than the last is a new request", older_counter_is_new),
         T("CF-024 CF-025: a repetition while the reply is unread is dropped: that reply serves both",
           repeated_while_unread),
-        T("CF-024: the error reply to a request is given again too", repeated_error),
-        T("CF-024: a repetition of what had no reply has none", repeated_without_reply),
+        T("CF-024: the error reply to a request is repeated too", repeated_error),
+        T("CF-024: a repetition of a request without a reply has none", repeated_without_reply),
         T("CF-024: an emergency in between does not change the reply to a repetition", repeated_after_emergency),
         T("CF-024: a repeat while the repetition of a reply is in SM1 changes nothing", repeat_of_a_repetition),
         T("CF-024: two emergencies in between: the repetition is still not executed again",
           never_again_after_two_emergencies),
-        T("CF-024: the last counter is forgotten when the mailbox stops", stop_forgets),
+        T("CF-024: the last counter is discarded when the mailbox stops", stop_forgets),
         T("CF-025: INIT empties both mailboxes; nothing old is sent or executed after it", stop_empties),
         T("CF-025: a request is held while the previous reply is unread, and gets its reply in order", held),
         T("CF-025: a request is held behind emergencies", held_behind_emergency),
         T("CF-023: a repeat request before any mail is acknowledged, and no mail follows", repeat_nothing),
-        T("CF-023: a lost mail comes again unchanged, as often as asked", repeat_lost),
-        T("CF-023: asked twice before it is read, the lost mail comes once, and no older one", repeat_twice),
-        T("CF-023: repeat while the first mail is unread leaves it there", repeat_unread_first),
+        T("CF-023: a lost mail is repeated unchanged, at each request", repeat_lost),
+        T("CF-023: requested twice before it is read, the lost mail is sent once, and no older one", repeat_twice),
+        T("CF-023: a repeat request while the first mail is unread does not change it", repeat_unread_first),
         T("CF-023: with a newer mail in SM1, the lost one is sent first, then the newer one", repeat_with_newer_mail),
-        T("CF-023: the lost mail is lost again before and after the newer one is back", repeat_lost_again),
+        T("CF-023: the lost mail is lost again before and after the newer one is repeated", repeat_lost_again),
         T("CF-023: after the older mail, the newer one can be lost and repeated too", repeat_then_newest_lost),
         T("CF-023: repeat and a new request at once: the lost mail, then the reply", repeat_and_request_at_once),
-        T("CF-023: a lost emergency comes again", repeat_emergency),
+        T("CF-023: a lost emergency is repeated", repeat_emergency),
         T("CF-023: a toggle that is set when the mailbox starts is no repeat", repeat_before_start),
         T("CF-023: the repeat is acknowledged only once the mail is in SM1, in both directions of the toggle",
           acknowledge_last),
@@ -1369,10 +1370,10 @@ int main(int argc, char **argv)
         T("CF-023 CF-025: each fragment of a list can be repeated, and a request gets its reply between two of them",
           fragments),
         T("CF-024: address, channel and type of a reply", reply_header),
-        T("CF-027: a long upload fits itself to every length of SM1 from minimum to maximum", lengths_in_use),
-        T("CF-027: requests are judged by the length of SM0 that the master chose", request_lengths),
-        T("CF-021 CF-022: a mailbox SM off and on before the slave looks: 0x0016, or the mailbox goes on", reenabled),
-        T("CF-033: a refused start of the mailbox loses nothing", refused_start),
+        T("CF-027: a long upload adapts to every length of SM1 from minimum to maximum", lengths_in_use),
+        T("CF-027: requests are checked against the length of SM0 that the master has set", request_lengths),
+        T("CF-021 CF-022: a mailbox SM off and on before the slave polls: 0x0016, or the mailbox continues", reenabled),
+        T("CF-033: a refused start of the mailbox loses no mail", refused_start),
         T("CF-023 CF-024 CF-025: over a bad line every request gets one reply, in order, and no mail is lost",
           bad_line),
     };

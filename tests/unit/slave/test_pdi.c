@@ -18,7 +18,7 @@ enum { ERR = ECT_AL_ERROR, ACK = ECT_AL_ACKNOWLEDGE };
 typedef enum fault {
     NO_FAULT,
     FAIL_BEFORE, /* the access does not happen */
-    FAIL_AFTER,  /* it happens, but is reported as failed */
+    FAIL_AFTER,  /* it is executed, but reported as failed */
     RESET,       /* the slave's processor restarts here */
 } fault_t;
 
@@ -895,27 +895,31 @@ int main(int argc, char **argv)
         T("PDI budget: an expedited SDO makes at most 7 accesses, of 42 bytes, whatever the mailbox's size",
           sdo_budget),
         T("PDI budget: a state change makes at most 10 accesses", transition_budget),
-        T("CF-047: any one access of two starts does not happen: the slave goes on, truthfully, and starts again",
+        T("CF-047: any one access of two starts is not executed: the slave continues with correct reports, and starts "
+          "again",
           fails_before),
-        T("CF-047: any one access happens and reports an error: true states, clean mails, and it starts again",
+        T("CF-047: any one access is executed and reports an error: correct states and mails, and the slave starts "
+          "again",
           fails_after),
-        T("CF-047: the slave is reset at any access: true states, clean mails, safe outputs, and it starts again",
+        T("CF-047: the slave is reset at any access: correct states and mails, safe outputs, and it starts again",
           resets),
-        T("CF-047: the PDI fails for a while in every state: the state is kept, errors are counted, then it goes on",
+        T("CF-047: the PDI fails for a while in every state: the state is kept, errors are counted, then the slave "
+          "continues",
           fails_for_a_while),
         T("CF-041: a request is executed although the read of AL control failed", al_control_not_lost),
         T("CF-022: an SM change has its effect although the read of the SMs failed", sm_change_not_lost),
         T("CF-042: the watchdog drops to SAFEOP though the read of its status failed", watchdog_not_lost),
-        T("CF-048: outputs whose read failed come with the next poll or the next cycle", outputs_come_later),
+        T("CF-048: outputs whose read failed are applied in the next poll or the next cycle", outputs_come_later),
         T("CF-048: inputs whose write failed are written again", inputs_come_later),
         T("CF-024: a reply whose write failed is sent later, the request is executed once", reply_comes_later),
         T("CF-023: a repeat request is served although one of its accesses failed, the mail before the acknowledge",
           repeat_comes_later),
         T("CF-023: with a newer mail in SM1, a repeat survives a failure of any of its accesses",
           repeat_older_with_fault),
-        T("CF-041: an event word that cannot be had delays the work, and counts", event_word_fails),
+        T("CF-041: an event word that cannot be read delays the work, and is counted", event_word_fails),
         T("Initialisation: the memory needed follows from the description", memory_needed),
-        T("Initialisation: it is taken piece by piece, of nothing none; too little is reported", memory_taken),
+        T("Initialisation: the memory is allocated piece by piece, none without need; too little is reported",
+          memory_taken),
         T("Initialisation: a missing member is refused, -1 device or PDI, -2 a buffer", config_checked),
         T("Initialisation: -3 when any of its accesses fails", init_fails),
         T("Initialisation: identity of the installation, or of the description", identity_default),

@@ -1001,29 +1001,32 @@ int main(int argc, char **argv)
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
     const struct CMUnitTest tests[] = {
-        T("CF-048: each bit of the output image lands in its object, gaps nowhere", outputs_bit_by_bit),
+        T("CF-048: each bit of the output image is stored in its object, gaps in none", outputs_bit_by_bit),
         T("CF-048: each bit of the inputs has its position, gaps are 0, in SAFEOP and OP", inputs_bit_by_bit),
-        T("CF-048: in SAFEOP SM2 is read but nothing applied; OP applies the newest; leaving OP makes outputs safe",
+        T("CF-048: in SAFEOP SM2 is read and not applied; OP applies the newest outputs; the end of OP makes outputs "
+          "safe",
           outputs_rest_in_safeop),
         T("CF-048: below SAFEOP neither SM2 nor SM3 can be accessed", no_data_below_safeop),
         T("CF-048 L11: inputs are in their SyncManager before SAFEOP is confirmed", inputs_before_safeop),
         T("CF-048: inputs follow the device's own time in SAFEOP and OP, not in PREOP", inputs_follow_time),
         T("CF-005 CF-048: LRW counts 3 in SAFEOP and OP, 1 for an input-only device, 0 below", lrw_counts),
-        T("CF-048: LRW carries outputs and inputs in any layout, and touches nothing else", lrw_data),
-        T("CF-032: one LRW over three devices, outputs first, counts 7 and gives each its own", lrw_over_two),
+        T("CF-048: LRW transfers outputs and inputs in any layout, and changes nothing else", lrw_data),
+        T("CF-032: one LRW over three devices, outputs first, counts 7 and gives each device its own data",
+          lrw_over_two),
         T("CF-048: an input-only device runs in OP without outputs, its inputs renewed by its own time", input_only),
-        T("CF-052: only a complete write of SM2 feeds the watchdog and reaches the device", partial_outputs),
-        T("CF-052: LRW feeds the watchdog, LRD does not", lrw_feeds),
+        T("CF-052: only a complete write of SM2 triggers the watchdog and reaches the device", partial_outputs),
+        T("CF-052: LRW triggers the watchdog, LRD does not", lrw_feeds),
         T("CF-037: a gap in the image between two entries that are neighbours in memory", gap_between_neighbours),
         T("CF-037: any layout of objects and gaps, at any bit, is packed and unpacked right", random_layouts),
-        T("CF-037: a mapping that cannot be gives 0x0025 for outputs, 0x0024 for inputs", bad_mappings),
+        T("CF-037: an impossible mapping gives 0x0025 for outputs, 0x0024 for inputs", bad_mappings),
         T("CF-037: an object mapped in the direction that it does not allow is refused", wrong_direction),
-        T("CF-037: an assignment or count that leads nowhere is refused, and accepted when put right", assignments),
+        T("CF-037: an assignment or count without an object is refused, and accepted after its correction",
+          assignments),
         T("CF-037: two assigned PDOs follow each other without a gap", two_pdos),
         T("CF-037: an image larger than its memory or than a datagram is refused", image_limits),
-        T("CF-037: an image in more pieces than there is memory for is refused; neighbours are one piece", run_limits),
+        T("CF-037: an image in more pieces than fit into the memory is refused; neighbours are one piece", run_limits),
         T("CF-048: constants are sent, and received data do not change them", constants),
-        T("CF-037: a part of an object longer than 255 bits is refused or right", part_of_a_long_object),
+        T("CF-037: a part of an object longer than 255 bits is refused or correct", part_of_a_long_object),
     };
     return cmocka_run_group_tests_name("Process data", tests, NULL, NULL);
 }

@@ -199,7 +199,7 @@ int main(void)
         {"Protocols: a protocol's own mails follow when the mailbox is free, after emergencies and replies, and are "
          "repeated",
          mails_of_its_own, NULL, NULL, NULL},
-        {"Protocols: transfers under way are dropped when the mailbox restarts", forgets_on_restart, NULL, NULL, NULL},
+        {"Protocols: active transfers are dropped when the mailbox restarts", forgets_on_restart, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("protocols", tests, NULL, NULL);
 }

@@ -250,7 +250,7 @@ int main(void)
         T("CF-037: each of its SyncManagers is checked by its role", terminal_checked),
         T("CF-033 CF-042: it waits for its outputs, and its watchdog leaves OP", terminal_waits),
         T("OPT-006 OPT-009: a sensor without outputs, SM2 unused, runs from INIT to OP", gauge_runs),
-        T("OPT-010: the process data that were chosen are sent in their order", gauge_chooses),
+        T("OPT-010: the selected process data are sent in their order", gauge_chooses),
         T("PLZ-027 CF-069: a mailbox of 16 bytes serves SDOs", shortest_mailbox),
         T("CF-033: a coupler, without any SyncManager or object, runs from INIT to OP", coupler_runs),
         T("the memory that they need", memory),

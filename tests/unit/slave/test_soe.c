@@ -418,7 +418,7 @@ static void write_fragments(void **state)
     assert_int_equal(device()->long_list.used, 296);
 }
 
-/* A buffer of exactly the bytes of a value takes the value, and no byte more. */
+/* A buffer of exactly the size of a value accepts the value, and no further byte. */
 static void write_fills_the_buffer(void **state)
 {
     ect_soe_t soe = soedev_soe;
@@ -432,7 +432,7 @@ static void write_fills_the_buffer(void **state)
     }
 }
 
-/* More data than the device can keep are swallowed; the last piece gets the error, after those of drive and IDN. */
+/* More data than the device can keep are discarded; the last piece gets the error, after those of drive and IDN. */
 static void write_too_much(void **state)
 {
     static const char *const refusals[][2] = {{"43 40 1000", "54 40 1000 0370"},
@@ -878,7 +878,7 @@ static void sizes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        TEST("SOE-V1 SOE-V2 SOE-V3 SOE-V4 SOE-V5 SOE-V6 vectors are met byte for byte", vectors),
+        TEST("SOE-V1 SOE-V2 SOE-V3 SOE-V4 SOE-V5 SOE-V6 the vectors, byte for byte", vectors),
         TEST("SOE-001 malformed mails and other operations get a mailbox error", malformed),
         TEST("SOE-002 SOE-003 SOE-004 SOE-005 SOE-044 drives, IDNs and elements that are missing", drives_and_elements),
         TEST("SOE-006 SOE-007 SOE-008 SOE-043 elements alone and together, in order", elements),
@@ -887,25 +887,25 @@ int main(void)
         TEST("SOE-008 SOE-009 SOE-012 lengths of lists", lists),
         TEST("SOE-010 SOE-011 elements other than the value, and constants, are read only", other_elements),
         TEST("SOE-011 protection by AL state and by process data", protection),
-        TEST("SOE-011 SOE-012 the device has the last word on a value", refused_by_the_device),
+        TEST("SOE-011 SOE-012 the device can refuse a value", refused_by_the_device),
         TEST("SOE-014 SOE-015 SOE-016 SOE-V7 a write in pieces", write_fragments),
         TEST("SOE-014 SOE-017 a write in pieces may fill the buffer", write_fills_the_buffer),
-        TEST("SOE-017 too much data are swallowed, the last piece gets the error", write_too_much),
+        TEST("SOE-017 too much data are discarded, the last fragment gets the error", write_too_much),
         TEST("SOE-017 a write in pieces ends at another request", write_interrupted),
         TEST("SOE-013 replies in pieces, of each length, through mailboxes of 24 to 128 bytes", read_fragments),
         TEST("SOE-018 a reply in pieces ends at another request", read_interrupted),
         TEST("SOE-030 SOE-031 commands start, run, end, fail, are cancelled and refused", commands),
         TEST("SOE-032 bit 5 of S-0-0135 reports ended commands", command_change),
         TEST("SOE-019 SOE-020 the end of a command is notified if the device enables it", notifications),
-        TEST("SOE-019 SOE-020 emergencies follow the reply under way, at most four wait", emergencies),
-        TEST("SOE-020 an emergency from before PREOP is sent in PREOP", emergency_at_power_on),
+        TEST("SOE-019 SOE-020 emergencies follow the active reply, at most four wait", emergencies),
+        TEST("SOE-020 an emergency raised before PREOP is sent in PREOP", emergency_at_power_on),
         TEST("SOE-035 SOE-036 SOE-037 SOE-038 process data follow S-0-0016 and S-0-0024", telegrams),
         TEST("SOE-011 SOE-036 an IDN outside S-0-0024 is no process data", shorter_list),
         TEST("SOE-046 defaults are set, and written values permit OP", defaults),
         TEST("SOE-040 SOE-046 transitions check the written values; S-0-0021 and S-0-0022", transition_checks),
         TEST("SOE-040 S-0-0127 and S-0-0128 check a transition as commands", check_commands),
         TEST("SOE-030 SOE-046 a device without functions has values, commands and checks", no_functions),
-        TEST("SOE-040 S-0-0022 lists as many IDNs as it has room for", full_list),
+        TEST("SOE-040 S-0-0022 lists as many IDNs as fit", full_list),
         TEST("SOE-021 BOOT refuses SoE", not_in_boot),
         TEST("SoE: sizes of buffer and mailboxes", sizes),
     };

@@ -161,7 +161,8 @@ static void sync0_stops(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"CF-082 CF-090 FZM-016: SYNC0 that slides over the frames counts in 1C32h and 1C33h; regulated it does not",
+        {"CF-082 CF-090 FZM-016: SYNC0 that drifts across the frames counts in 1C32h and 1C33h; a controlled SYNC0 "
+         "does not",
          slides, NULL, NULL, NULL},
         {"CF-082 FZM-016: SYNC0 without outputs is counted, any number in succession, and OP continues", outputs_stop,
          NULL, NULL, NULL},

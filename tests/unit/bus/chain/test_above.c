@@ -97,7 +97,7 @@ static void aborts(void **state)
     }
 }
 
-/* Each fault has its own object; the first that concerns a transfer decides. */
+/* Each fault has its own object; the first fault that matches a transfer applies. */
 static void aborts_of_several(void **state)
 {
     wire_t *w = *state;
@@ -120,7 +120,7 @@ static void aborts_in_pieces(void **state)
     w->poll = keep_still;
     assert_int_equal(wire_mail_request(w, 1, 3, upload, sizeof upload), 1);
     assert_int_equal(pdi->read(pdi->ctx, START, whole, sizeof whole - 1), 0); /* the last byte would empty the buffer */
-    assert_int_equal(ect_load_le16(whole + 9), 0); /* an object that there is not, in place of 2000h */
+    assert_int_equal(ect_load_le16(whole + 9), 0);                            /* a missing object, in place of 2000h */
     for (uint16_t size = 1; size < HALF; size++) {
         for (uint16_t at = 0; at + size < 2 * HALF; at = (uint16_t)(at + size))
             assert_int_equal(pdi->read(pdi->ctx, (uint16_t)(START + at), pieces + at, size), 0);
@@ -165,7 +165,7 @@ static void repeated_request(void **state)
 
 static const uint8_t upload[] = {0x00, 0x20, 0x40, 0x00, 0x20, 0, 0, 0, 0, 0};
 
-/* Requests 2000h:0. @return service data length of the mail, -1: there is none */
+/* Requests 2000h:0. @return service data length of the mail, -1: no mail */
 static int request(wire_t *w, uint8_t *mail)
 {
     assert_int_equal(wire_mail_request(w, 1, 3, upload, sizeof upload), 1);
@@ -457,7 +457,7 @@ static void sizes_of_any_length(void **state)
     }
 }
 
-/* A twin with a fault sleeps until an event, unless a mail of it is lost: the stack has to see the empty buffer. */
+/* A twin with a fault sleeps until an event, unless a mail of it is lost: the stack has to detect the empty buffer. */
 static void sleeps(void **state)
 {
     wire_t *w = *state;
@@ -546,7 +546,7 @@ int main(int argc, char **argv)
         TEST("CF-026: a repeated request gets the same abort", repeated_request),
         TEST("mails with a wrong type, length and counter", changed_headers),
         TEST("segments with a wrong toggle bit", toggles),
-        TEST("a mail is late, and INIT forgets it", late),
+        TEST("a mail is late, and INIT discards it", late),
         TEST("a mail is lost, and the next request gets a reply", lost),
         TEST("a mail comes twice", twice),
         TEST("an emergency on demand", emergencies),
@@ -556,7 +556,7 @@ int main(int argc, char **argv)
         TEST("a slave refuses a state with any AL status code", refuses),
         TEST("a slave never reaches a state", never_comes),
         TEST("process data of another size are refused, after a reset too", sizes),
-        TEST("the sizes of process data change, and nothing else that is read", sizes_of_process_data_alone),
+        TEST("the sizes of process data change, and no other data", sizes_of_process_data_alone),
         TEST("a SyncManager without data has none with a fault of sizes either", sizes_of_any_length),
         TEST("a twin with a fault sleeps until there is work", sleeps),
         TEST("faults above the wire are listed, at most eight of a slave, and ended", listed),

@@ -128,7 +128,7 @@ static void at_the_limits(void **state)
     expect(2, "di2", "0");
 }
 
-/* Halves go away from zero; the sum is rounded once. */
+/* Halves are rounded away from zero; the sum is rounded once. */
 static void rounded(void **state)
 {
     static const struct {
@@ -148,7 +148,7 @@ static void rounded(void **state)
     }
 }
 
-/* The earliest value of all delays decides when to call again; without one, nothing does. */
+/* The earliest value of all delays is the time of the next call; without a delay there is none. */
 static void next_time(void **state)
 {
     ect_connection_t list[] = {from_to(0, "analog", 1, "analog"), from_to(0, "di1", 2, "di1"),
@@ -241,7 +241,7 @@ static void loops(void **state)
     assert_int_equal(ect_connections_loop(list, 4), 4);
 }
 
-/* A search that follows each way would take 2^59 of them. */
+/* A search along each path would take 2^59 paths. */
 static void many_paths(void **state)
 {
     enum { STAGES = 60 };

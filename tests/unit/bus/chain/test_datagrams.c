@@ -8,7 +8,7 @@
 
 enum { ROOM = 64 };
 
-/* A frame of one datagram that has come back. @return its length */
+/* A returned frame of one datagram. @return its length */
 static size_t build(uint8_t *frame, uint8_t command, uint32_t address, uint16_t bytes, uint16_t counter)
 {
     memset(frame, 0, ROOM);
@@ -109,7 +109,7 @@ static void many_datagrams(void **state)
     assert_int_equal(seen, 0xFFu << 3);
 }
 
-/* Two datagrams, in each way in which a frame carries them, and cut at each byte. */
+/* Two datagrams, in each form of a frame, and truncated at each byte. */
 static void frames(void **state)
 {
     static const struct {
@@ -148,7 +148,7 @@ static void frames(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"Datagrams are counted until a time, and from zero behind it", while_wanted, NULL, NULL, NULL},
+        {"Datagrams are counted until a time, and after it from zero", while_wanted, NULL, NULL, NULL},
         {"The highest working counter, and the replies below it", lower_counters, NULL, NULL, NULL},
         {"Broadcast reads, system times and logical commands are counted", counted_commands, NULL, NULL, NULL},
         {"The newest of many datagrams are kept", many_datagrams, NULL, NULL, NULL},

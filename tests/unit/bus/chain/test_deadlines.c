@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Deadlines (deadlines.h): the earliest of many, whatever is set in whatever order. */
+/* Deadlines (deadlines.h): the earliest of many, for any values in any order. */
 #include "bus/chain/deadlines.h"
 
 #include <setjmp.h>
@@ -57,7 +57,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         {"one member, none wants to run", no_deadline, NULL, NULL, NULL},
-        {"the first of many is what a search finds, after each of 20000 changes", same_as_a_search, NULL, NULL, NULL},
+        {"the first of many equals the result of a search, after each of 20000 changes", same_as_a_search, NULL, NULL,
+         NULL},
     };
     return cmocka_run_group_tests_name("deadlines", tests, NULL, NULL);
 }

@@ -53,15 +53,15 @@ typedef struct rig {
     uint32_t random, seed;
     unsigned int frame_number, taken;
     size_t count;
-    ect_chain_t *fast, *slow; /* the second one's frames go the way of the reference */
-    uint8_t state[MOST];      /* where the master wants to have it next */
+    ect_chain_t *fast, *slow; /* the second one's frames take the path of the reference */
+    uint8_t state[MOST];      /* the next address set by the master */
     bool link_in, link_out;
     bool damages; /* some frames have a bad check sum */
     bool plans;   /* plans reply while nothing else happens */
     bool asleep;
     size_t held_count;
     uint64_t planned[STEPS + 1]; /* executed steps of plans, by kind; then plans renewed */
-    uint32_t layout;             /* of the frames that come in each cycle */
+    uint32_t layout;             /* of the frames of each cycle */
     ect_planner_t planner;
     uint64_t now_ns;
     uint8_t frame[ROOM];
@@ -183,7 +183,7 @@ static void set_sms(rig_t *r, size_t i, bool process)
     }
 }
 
-/* Process data of all lie side by side, now and then over each other. */
+/* Process data of all are adjacent, and sometimes overlap. */
 static void set_fmmus(rig_t *r, size_t i)
 {
     const ect_device_t *device = device_of(r, i);
@@ -327,7 +327,7 @@ static void build(rig_t *r)
 
 /* --- both chains -------------------------------------------------------------------------------------------------- */
 
-/* Back through those before: a loop that was forced open where no wire is loses the frame. */
+/* Back through the previous ones: a loop that was forced open without a wire loses the frame. */
 static ect_end_t back_from(rig_t *r, size_t i)
 {
     while (i-- > 0) {
@@ -369,7 +369,7 @@ static void differ(const rig_t *r, const char *what, size_t where, unsigned int 
              slow, r->frame_number, r->seed);
 }
 
-/* A frame with a bad check sum goes the same way and is counted at each port, but never leaves. */
+/* A frame with a bad check sum takes the same path and is counted at each port, but never leaves. */
 static void damage_each(rig_t *r)
 {
     size_t i = 0;
@@ -433,7 +433,7 @@ static void same_signal(const rig_t *r, size_t i, const char *name)
                  fast, slow, r->frame_number, r->seed);
 }
 
-/* Controllers without an access for a long time are compared too: they must take the recorded times first. */
+/* Controllers without an access for a long time are compared too: they must apply the recorded times first. */
 static void compare(const rig_t *r)
 {
     for (size_t i = 0; i < r->count; i++) {
@@ -461,7 +461,7 @@ static void compare(const rig_t *r)
 static held_t held[HELD];
 static ect_plan_table_t table;
 
-/* Before anything else happens the chains take the frames that plans have replied to. */
+/* Before any other event the chains get the frames that plans have replied to. */
 static void wake(rig_t *r)
 {
     uint8_t frame[ROOM];
@@ -566,7 +566,8 @@ static void sleep_on_plans(rig_t *r)
         same_as_new_plans(r);
 }
 
-/* The frame goes where it goes in the kernel: to a plan, else to the chains behind all that plans have replied to. */
+/* The frame takes the same path as in the kernel: to a plan, else to the chains after all frames with a reply of a
+ * plan. */
 static void send_or_hold(rig_t *r)
 {
     if (r->plans && reply_asleep(r))
@@ -629,8 +630,8 @@ static void disturb(rig_t *r)
     }
 }
 
-/* Plans cover neither a clock with a rate of its own nor a watchdog of the PDI, which guards a microcontroller that has
- * stopped. Half the time all is plain again. */
+/* Plans cover neither a clock with a rate of its own nor a watchdog of the PDI, which supervises a stopped
+ * microcontroller. Half of the time neither occurs. */
 static void disturb_plans(rig_t *r)
 {
     const size_t i = below(r, (uint32_t)r->count);
@@ -677,7 +678,7 @@ static void open_rig(rig_t *r, uint32_t seed, bool plans)
     assert_non_null(r->slow);
 }
 
-/* A frame of any kind; with plans mostly one that comes in each cycle. */
+/* A frame of any kind; with plans mostly a frame of each cycle. */
 static void next_frame(rig_t *r)
 {
     pass_time(r);
@@ -693,7 +694,7 @@ static void next_frame(rig_t *r)
     }
 }
 
-/* The events beside frames: polls, cables, power. */
+/* The other events: polls, cables, power. */
 static void act(rig_t *r)
 {
     if (r->asleep && !one_in(r, 4))
@@ -779,7 +780,7 @@ static void loop_opens_in_time(void **state)
     static const struct {
         const char *title;
         uint32_t before_ns, cycle_ns; /* the first SYNC0: so long before the loop opens */
-        bool polls;                   /* at the SYNC0, or a frame comes then */
+        bool polls;                   /* at the SYNC0, or at a frame then */
     } rows[] = {{"a frame comes, and no poll until the next one", 500 * MS, 0, false},
                 {"SYNC0 has waked the slave just before", 1000, 1000, true}};
     ect_device_t device = testdev;
@@ -815,7 +816,7 @@ static void loop_opens_in_time(void **state)
     }
 }
 
-/* One of two equal chains is polled after each frame, the other never: recorded times wait, however they came. */
+/* One of two equal chains is polled after each frame, the other never: recorded times wait, whatever their source. */
 static void times_wait(void **state)
 {
     enum { SLAVES = 3, TOLD = 20 };
@@ -864,7 +865,7 @@ static void expect_lamp(const wire_t *w, size_t position, const char *want)
     assert_string_equal(text, want);
 }
 
-/* The time of its last frame is known of each, though it is written down for all at once. */
+/* The time of the last frame of each is known, although it is recorded once for all. */
 static void lamps_within_reach(void **state)
 {
     const ect_device_t *devices[] = {&testdev, &testdev, &testdev};
@@ -887,7 +888,7 @@ static void lamps_within_reach(void **state)
     const ect_setting_t mended = {.name = "ecat.plug_out", .value = "1"};
     assert_true(ect_settings_apply(w.chain, 1, &mended, 1, w.now_ns, message));
     wire_poll(&w);
-    expect_lamp(&w, 2, "flickering"); /* the frame before the cut is not so long ago */
+    expect_lamp(&w, 2, "flickering"); /* the frame before the cut is recent */
     w.now_ns += 1;
     wire_poll(&w);
     expect_lamp(&w, 1, "flickering");
@@ -1045,22 +1046,22 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"CF-002 CF-010 CF-028: replies, memories and states are those of one controller after the other",
          same_as_the_reference, NULL, NULL, NULL},
-        {"CF-002: so they are when frames with a bad check sum come between", with_bad_check_sums, NULL, NULL, NULL},
-        {"CF-002 CF-010 CF-089: so they are where they once were not", same_as_ever, NULL, NULL, NULL},
+        {"CF-002: the same with frames with a bad check sum in between", with_bad_check_sums, NULL, NULL, NULL},
+        {"CF-002 CF-010 CF-089: the same in cases that once differed", same_as_ever, NULL, NULL, NULL},
         {"CF-002 CF-010 CF-028: plans give these replies, for any number of frames before they pass the chain",
          plans_reply_alike, NULL, NULL, NULL},
         {"CF-010: a loop that was closed for a time is open for the first frame after it", loop_opens_in_time, NULL,
          NULL, NULL},
-        {"CF-088: a recorded system time is taken before any access, also when more come than are kept", times_wait,
+        {"CF-088: a recorded system time is applied before any access, also when more are sent than are kept",
          NULL, NULL, NULL},
         {"CF-002: a broadcast read of AL status gets all bits of all slaves, in one byte or two", status_of_all, NULL,
          NULL, NULL},
         {"CF-004: a station alias that is switched off gets no reply and no system time", an_alias_that_is_switched_off,
          NULL, NULL, NULL},
-        {"a line without memory is none, and keeps none", memory_runs_out, NULL, NULL, NULL},
+        {"a line without memory is refused, and allocates none", memory_runs_out, NULL, NULL, NULL},
         {"CF-088: system times of one frame take effect at its end, in the order of its datagrams",
-         times_within_a_frame, NULL, NULL, NULL},
-        {"link lamps flicker of those whom frames reach", lamps_within_reach, NULL, NULL, NULL},
+         times_wait, NULL, NULL, NULL},
+        {"link lamps flicker at the slaves that frames reach", lamps_within_reach, NULL, NULL, NULL},
     };
     if (argc > 1)
         rounds = (unsigned int)strtoul(argv[1], NULL, 10);

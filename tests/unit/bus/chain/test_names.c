@@ -169,7 +169,7 @@ static void signals_of_several_twins_are_set_or_none(void **state)
          "the names of running twins",
          {{"low", "8"}, {"crane.low", "9"}, {"leg.low", "7"}},
          {1, 2, 3}},
-        {"one is of no twin, as options have it",
+        {"an element without a twin, as in options",
          "slave 1 has no signal 'crane:low', and no twin has the name 'crane': 'ectwin get -n 0 ecat.state' lists "
          "the names of running twins",
          {{"low", "8"}, {"crane:low", "9"}, {"leg.low", "7"}},

@@ -190,7 +190,7 @@ static void frame_leaves_before_the_loop_closes(void **state)
     wire_close(&w);
 }
 
-/* Closed by the master, the loop of port 1 lets nothing in from behind either. */
+/* Closed by the master, the loop of port 1 also blocks frames from behind. */
 static void loop_closed_by_the_master(void **state)
 {
     const uint8_t closed = 0x0C;
@@ -210,17 +210,17 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"CF-010: frames from both ends, with every wire whole and cut: the ESCs that process them, and their exits",
          ways_of_frames, NULL, NULL, NULL},
-        {"CF-010: the plug at either end of a wire cuts it, both slaves show it, and it heals", either_plug, NULL, NULL,
-         NULL},
+        {"CF-010: the plug at either end of a wire cuts it, both slaves show this, and the wire can be restored",
+         either_plug, NULL, NULL, NULL},
         {"CF-010: a cut outlasts a power cycle", over_a_power_cycle, NULL, NULL, NULL},
         {"CF-087 CF-096: receive times of a frame from the far end, which turns at a cut", times_from_the_far_end, NULL,
          NULL, NULL},
         {"CF-010: a circulating frame is destroyed where port 0 has no link, and nowhere else", second_time, NULL, NULL,
          NULL},
         {"CF-010: each datagram is marked as circulating", every_datagram_is_marked, NULL, NULL, NULL},
-        {"CF-010: a frame that closes the last way out leaves before it closes", frame_leaves_before_the_loop_closes,
+        {"CF-010: a frame that closes the last exit leaves before the exit closes", frame_leaves_before_the_loop_closes,
          NULL, NULL, NULL},
-        {"CF-010: a loop that the master closed keeps frames from behind out", loop_closed_by_the_master, NULL, NULL,
+        {"CF-010: a loop that the master closed blocks frames from behind", loop_closed_by_the_master, NULL, NULL,
          NULL},
     };
     if (argc > 1)

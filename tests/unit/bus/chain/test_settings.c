@@ -62,7 +62,7 @@ static void all_or_none(void **state)
         {"one that is refused", {{"low", "20"}}, 1, 10, 20, "low: must be below high"},
         {"in the order that works", {{"high", "200"}, {"low", "100"}}, 2, 100, 200, NULL},
         {"in the other order", {{"low", "100"}, {"high", "200"}}, 2, 100, 200, NULL},
-        {"twice the same: the last one stays", {{"low", "11"}, {"low", "12"}}, 2, 12, 20, NULL},
+        {"the same one twice: the last value applies", {{"low", "11"}, {"low", "12"}}, 2, 12, 20, NULL},
         {"each waits for the next one",
          {{"low", "300"}, {"high", "200"}, {"low", "100"}, {"high", "400"}},
          4,
@@ -75,7 +75,7 @@ static void all_or_none(void **state)
          10,
          20,
          "low: must be below high"},
-        {"one out of range: nothing is tried",
+        {"one out of range: none is set",
          {{"low", "11"}, {"high", "1001"}},
          2,
          10,
@@ -86,7 +86,7 @@ static void all_or_none(void **state)
          2,
          10,
          20,
-         "own is the twin's own: it can be read and watched, not set"},
+         "`own` is read-only: it can be read and watched, not set"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -105,7 +105,7 @@ static void all_or_none(void **state)
     }
 }
 
-/* At most two characters differ, and fewer than the wrong name has. */
+/* At most two characters differ, and fewer than the length of the wrong name. */
 static void names_nearby(void **state)
 {
     static const struct {
@@ -159,7 +159,7 @@ static void names_nearby(void **state)
     }
 }
 
-/* A name that is far too long is shown in part, and nothing is near it. */
+/* A name that is far too long is shown in part, without a suggestion. */
 static void endless_name(void **state)
 {
     char message[ECT_SIGNAL_MESSAGE], name[ECT_SIGNAL_NAME + 40];

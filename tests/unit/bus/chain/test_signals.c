@@ -368,7 +368,7 @@ static const ect_signal_group_t tree_groups[] = {
 };
 static const ect_plant_t tree_plant = {.signal_groups = tree_groups, .signal_group_count = 4};
 
-/* In the order of the tables, each by the name under which it is found, and each at its own byte. */
+/* In the order of the tables, each found by its name, and each at its own byte. */
 static void listed_as_found(void **state)
 {
     static const char *const first[] = {"top", "bu.a", "bu.b", "ru1.a", "ru1.b", "ru2.a"};
@@ -463,21 +463,21 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"a value that a user sets: the plant checks it, then it is stored, then the plant is notified",
          checked_stored_notified, NULL, NULL, NULL},
-        {"the plant has done it itself, or refuses: nothing is stored, no notification follows", done_or_refused, NULL,
-         NULL, NULL},
+        {"the plant has stored the value itself, or refuses it: nothing is stored, no notification follows",
+         done_or_refused, NULL, NULL, NULL},
         {"a value out of range does not reach the plant", out_of_range, NULL, NULL, NULL},
         {"a plant without functions: the value is stored", without_functions, NULL, NULL, NULL},
         {"each type has its size, its form in JSON and its range as text", types, NULL, NULL, NULL},
-        {"each type takes texts of its range only, and reads back", written_and_read, NULL, NULL, NULL},
+        {"each type accepts only texts of its range, and returns them", written_and_read, NULL, NULL, NULL},
         {"values that no user can set are read: the largest number, a described one, invisible characters", read_alone,
          NULL, NULL, NULL},
         {"the longest text and the longest bytes fit", longest_values, NULL, NULL, NULL},
         {"signals are listed in the order of the tables, and each is found by its name", listed_as_found, NULL, NULL,
          NULL},
-        {"a name that is not exact is of no signal", names_not_found, NULL, NULL, NULL},
-        {"a signal has the field that names it, one of an array that of its structure", fields_of_signals, NULL, NULL,
-         NULL},
-        {"a field as text: its place, its bits, its values, of four digits in hexadecimal", fields_as_text, NULL, NULL,
+        {"an inexact name is not found", names_not_found, NULL, NULL, NULL},
+        {"a signal has the field that names it, a signal of an array the field of its structure", fields_of_signals,
+         NULL, NULL, NULL},
+        {"a field as text: its position, its bits, its values, in four hexadecimal digits", fields_as_text, NULL, NULL,
          NULL},
     };
     if (argc > 1)

@@ -72,7 +72,7 @@ static void late_states(void **state)
     wire_close(&w);
 }
 
-/* AL control is not locked while the slave takes its time: the last request counts. */
+/* AL control is not locked during the delay of the slave: the last request applies. */
 static void changed_request(void **state)
 {
     const ect_slow_config_t slow = {.al = {20 * MS, 20 * MS}};
@@ -116,7 +116,7 @@ static void late_mails(void **state)
     wire_close(&w);
 }
 
-/* The slave reads no mail while the master fetches no reply: after the delay there is nothing to poll for. */
+/* The slave reads no mail while the master fetches no reply: after the delay no poll is needed. */
 static void mail_left(void **state)
 {
     static const uint8_t request[10] = {0, 0x20, 0x40, 0x18, 0x10, 1};
@@ -244,7 +244,7 @@ static void exchange_on_board(void **state)
     }
 }
 
-/* The same seed gives the same times, another one others. */
+/* The same seed gives the same times, another seed gives others. */
 static void seeds(void **state)
 {
     uint64_t times[3];
@@ -308,8 +308,8 @@ static void reset_under_way(void **state)
     wire_close(&w);
 }
 
-/* Writes reach the chip one after the other, at their times. One that finds no room reaches it at once, behind those
- * before it; so does everything before a read. */
+/* Writes reach the chip one after the other, at their times. A write that does not fit reaches it at once, after the
+ * previous ones; so do all writes before a read. */
 static void queue(void **state)
 {
     const ect_slow_config_t config = {.board = ect_board("lan9252-spi")};
@@ -363,14 +363,14 @@ int main(void)
         {"a request replaces the one that the slave has not processed yet", changed_request, NULL, NULL, NULL},
         {"the reply to a mail comes after the delay", late_mails, NULL, NULL, NULL},
         {"a mail that the slave cannot read yet causes no poll after the delay", mail_left, NULL, NULL, NULL},
-        {"outputs reach a slave that is late by more than a cycle in the next one", old_inputs, NULL, NULL, NULL},
+        {"outputs reach a slave that is late by more than a cycle in the next cycle", old_inputs, NULL, NULL, NULL},
         {"PDI budget: the exchange of a twin like a board takes the time of its bus and of its instructions",
          exchange_on_board, NULL, NULL, NULL},
         {"the same seed gives the same delays", seeds, NULL, NULL, NULL},
         {"receive times with jitter", receive_times, NULL, NULL, NULL},
-        {"writes of a board reach the chip at their times, without room or before a read at once", queue, chip_setup,
-         chip_teardown, NULL},
-        {"a power cycle discards the writes of a board that are under way", reset_under_way, NULL, NULL, NULL},
+        {"writes of a board reach the chip at their times, or at once if they do not fit or before a read", queue,
+         chip_setup, chip_teardown, NULL},
+        {"a power cycle discards the delayed writes of a board", reset_under_way, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("slow twins", tests, NULL, NULL);
 }

@@ -66,7 +66,7 @@ static void edges(void **state)
     assert_int_equal(ect_stats_edge_us(SIZE_MAX - 1), 0);
 }
 
-/* Counts that only their sums decide, up to the last step, which has no edge. */
+/* Counts whose quantiles depend only on their sums, up to the last class, which has no edge. */
 static void quantile_borders(void **state)
 {
     static const struct {
@@ -99,7 +99,7 @@ static void quantile_borders(void **state)
     }
 }
 
-/* The longest and the latest stay when shorter ones follow. */
+/* The longest and the latest are kept when shorter ones follow. */
 static void longest(void **state)
 {
     static const uint64_t took_ns[] = {5, 9, 7, 9, 1};
@@ -134,10 +134,10 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"response times are counted in their classes", answer_times, NULL, NULL, NULL},
         {"quantiles of the response times", quantiles, NULL, NULL, NULL},
-        {"each step ends before its edge, and the last one has none", edges, NULL, NULL, NULL},
-        {"quantiles at the borders of the steps", quantile_borders, NULL, NULL, NULL},
-        {"the longest reply and the latest run stay", longest, NULL, NULL, NULL},
-        {"runs of the devices that are late count", late_polls, NULL, NULL, NULL},
+        {"each class ends before its edge, and the last one has none", edges, NULL, NULL, NULL},
+        {"quantiles at the borders of the classes", quantile_borders, NULL, NULL, NULL},
+        {"the longest reply and the latest run are kept", longest, NULL, NULL, NULL},
+        {"late runs of the devices are counted", late_polls, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -149,7 +149,7 @@ static void cut_and_mended(void **state)
         set(&w, rows[i].twin, rows[i].plug, 1);
         expect_order(&w, "plugged in again", "1234567");
     }
-    assert_int_equal(ect_chain_esc(w.chain, 0)->memory[0x0313], 2); /* both ends of its wire were pulled once */
+    assert_int_equal(ect_chain_esc(w.chain, 0)->memory[0x0313], 2); /* both ends of its wire have been pulled once */
     assert_int_equal(ect_chain_esc(w.chain, 1)->memory[0x0310], 2);
     wire_close(&w);
 }
@@ -180,7 +180,7 @@ static void loop_control(void **state)
         wire_close(&w);
     }
     open_plan(&w, &plans[4]);
-    (void)wire_write8(&w, 6, DL_LOOPS, 0x08); /* forced open, and no wire there: frames vanish, this one too */
+    (void)wire_write8(&w, 6, DL_LOOPS, 0x08); /* forced open without a wire: frames are lost, this one too */
     assert_int_equal(wire_read(&w, 0, 0, (uint8_t[1]){0}, 1), NO_REPLY);
     wire_close(&w);
 }
@@ -220,7 +220,7 @@ static void delays_of_a_line(void **state)
     }
     wire_open_twins(&w, twins, MOST);
     assert_int_equal(wire_send(&w, BWR, 0, ECT_REG_DC_RECEIVE_TIME, any, 4), MOST);
-    uint32_t behind = 0; /* how long the frame was away behind B */
+    uint32_t behind = 0; /* time of the frame behind B */
     for (size_t i = MOST - 1; i > 0; i--) {
         uint32_t away = receive_time(&w, i - 1, 1) - receive_time(&w, i - 1, 0);
         uint32_t difference = i == MOST - 1 ? 0 : chip->processing_ns - chip->forwarding_ns; /* the last one turns it */
@@ -351,7 +351,7 @@ static void failures(void **state)
     }
 }
 
-/* Keeps the frame that comes by a wire. */
+/* Delays the frame that arrives by a wire. */
 typedef struct keeper {
     size_t wire;
     bool back;
@@ -401,7 +401,7 @@ static void frame_continues(void **state)
     }
 }
 
-/* Behind the last slave: there the chain's other end is. */
+/* Behind the last slave, at the chain's other end. */
 static void goes_on_behind_the_last(void **state)
 {
     const ect_device_t *devices[] = {&testdev, &testdev};
@@ -433,8 +433,8 @@ int main(int argc, char **argv)
         {"a tree that cannot be wired is refused, with the twin that cannot", refused, NULL, NULL, NULL},
         {"CF-010 CF-096: a cut of each wire of a tree removes the twins behind it until the wire is restored",
          cut_and_mended, NULL, NULL, NULL},
-        {"CF-010: loop control cuts and heals; forced open without a wire frames vanish", loop_control, NULL, NULL,
-         NULL},
+        {"CF-010: loop control cuts and restores; with a loop forced open without a wire, frames are lost",
+         loop_control, NULL, NULL, NULL},
         {"CF-010: a loop that is closed for a second opens by itself, between two frames", temporary_cut, NULL, NULL,
          NULL},
         {"CF-087: receive times of a line give its delays by the data sheet's formula", delays_of_a_line, NULL, NULL,
@@ -446,7 +446,7 @@ int main(int argc, char **argv)
          failures, NULL, NULL, NULL},
         {"a frame that is delayed on a wire of a tree continues from there, if the wire still exists", frame_continues,
          NULL, NULL, NULL},
-        {"so does one that is kept behind the last slave", goes_on_behind_the_last, NULL, NULL, NULL},
+        {"the same for a frame delayed behind the last slave", goes_on_behind_the_last, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -172,7 +172,7 @@ static void off_from_the_start(void **state)
     wire_close(&w);
 }
 
-/* The ESC raises the event at the very poll that its deadline asks for: no frame and no other poll is needed. */
+/* The ESC raises the event at the poll of its deadline: no frame and no other poll is needed. */
 static void watchdog_at_its_deadline(void **state)
 {
     uint64_t next_ns = 0;
@@ -388,7 +388,8 @@ int main(int argc, char **argv)
         {"CF-057 CF-065: an installation's identity and alias reach 1018h and register 0012h", overridden_identity,
          NULL, NULL, NULL},
         {"CF-002 CF-010: 40 twins reply in the order of the wire", order_of_the_wire, NULL, NULL, NULL},
-        {"CF-095: the source address has its bit set, or is kept if so wished", source_address, NULL, NULL, NULL},
+        {"CF-095: the source address has its bit set, or is unchanged if so configured", source_address, NULL, NULL,
+         NULL},
         {"CF-013: a frame that is not EtherCAT does not return", not_ethercat, NULL, NULL, NULL},
         {"CF-083: the poll returns the earliest deadline of all twins", deadlines, NULL, NULL, NULL},
         {"CF-089: a SYNC0 of 1 ns wakes no more often than every 25 us; 0x0981 alone wakes in time", dense_sync0, NULL,
