@@ -670,7 +670,7 @@ static void periodic_data(void **state)
     long long shown = plant_number("ru2.periodic_count");
     controller.periodic = screen;
     controller.periodic_size = sizeof screen;
-    out[2] = 0x55; /* PAO and the spare bytes do not matter */
+    out[2] = 0x55; /* PAO and the spare bytes have no effect */
     out[22] = out[23] = out[27] = 0xAA;
     AWAIT(controller.sets_sent >= 2);
     AWAIT(plant_number("bu.periodic_sets") > sets);

@@ -392,7 +392,7 @@ int main(int argc, char **argv)
         M("OPT-004 OPT-009: SM3 as long as the mapping, SM2 unused (public manual, p. 151)", sync_managers),
         M("OPT-007 OPT-008 OPT-012: the object directory (public manual, pp. 157, 161, 172)", every_object),
         E("OPT-010 OPT-011: 1A00h by default, and as chosen in 21B0h (public manual, pp. 153, 157)", mapping),
-        M("OPT-014: settings are the expert's (public manual, pp. 131, 161)", user_level),
+        M("OPT-014: settings require the user level expert (public manual, pp. 131, 161)", user_level),
         O("OPT-013: each error in place of a distance (public manual, p. 98)", errors),
         E("OPT-006: measuring rates", rates),
         E("OPT-006: several records in an exchange (public manual, p. 174)", oversampling),

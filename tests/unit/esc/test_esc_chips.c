@@ -198,7 +198,7 @@ int main(int argc, char **argv)
         {"CF-009: registers of some chips can be written by the permitted side where they exist", rights, NULL, NULL,
          NULL},
         {"CF-009: neither side can write reserved registers, on any chip", reserved_registers, NULL, NULL, NULL},
-        {"CF-008: a register that a chip lacks reads 0, that of an absent clock does not respond", absent_is_zero, NULL,
+        {"CF-008: a missing register reads 0, a register of an absent clock does not respond", absent_is_zero, NULL,
          NULL, NULL},
         {"CF-055: each chip advertises how many bytes an SII read delivers", sii_width, NULL, NULL, NULL},
         {"CF-019: in sequential mode a buffer that was not written from start to end is not released", sequential, NULL,

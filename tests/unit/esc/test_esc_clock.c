@@ -38,7 +38,7 @@ static void drift(void **state)
     }
 }
 
-/* Regardless of the number of reads and of changes of the drift, no fraction is lost. */
+/* No fraction is lost, regardless of the number of reads and of changes of the drift. */
 static void drift_in_steps(void **state)
 {
     chip_t *c = *state;
@@ -459,7 +459,7 @@ static void written_again(void **state)
     assert_int_equal(chip_read(c, ECT_REG_DC_START_TIME, 8), 220000);
 }
 
-/* The chip signals its next time without being read, and frames find the work done. */
+/* The chip reports its next time without being read, and its work is done before the next frame. */
 static void due_by_itself(void **state)
 {
     chip_t *c = *state;
@@ -965,7 +965,8 @@ int main(int argc, char **argv)
         TEST("CF-088: the control loop follows a clock that differs by up to 700 ppm, at any cycle", loop_settles),
         TEST("CF-088: the speed counter difference shows the deviation by the data sheet's formula", speed_difference),
         TEST("CF-088: a difference is corrected no faster than the range of the speed counter allows", fastest),
-        TEST("CF-088: the speed counter difference is the greatest that the rate allows", speed_difference_exactly),
+        TEST("CF-088: the speed counter difference is the greatest value that the rate permits",
+             speed_difference_exactly),
         TEST("CF-088: a sample corrects an eighth of its difference, in part permanently", one_sample),
         TEST("CF-088: a write to the speed counter's start resets the control loop", unregulated_again),
         TEST("CF-088: a system time that is written in part is compared in that part", compared_in_part),
@@ -973,9 +974,9 @@ int main(int argc, char **argv)
              lock_limit),
         TEST("CF-088: 0x092C is a mean over the filter's depth", filter),
         TEST("CF-088: a loop that belongs to the PDI compares with latch 0, and refuses the master", loop_of_the_pdi),
-        TEST("CF-087: receive and system times are those of the frame at this chip, less the delay",
+        TEST("CF-087: receive and system times are those of the frame at this chip, minus the delay",
              receive_and_system_times),
-        TEST("CF-087: which commands take receive times, on an ET1100 and on an ET1200", commands_that_latch),
+        TEST("CF-087: the commands that latch receive times, on an ET1100 and on an ET1200", commands_that_latch),
         TEST("CF-087: a system time that is read in pieces is one time", in_pieces),
         TEST("CF-089: SYNC1 follows SYNC0 by its cycle time, and then the first SYNC0 after itself", sync1),
         TEST("CF-089: SYNC1 occurs without SYNC0", sync1_alone),
@@ -1001,7 +1002,7 @@ int main(int argc, char **argv)
         MODERN("CF-089: a start time outside the near future may mean now", plausibility),
         MODERN("CF-089: a debug pulse starts at once, on chips that support it", debug_pulse),
         TEST("CF-089 CF-091: the master assigns the control of SYNC0, SYNC1 and the latches", assigned_control),
-        TEST("CF-091: continuous: each edge of a latch input is taken", continuous),
+        TEST("CF-091: continuous: each edge of a latch input is latched", continuous),
         TEST("CF-091: single event: the first edge is kept until it is read", single_event),
         TEST("CF-091: an edge is acknowledged by any byte of its time, and by no other's", latch_read_in_part),
         TEST("CF-091: a latch whose control is written waits again, the other one continues", latch_waits_again),

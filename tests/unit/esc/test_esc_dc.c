@@ -249,14 +249,13 @@ int main(int argc, char **argv)
         TEST("CF-087: the system time is local time plus offset, 64 bits", system_time),
         TEST("CF-087: a write to 0x0900 latches the local time at every port with a link", receive_times),
         TEST("CF-088: a write to 0x0910 shows the difference at the reference clock, sign in bit 31", difference),
-        TEST("CF-087: reset values, and what may not be written", reset_values),
+        TEST("CF-087: reset values, and read-only registers", reset_values),
         TEST("CF-088: ARMW reads the reference clock and writes all others", reference_clock),
-        TEST("CF-089: SYNC0 comes at the start time, then on the grid, and stays until it is acknowledged", sync0),
+        TEST("CF-089: SYNC0 starts at the start time, follows its cycle, and stays until it is acknowledged", sync0),
         TEST("CF-089: cycle 0 is a single shot", single_shot),
         TEST("CF-089: a start time that has passed is never reached", start_in_the_past),
-        TEST("CF-056 CF-089: a reload that makes an event of SYNC0 finds its next pulse", event_by_reload),
-        TEST("CF-089: without 0x0151 bit 3 SYNC0 raises no event, and its next time is shown all the same",
-             not_an_event),
+        TEST("CF-056 CF-089: a reload that makes SYNC0 an event determines its next pulse", event_by_reload),
+        TEST("CF-089: without 0x0151 bit 3 SYNC0 raises no event, and its next time is still shown", not_an_event),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

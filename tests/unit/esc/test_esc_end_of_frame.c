@@ -121,7 +121,7 @@ static void mail_and_restart(void **state)
     }
 }
 
-/* A mailbox that the frame has filled takes no second mail; outputs are overwritten. */
+/* A mailbox that the frame has filled accepts no second mail; outputs are overwritten. */
 static void twice_in_a_frame(void **state)
 {
     static const struct {
@@ -158,7 +158,7 @@ static void begun_again(void **state)
 }
 
 /* Outputs are written in three datagrams at most, with register writes that latch the time at which the buffer changes:
- * a datagram of 0 bytes is omitted. They change hands where they were completed last. */
+ * a datagram of 0 bytes is omitted. They are released at their last completion. */
 static void completed_among_writes(void **state)
 {
     static const struct {
@@ -203,7 +203,7 @@ static void completed_among_writes(void **state)
     }
 }
 
-/* A chip may end a frame late. The PDI reads the previous outputs meanwhile; its access neither loses nor hurries the
+/* A chip may end a frame late. The PDI reads the previous outputs meanwhile; its access neither loses nor advances the
  * new ones. */
 static void pdi_before_the_end(void **state)
 {
@@ -293,7 +293,7 @@ static void many_writes(void **state)
     assert_int_equal(chip_read(c, 0x0F10, 8), 0x3B3B3B3B3B3B3B3B);
 }
 
-/* The frame that latches the receive times reads those of the frame before. */
+/* The frame that latches the receive times reads those of the previous frame. */
 static void receive_times(void **state)
 {
     chip_t *c = *state;
@@ -308,7 +308,7 @@ static void receive_times(void **state)
     assert_int_equal(chip_read(c, 0x0900, 4), (uint32_t)(before + 1 * MS));
 }
 
-/* Between ect_esc_pass and ect_esc_end_of_frame the frame leaves by the ports that were open when it came. */
+/* Between ect_esc_pass and ect_esc_end_of_frame the frame leaves by the ports that were open at its arrival. */
 static void ports_stay(void **state)
 {
     chip_t *c = *state;
@@ -331,9 +331,9 @@ int main(void)
          chip_setup, chip_teardown, NULL},
         {"CF-016 CF-019: a second mail in a frame is refused, second outputs replace the first", twice_in_a_frame,
          chip_setup, chip_teardown, NULL},
-        {"CF-019: outputs that a frame begins again change hands when they are complete", begun_again, chip_setup,
+        {"CF-019: outputs that a frame begins again are released when they are complete", begun_again, chip_setup,
          chip_teardown, NULL},
-        {"CF-002 CF-019: outputs change hands between the register writes where they were completed last",
+        {"CF-002 CF-019: outputs are released between the register writes, at their last completion",
          completed_among_writes, chip_setup, chip_teardown, NULL},
         {"CF-019: an access of the PDI between a frame and its end reads the previous outputs, and the new ones follow",
          pdi_before_the_end, chip_setup, chip_teardown, NULL},
@@ -341,7 +341,7 @@ int main(void)
          NULL},
         {"CF-028: bits that an FMMU writes to a register do not change the others at the end of the frame",
          bits_through_fmmus, chip_setup, chip_teardown, NULL},
-        {"CF-028: no write is lost where FMMUs multiply them", many_writes, chip_setup, chip_teardown, NULL},
+        {"CF-028: no write is lost if FMMUs multiply the writes", many_writes, chip_setup, chip_teardown, NULL},
         {"CF-083: receive times are read in the frame after the one that latched them", receive_times, chip_setup,
          chip_teardown, NULL},
         {"CF-010: a frame leaves by the ports that were open when it came", ports_stay, chip_setup, chip_teardown,

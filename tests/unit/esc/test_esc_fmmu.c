@@ -648,10 +648,10 @@ static void twins_in_op(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        TEST("CF-028: a datagram meets a window of bytes in every way: data, memory and WKC as mapped", whole_bytes),
+        TEST("CF-028: every overlap of a datagram and a window of bytes: data, memory and WKC as mapped", whole_bytes),
         TEST("CF-029: every start, stop and physical bit of windows of 1 to 3 bytes", all_bits),
-        TEST("CF-029: bits written to RAM arrive, bytes outside the window stay", bits_written_to_ram),
-        TEST("CF-029: 2400 bits written to RAM arrive, bytes outside the window stay", many_bits_written_to_ram),
+        TEST("CF-029: bits are written to RAM, bytes outside the window are unchanged", bits_written_to_ram),
+        TEST("CF-029: 2400 bits are written to RAM, bytes outside the window are unchanged", many_bits_written_to_ram),
         TEST("CF-029: the data sheet's example maps 14 bits", documented_example),
         TEST("CF-028 CF-029 CF-031: random windows and datagrams follow the bit-by-bit model", random_windows),
         TEST("CF-031: windows at the ends of both address spaces, of length 0, off or of no direction",
@@ -660,10 +660,10 @@ int main(int argc, char **argv)
         TEST("CF-028: several FMMUs in one datagram count once per direction; one FMMU by two datagrams",
              several_fmmus),
         TEST("CF-031: two FMMUs read the same logical byte: the lowest number serves it", same_byte_twice_read),
-        TEST("CF-031: two FMMUs write the same logical byte: the lowest number writes alone", same_byte_twice_written),
+        TEST("CF-031: two FMMUs write the same logical byte: only the lowest number writes", same_byte_twice_written),
         TEST("CF-031: an FMMU that loses a byte to a lower one does not access its own mapped byte", loser_is_not_read),
         TEST("CF-031: an FMMU counts even if another one has the bits and no memory", beside_nothing),
-        TEST("CF-028: the route lists the FMMUs that transfer something, and of a new AL status", route_of_fmmus),
+        TEST("CF-028: the route lists the FMMUs that transfer data, and reports a new AL status", route_of_fmmus),
         TEST("CF-019 CF-028: behind an FMMU the SyncManager's rules hold", sm_rules_apply),
         TEST("CF-017 CF-029: a window that is not aligned reads a long mailbox from first to last byte",
              long_unaligned_window),

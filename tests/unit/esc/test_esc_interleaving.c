@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * SyncManagers under every interleaving of their two sides: no torn image, no outdated one, no mail lost or read twice.
+ * SyncManagers under every interleaving of their two sides: no torn or outdated image, no mail lost or read twice.
  *
  * Each side goes through its buffer in pieces, in order, again and again. A step is one access of one side; the tests
  * execute all orders of a number of steps, and long random ones, in which a side may also restart half way. For a
@@ -21,8 +21,8 @@ typedef struct sides {
     unsigned int at[2];     /* index of the next piece */
     bool accepted[2];       /* no access of this pass was refused */
     uint8_t writing;        /* the number that fills this image */
-    uint8_t written;        /* that of the last complete image; 0: none */
-    uint8_t wanted;         /* that of the last image when the reader started */
+    uint8_t written;        /* number of the last complete image; 0: none */
+    uint8_t wanted;         /* number of the last image when the reader started */
     uint8_t last_read;
     uint8_t image[LENGTH];
     char order[ORDER];

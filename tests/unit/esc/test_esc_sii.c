@@ -647,7 +647,7 @@ static void reload_under_sync(void **state)
     expect_status(r, "reload done", 0xFFFF, 0x0040);
 }
 
-/* While it stores a word, the EEPROM acknowledges nothing; the master repeats its command. */
+/* While it stores a word, the EEPROM acknowledges no access; the master repeats its command. */
 static void busy_after_a_write(void **state)
 {
     rig_t *r = *state;
@@ -677,14 +677,14 @@ int main(int argc, char **argv)
          NULL},
         TEST("CF-055: a read delivers 4 or 8 bytes according to bit 6, FF beyond the end, the rest stays", read_sizes),
         TEST("CF-055: bit 7 is set from 32 kbit on", address_bytes),
-        TEST("CF-055: command and address are taken in accesses of any length", access_lengths),
+        TEST("CF-055: command and address are accepted in accesses of any length", access_lengths),
         TEST("CF-055: busy for the time of a read, writes are refused meanwhile, data at the end", busy_read),
         TEST("CF-056: busy for the time of a write, then the next one works", busy_write),
         TEST("CF-049 CF-055: the next event in time is the end of the command or the watchdog", next_deadline),
         TEST("CF-056: busy for the time of a reload, bit 12 set meanwhile", busy_reload),
         TEST("CF-056: a write stores exactly one word, beyond the end none", write_one_word),
         TEST("CF-056: a write needs the enable bit in its own frame, else bit 14, cleared by command 0", write_enable),
-        TEST("CF-055: an invalid command sets bit 13; after command 0 all is well; read-only bits stay",
+        TEST("CF-055: an invalid command sets bit 13; command 0 clears it; read-only bits are unchanged",
              invalid_commands),
         TEST("CF-055: without an EEPROM bits 3 and 12 show it and commands end with bit 13", no_eeprom),
         TEST("CF-056: each wrong bit of words 0..7 is found: bits 11 and 12, DL status bit 0, no process RAM, "
@@ -696,11 +696,11 @@ int main(int argc, char **argv)
         TEST("CF-056 CF-065: a reload brings the configuration but not the alias", reload),
         TEST("CF-056: 0x0500 and 0x0501 determine the owner of the interface; the other side is ignored", ownership),
         TEST("CF-056: 0x0500 and 0x0501 in one access: each side writes its own byte", ownership_in_one_access),
-        TEST("CF-056: the PDI as owner writes without the enable bit; ECAT takes back by force", pdi_writes_eeprom),
+        TEST("CF-056: the PDI as owner writes without the enable bit; ECAT regains it by force", pdi_writes_eeprom),
         TEST("CF-056: the enable bit reads 1 while the PDI owns the interface", write_enable_of_the_pdi),
         TEST("CF-055: faults of the EEPROM: a wrong bit in each word, no acknowledge, busy until the fault ends",
              faults),
-        TEST("CF-056: several commands in a frame are done one after the other", many_commands_in_a_frame),
+        TEST("CF-056: several commands in a frame are executed one after the other", many_commands_in_a_frame),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -16,7 +16,7 @@ enum { BYTES = 16, RUS = 8, QUEUE = 16 };
 
 static const ect_device_t *const nodes[] = {&ect_eclink_map3, &ect_eclink_map7, &ect_eclink_multiarm};
 
-/* A base unit and the controller that talks to it; PCO counts with each cycle. */
+/* A base unit and its controller; PCO counts with each cycle. */
 typedef struct rig {
     wire_t w;
     const ect_device_t *device;
@@ -217,7 +217,7 @@ static void one_at_a_time(void **state)
         expect_shown(&r, (uint8_t)(i + 1), (uint16_t)(i % 3 + 1), i);
         r.out[CAO] = r.in[CCI];
         cycle(&r);
-        assert_int_equal(r.in[CCI], i + 1); /* the next comes with the next update */
+        assert_int_equal(r.in[CCI], i + 1); /* the next one follows with the next update */
     }
     run_updates(&r, 10);
     expect_shown(&r, 6, 3, 5);
@@ -431,8 +431,8 @@ static void all_values_of_cco(void **state)
     wire_close(&r.w);
 }
 
-/* A controller that does not wait for CAI, within one update: the queue takes sixteen, one more waits, and each that
- * follows takes its place. */
+/* A controller that does not wait for CAI, within one update: the queue accepts sixteen, one more waits, and each
+ * further one replaces it. */
 static void faster_than_the_link(void **state)
 {
     (void)state;
@@ -462,7 +462,7 @@ static void faster_than_the_link(void **state)
     }
 }
 
-/* On fallback a remote takes its own commands first: 49 are sent as fast as CAI allows, and 49 arrive. */
+/* On fallback a remote sends its own commands first: 49 are sent as fast as CAI allows, and 49 arrive. */
 static void cai_waits_for_room(void **state)
 {
     enum { COMMANDS = 49 };
@@ -537,7 +537,7 @@ static void waiting_over_an_interruption(void **state)
     } rows[] = {
         {"with the same counter", QUEUE + 1, QUEUE + 1, 0, QUEUE + 1},
         {"with the next command", QUEUE + 2, QUEUE + 2, 1, QUEUE + 1},
-        {"with CAI as its counter: it has forgotten it", QUEUE, QUEUE, 1, QUEUE},
+        {"with CAI as its counter: it has lost its own", QUEUE, QUEUE, 1, QUEUE},
     };
     (void)state;
     for (size_t i = 0; i < COUNT(rows); i++) {
@@ -816,11 +816,12 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         TEST("ECL-023 ECL-026 ECL-027 ECL-003: a command is in the input data with CCI + 1, id big-endian, 16 bytes",
              from_a_remote),
-        TEST("ECL-060 EC-C7 EC-C8: commands go both ways whether the remote is armed, disarmed, or another is armed",
+        TEST("ECL-060 EC-C7 EC-C8: commands are transferred in both directions whether the remote is armed, disarmed, "
+             "or another is armed",
              regardless_of_arming),
-        TEST(
-            "ECL-023: the next command comes only after CAO has acknowledged, in the order of sending, with its own id",
-            one_at_a_time),
+        TEST("ECL-023: the next command follows only after CAO has acknowledged, in the order of sending, with its own "
+             "id",
+             one_at_a_time),
         TEST("ECL-023: sixteen commands wait; more are refused and counted, the oldest are kept",
              queue_keeps_the_oldest),
         TEST("ECL-023 ECL-027: a remote that is off sends nothing, and a command has exactly 16 bytes",
@@ -828,19 +829,19 @@ int main(int argc, char **argv)
         TEST("ECL-023: commands wait while the controller is not in OP", waits_for_the_controller),
         TEST("ECL-023 ECL-056: a controller that returns with an old or new CAO finds the same command, once",
              controller_back_with_cao),
-        TEST("ECL-025 ECL-050 ECL-051 EC-C8: id 0 goes to all remotes that are on, another id to that one only; CAI "
-             "follows CCO anyway",
+        TEST("ECL-025 ECL-050 ECL-051 EC-C8: id 0 addresses all remotes that are on, another id only that one; CAI "
+             "follows CCO in any case",
              to_the_addressed),
         TEST("ECL-050: repeated cycles are no command, nor are other bytes with the same CCO", repeated_cycles),
         TEST("ECL-050: each change of CCO is one command, over 255 to 0 and after lost cycles too", counter_steps),
         TEST("ECL-025 ECL-050: 600 commands one after the other are each received once and acknowledged",
              all_values_of_cco),
         TEST("ECL-025 ECL-050: a remote gets the 16 oldest of more than 16 commands in one update in order and the "
-             "last; those that CCO passed over are counted",
+             "last; those that CCO skipped are counted",
              faster_than_the_link),
-        TEST("ECL-025 ECL-063: on fallback CAI waits until there is room, and all 49 commands arrive",
+        TEST("ECL-025 ECL-063: on fallback CAI waits for space in the queue, and all 49 commands arrive",
              cai_waits_for_room),
-        TEST("ECL-025: CAI follows as soon as a remote takes a command, or can no longer be reached",
+        TEST("ECL-025: CAI follows as soon as a remote receives a command, or can no longer be reached",
              room_for_the_waiting),
         TEST("ECL-025 ECL-050: a command that waits is neither lost nor repeated when the controller returns",
              waiting_over_an_interruption),
@@ -849,9 +850,8 @@ int main(int argc, char **argv)
              controller_back_with_cco),
         TEST("ECL-050: after power-on CCO is 0: 1 in the first outputs is a command, another value only the start",
              first_counter_after_power_on),
-        TEST("ECL-023 ECL-025 ECL-050 ECL-051 ECL-060: at random both ways, with lost and repeated cycles and "
-             "watchdogs: "
-             "exactly once, in order",
+        TEST("ECL-023 ECL-025 ECL-050 ECL-051 ECL-060: random commands in both directions, with lost and repeated "
+             "cycles and watchdogs: exactly once, in order",
              soak),
     };
     if (argc > 1)

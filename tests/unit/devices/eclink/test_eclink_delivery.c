@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* EC-Link commands that do not arrive: each one is counted, for CAI acknowledges it all the same (TS-0007 §9, §10.2);
- * operators' commands that outlast an interruption of the bus (§10.1). */
+/* EC-Link commands that do not arrive: each one is counted, because CAI acknowledges it nevertheless (TS-0007 §9,
+ * §10.2); operators' commands that are kept over an interruption of the bus (§10.1). */
 #include <string.h>
 
 #include "support/base_unit.h"
@@ -14,7 +14,7 @@ static void command(bu_rig_t *r, uint16_t id)
     bu_cycle(r);
 }
 
-/* The four ends of a command that CAI has acknowledged and no remote has received. */
+/* The four causes by which no remote receives a command that CAI has acknowledged. */
 static void expect_counts(bu_rig_t *r, const char *when, long unreached, long unknown, long lost, long resyncs)
 {
     bu_update(r);
@@ -99,7 +99,7 @@ static void waiting_for_room_when_it_leaves(void **state)
     wire_close(&r.w);
 }
 
-/* Sixteen commands from the remote are still to be carried by C-Link when it leaves. */
+/* Sixteen commands from the remote still wait for C-Link when it leaves. */
 static void back_within_an_update(void **state)
 {
     (void)state;
@@ -222,17 +222,18 @@ int main(int argc, char **argv)
              no_remote_receives),
         TEST("ECL-025: acknowledged commands of a remote that leaves are counted in ruN.commands_dropped",
              queued_for_one_that_leaves),
-        TEST("ECL-025: the command that waits for room when its remote leaves counts as unreached",
+        TEST("ECL-025: a command that waits for space when its remote leaves counts as unreached",
              waiting_for_room_when_it_leaves),
-        TEST("ECL-025 ECL-063: a remote that leaves and returns within an update takes a command at once on C-Link",
+        TEST("ECL-025 ECL-063: a remote that leaves and returns within an update receives a command at once on C-Link",
              back_within_an_update),
         TEST(
             "ECL-050: a CCO in the first outputs that is a start and no command is counted in bu.cco_resyncs; at 255 a "
             "controller that begins at 0 sends a phantom",
             first_outputs),
-        TEST("ECL-023: operators' commands outlast an interruption of the bus, or expire after bu.command_lifetime",
+        TEST("ECL-023: operators' commands are kept over an interruption of the bus, or expire after "
+             "bu.command_lifetime",
              outlast),
-        TEST("ECL-023: expired commands leave their places to new ones", expired_make_room),
+        TEST("ECL-023: expired commands free their places for new ones", expired_make_room),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

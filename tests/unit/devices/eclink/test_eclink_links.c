@@ -68,7 +68,7 @@ static void armed_falls_back(void **state)
     }
 }
 
-/* Remotes 1 to 5 are on; which of them are armed, on cable, have lost G-Link, and what becomes of them. */
+/* Remotes 1 to 5 are on; some are armed, on cable, or without G-Link; their resulting states. */
 static const struct reservation {
     const char *what;
     long vlaps;
@@ -120,7 +120,7 @@ static void reservations_hold(void **state)
     }
 }
 
-/* With fewer VLAPs than armed remotes the first to be armed has reserved, whatever its number. */
+/* With fewer VLAPs than armed remotes, the first to be armed has a reservation, whatever its number. */
 static void reserved_in_the_order_of_arming(void **state)
 {
     static const unsigned int orders[][2] = {{1, 2}, {2, 1}, {3, 8}, {8, 3}};
@@ -172,7 +172,7 @@ static void expect_refused(bu_rig_t *r, unsigned int ru, const char *why)
         fail_msg("arming ru%u: expected a refusal with '%s', got '%s'", ru, why, message);
 }
 
-/* An armed remote on radio reserves a VLAP: where none is left for it, it cannot be armed. */
+/* An armed remote on radio reserves a VLAP: without a free VLAP it cannot be armed. */
 static void arming_reserves_a_vlap(void **state)
 {
     (void)state;
@@ -213,7 +213,7 @@ static void forced_links(void **state)
         const char *signal;
         unsigned int at; /* in the input data */
         long value;
-        bool fallback; /* what goes to the remote goes over C-Link */
+        bool fallback; /* data to the remote are sent over C-Link */
         bool lost;     /* once there is no VLAP */
     } rows[] = {
         {"ru1.g_link", 37, 0, false, false}, {"ru1.g_link", 37, 1, false, false}, {"ru1.g_link", 37, 2, true, true},
@@ -303,7 +303,7 @@ static void cable_needs_no_c_link(void **state)
     wire_close(&r.w);
 }
 
-/* C-Link that does not work carries no fallback. */
+/* A C-Link that does not work allows no fallback. */
 static void no_fallback_without_c_link(void **state)
 {
     (void)state;
@@ -319,7 +319,7 @@ static void no_fallback_without_c_link(void **state)
     }
 }
 
-/* Neither G-Link nor a VLAP nor a cable: such a remote is out of communication. */
+/* Without G-Link, VLAP and cable a remote is out of communication. */
 static void unreachable(bu_rig_t *r)
 {
     bu_start(r, &bu_nodes[3]);
@@ -380,7 +380,7 @@ static void the_unreachable_cannot_send(void **state)
 
 /* --- priorities --------------------------------------------------------------------------------------------------- */
 
-/* At which update, counted from the moment when all wait at once, each thing has come through; 0 never. */
+/* The update at which each item is transferred, counted from the moment when all wait at once; 0 never. */
 typedef struct passed {
     unsigned int from, to, periodic, joystick;
 } passed_t;
@@ -424,7 +424,7 @@ static void fallback_priorities(void **state)
     }
 }
 
-/* Two commands from the remote: both go before one to it, and that before periodic data. */
+/* Two commands from the remote: both are sent before a command to it, and this before periodic data. */
 static void fallback_order(void **state)
 {
     (void)state;
@@ -491,7 +491,7 @@ static void nothing_waits_for_the_lost(void **state)
     wire_close(&r.w);
 }
 
-/* Commands that a remote sent on fallback before it was lost delay nothing when it is back. */
+/* Commands that a remote sent on fallback before it was lost do not delay others after its return. */
 static void lost_on_fallback(void **state)
 {
     (void)state;
@@ -531,7 +531,7 @@ int main(int argc, char **argv)
         TEST("ECL-064 ECL-065: the VLAP of a lost armed remote is given to a remote that waits for one",
              vlap_of_the_lost),
         TEST("ECL-064: arming a remote on radio needs a VLAP that no other has reserved", arming_reserves_a_vlap),
-        TEST("ECL-033 ECL-065: C-Link and G-Link status can be forced to each value, and a link in error carries "
+        TEST("ECL-033 ECL-065: C-Link and G-Link status can be forced to each value, and a link in error transfers "
              "nothing",
              forced_links),
         TEST("ECL-033 ECL-063: no fallback over a C-Link in error", no_fallback_without_c_link),
@@ -539,16 +539,18 @@ int main(int argc, char **argv)
              nothing_reaches_the_unreachable),
         TEST("ECL-064 ECL-028: a remote without G-Link and VLAP cannot be armed", the_unreachable_cannot_be_armed),
         TEST("ECL-064: a remote without G-Link and VLAP cannot send", the_unreachable_cannot_send),
-        TEST("ECL-063: on fallback one thing an update: command from the remote, command to it, periodic data; on "
+        TEST("ECL-063: on fallback one item for each update: command from the remote, command to it, periodic data; on "
              "G-Link "
              "all at once; joysticks always",
              fallback_priorities),
-        TEST("ECL-063: on fallback all commands from the remote go before commands to it, those before periodic data",
+        TEST("ECL-063: on fallback all commands from the remote are sent before commands to it, and these before "
+             "periodic data",
              fallback_order),
         TEST("ECL-060 ECL-062 ECL-063: data that wait for a remote are dropped when the remote is lost",
              nothing_waits_for_the_lost),
-        TEST("ECL-063: commands that a remote could not send before it was lost hold up none to it", lost_on_fallback),
-        TEST("ECL-063: a remote on fallback is not held up by another's commands", fallback_is_a_matter_of_each_remote),
+        TEST("ECL-063: commands that a remote could not send before it was lost do not delay commands to it",
+             lost_on_fallback),
+        TEST("ECL-063: a remote on fallback is not delayed by another's commands", fallback_is_a_matter_of_each_remote),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

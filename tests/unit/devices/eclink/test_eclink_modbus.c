@@ -72,7 +72,7 @@ static const struct size {
     uint16_t inputs, outputs; /* bytes */
 } sizes[BU_NODES] = {{66, 0}, {66, 24}, {66, 228}, {142, 228}};
 
-/* Each table begins at `first` and has `count` items; there is nothing before it and nothing behind it. */
+/* Each table begins at `first` and has `count` items; no address exists before or after it. */
 static void expect_table(bu_rig_t *r, const char *name, ect_modbus_table_t table, unsigned int first,
                          unsigned int count)
 {
@@ -168,7 +168,7 @@ static uint16_t as_register(bool inputs, const uint8_t *bytes, unsigned int at)
     return (uint16_t)(is_number(inputs, 2 * at) ? two[0] << 8 | two[1] : two[1] << 8 | two[0]);
 }
 
-/* Each field something else than its neighbours. */
+/* Each field differs from its neighbours. */
 static void fill_inputs(bu_rig_t *r)
 {
     unsigned int armed = r->node == &bu_nodes[3] ? 3 : 1;
@@ -473,7 +473,7 @@ static void ethercat_has_it(void **state)
         assert_int_equal(try_write(&r, HOLDING, 114, 1, &one), ECT_MODBUS_NO_ADDRESS);
         bu_cycle(&r);
         get(&r, HOLDING, 0, 1, &value);
-        assert_int_equal(value & 0xFF, r.out[PCO]); /* as the EtherCAT master has written it */
+        assert_int_equal(value & 0xFF, r.out[PCO]); /* as written by the EtherCAT master */
         assert_int_equal(get_one(&r, 0) & 0xFF, r.in[PCI]);
         bu_expect(&r, "Modbus has tried to write", good, OPERATIONAL);
         assert_int_equal(wire_al(&r.w, 0, ECT_STATE_SAFEOP, NULL), ECT_STATE_SAFEOP);
@@ -601,24 +601,25 @@ static void others_have_none(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        TEST("ECL-070 ECL-071 EC-C2 EC-C3 EC-C20: the four tables hold the data of the mode, inputs again as holding "
+        TEST("ECL-070 ECL-071 EC-C2 EC-C3 EC-C20: the four tables have the data of the mode, inputs also as holding "
              "registers from 2048, and nothing else",
              tables_end_with_the_data),
         TEST("ECL-071: only coils and holding registers of outputs can be written", only_outputs_can_be_written),
         TEST("ECL-070 ECL-071 EC-C17: input registers, their mirror and discrete inputs show the input data; bytes the "
              "first one low, fields of 16 bits as numbers",
              inputs_as_registers_and_bits),
-        TEST("ECL-070: each part of a table is that part of the whole", any_part_of_a_table),
+        TEST("ECL-070: each range equals the same part of the whole table", any_part_of_a_table),
         TEST("ECL-070 ECL-071 EC-C17: holding registers and coils are the output data", outputs_as_registers),
-        TEST("ECL-070: a coil is one bit of the output data, its neighbours stay", coils_alone),
+        TEST("ECL-070: a coil is one bit of the output data, its neighbours are unchanged", coils_alone),
         TEST("ECL-018 ECL-019 ECL-058 ECL-066 EC-C6: over Modbus the BU is in order as soon as the duties of its mode "
-             "are done: writing outputs, or in Input Only reading inputs",
+             "are fulfilled: writing outputs, or in Input Only reading inputs",
              normal_over_modbus),
         TEST("ECL-066 ECL-029: a Modbus controller that is silent for 2000 ms is No Data, relays open; before it is in "
              "order",
              dies_after_two_seconds),
         TEST("ECL-057 ECL-067: PCO over Modbus, unchanged for 2000 ms, is Bad data", pco_does_not_change),
-        TEST("ECL-023 ECL-025 ECL-050 ECL-056: commands both ways over Modbus; CAO that does not follow is Bad data",
+        TEST("ECL-023 ECL-025 ECL-050 ECL-056: commands in both directions over Modbus; CAO that does not follow is "
+             "Bad data",
              commands_both_ways),
         TEST("ECL-054 ECL-059: periodic data in blocks over Modbus", periodic_blocks),
         TEST("Both sides: while an EtherCAT master is in OP, Modbus may read, and writes are refused as busy",
@@ -627,7 +628,7 @@ int main(int argc, char **argv)
              "the "
              "last request it is not",
              modbus_has_it),
-        TEST("Both sides, Input Only: both may read, and one of them is enough", both_read_in_input_only),
+        TEST("Both sides, Input Only: both may read, and one of them is sufficient", both_read_in_input_only),
         TEST("ECL-002: no reply over Modbus in mode Disabled, or while the unit hangs", disabled_and_hung),
         TEST("After a power cycle the outputs are zero and the controller starts again", power_cycle),
         TEST("ECL-070: the base units have a Modbus side with four connections, the other products none",

@@ -170,7 +170,7 @@ static void size_zero(void **state)
     start(&r, nodes[0]);
     for (unsigned int b = 0; b < 256; b++)
         give_block(&r, bytes, 0, b % 2 == 0 ? 0 : b);
-    expect_set(&r, "size 0: nothing to show, nothing wrong", NULL, 0);
+    expect_set(&r, "size 0: no set, no error", NULL, 0);
     give_block(&r, bytes, 7, 0);
     r.sets++;
     expect_set(&r, "7 bytes", bytes, 7);
@@ -281,7 +281,7 @@ static void size_changes_in_the_middle(void **state)
     wire_close(&r.w);
 }
 
-/* There and back again: what came before the change is no part of the set that comes after it. */
+/* To another size and back: blocks before the change do not belong to the set after it. */
 static void size_changes_and_returns(void **state)
 {
     static const unsigned int between[] = {600, 399, 1, 0};
@@ -355,7 +355,7 @@ static void hand_over_is_atomic(void **state)
     for (unsigned int n = 1; n <= SETS; n++) {
         uint8_t *bytes = new_set(n);
         for (unsigned int b = 0; b < blocks_of(BYTES); b++) {
-            expect_set(&r, "the old set as long as the new one is not complete", old, old_size);
+            expect_set(&r, "the old set until the new one is complete", old, old_size);
             give_block(&r, bytes, BYTES, b * (n % 2 == 0 ? 7 : 3) % blocks_of(BYTES));
             if (b == 4)
                 pause_ms(&r, 300);
@@ -370,7 +370,7 @@ static void hand_over_is_atomic(void **state)
     wire_close(&r.w);
 }
 
-/* Blocks of two sets, as they come when the controller goes away in the middle of the first. */
+/* Blocks of two sets, sent by a controller that is interrupted in the middle of the first. */
 static void interrupted_exchange(void **state)
 {
     static const uint8_t down[] = {ECT_STATE_INIT, ECT_STATE_PREOP, ECT_STATE_SAFEOP, 0 /* watchdog */};
@@ -399,7 +399,7 @@ static void interrupted_exchange(void **state)
     }
 }
 
-/* The last block of a set is lost and the controller goes on with the next set, in order. */
+/* The last block of a set is lost and the controller continues with the next set, in order. */
 static void lost_last_block(void **state)
 {
     (void)state;
@@ -451,7 +451,7 @@ static void first_outputs(void **state)
     }
 }
 
-/* Blocks of sets a, b, c of 600 bytes, as "a0 b1 ..."; what becomes of them. */
+/* Blocks of sets a, b, c of 600 bytes, as "a0 b1 ..."; the results. */
 static const struct sequence {
     const char *blocks;
     char last; /* the complete set at the end, 0 none */
@@ -546,7 +546,7 @@ static void pco_steps(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         rig_t r = {.device = nodes[i % 2]};
         wire_open_one(&r.w, r.device);
-        r.out[PCO] = rows[i].from; /* where the controller starts from is no step */
+        r.out[PCO] = rows[i].from; /* the start value of the controller is no step */
         to_op(&r);
         cycle(&r);
         r.out[PCO] = rows[i].to;
@@ -583,7 +583,7 @@ static void pai_follows_pco(void **state)
         }
         give_block(&r, a, 51201, 0); /* processed: refused */
         expect_pai(&r, (uint8_t)261);
-        give_block(&r, a, 400, 1); /* processed: of a set whose block 0 did not come */
+        give_block(&r, a, 400, 1); /* processed: of a set without its block 0 */
         expect_pai(&r, (uint8_t)262);
         free(a);
         wire_close(&r.w);
@@ -678,30 +678,30 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         TEST("the CRC-32 of these tests has its published check value", oracle),
-        TEST("ECL-054 ECL-059: sets of 1 to 51200 bytes are shown when their last block has come", sizes),
+        TEST("ECL-054 ECL-059: sets of 1 to 51200 bytes are shown after their last block", sizes),
         TEST("ECL-054: size 0 is neither a set nor an error", size_zero),
         TEST("ECL-059: after block 0 the others may be sent in any order", any_order),
-        TEST("ECL-054 ECL-059: block 0 begins a set, always; none counts before it; sets that do not become whole are "
-             "counted with their missing blocks",
+        TEST("ECL-054 ECL-059: block 0 always begins a set; no block counts before it; incomplete sets are counted "
+             "with their missing blocks",
              block_0_begins_a_set),
         TEST("ECL-049 ECL-059: only PCO makes a block count", without_pco_nothing),
-        TEST("ECL-059: a repeated block counts once, and its newer bytes are taken", repeated_blocks),
+        TEST("ECL-059: a repeated block counts once, and its newer bytes apply", repeated_blocks),
         TEST("ECL-054 ECL-059: another size in the middle begins another set", size_changes_in_the_middle),
         TEST("ECL-054 ECL-059: after another size in between the first set starts again", size_changes_and_returns),
         TEST("ECL-054 ECL-059: sizes above 51200 and blocks beyond the size are counted as errors and ignored",
              impossible_blocks),
-        TEST("ECL-054 ECL-059: a block of another size ends the set that is coming in", block_of_another_size),
+        TEST("ECL-054 ECL-059: a block of another size ends the set in transfer", block_of_another_size),
         TEST("ECL-054 ECL-059: signals show the size of the set that is being assembled and its missing blocks",
              missing_blocks),
-        TEST("ECL-059: the old set stays until the new one is complete", hand_over_is_atomic),
+        TEST("ECL-059: the old set is kept until the new one is complete", hand_over_is_atomic),
         TEST("ECL-059: an interrupted exchange never completes a set with blocks from before it", interrupted_exchange),
         TEST("ECL-059: when the last block of a set is lost, the next set is shown whole", lost_last_block),
-        TEST("ECL-024 ECL-059: the first outputs are taken when they hold block 0, else the next set is the first",
+        TEST("ECL-024 ECL-059: the first outputs are used if they contain block 0, else the next set is the first",
              first_outputs),
         TEST("ECL-049: steps of PCO other than +1 are counted", pco_steps),
         TEST("ECL-024: PAI follows PCO with the next update, also from 255 to 0", pai_follows_pco),
-        TEST("ECL-052 ECL-053: PAO and the spare bytes do not matter", pao_and_spares_do_not_matter),
-        TEST("ECL-059: without memory for sets they are counted all the same", without_a_buffer),
+        TEST("ECL-052 ECL-053: PAO and the spare bytes have no effect", pao_and_spares_do_not_matter),
+        TEST("ECL-059: without memory for sets they are still counted", without_a_buffer),
         TEST("ECL-055: Input + Commands has no periodic data", mode_without_periodic_data),
         TEST("ECL-062: a complete set is shown once by each remote that is on, armed or not",
              shown_by_the_remotes_that_are_on),

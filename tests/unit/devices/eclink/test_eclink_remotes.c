@@ -56,7 +56,7 @@ static void up_to_three(void **state)
     bu_expect_blocks(&r, "another comes last", "851", ARMED);
     bu_set_number(&r, "ru8.armed", 0);
     bu_set_number(&r, "ru8.armed", 1);
-    bu_expect_blocks(&r, "disarmed and armed again comes last", "518", ARMED);
+    bu_expect_blocks(&r, "disarmed and armed again, it is the last", "518", ARMED);
     bu_set_number(&r, "ru5.armed", 0);
     bu_set_number(&r, "ru1.armed", 0);
     bu_expect_blocks(&r, "one is left", "8", ARMED);
@@ -145,7 +145,7 @@ static void replaced(void **state)
         bu_set_number(&r, "ru1.on", 0);
         bu_expect_blocks(&r, "lost", "", BLOCKED);
         bu_arm(&r, 2);
-        bu_expect_blocks(&r, "another is armed: without MultiArm in its place", "2", ARMED);
+        bu_expect_blocks(&r, "another is armed: without MultiArm, in its place", "2", ARMED);
         bu_set_number(&r, "ru2.armed", 0);
         bu_expect_blocks(&r, "and disarmed", "", DISARMED);
         wire_close(&r.w);
@@ -501,8 +501,7 @@ int main(int argc, char **argv)
             ru_states),
         TEST("ECL-039 ECL-047: one of three armed remotes stops the BU, an unarmed one does not", one_of_three_stops),
         TEST("ECL-003 ECL-035 ECL-042 ECL-043 ECL-045 ECL-046 ECL-047: each field at its offset, big-endian, and no "
-             "other "
-             "byte moves",
+             "other byte changes",
              fields_at_their_offsets),
         TEST("ECL-031 ECL-041 ECL-042 ECL-043 ECL-046: values outside the ranges are refused and change nothing",
              ranges),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The EC-Link base unit itself: its errors, causes, arming, mode Disabled, power and rhythm (TS-0007 §2.1, §8, §10.3,
+/* The EC-Link base unit itself: its errors, causes, arming, mode Disabled, power and period (TS-0007 §2.1, §8, §10.3,
  * §11).
  */
 #include <string.h>
@@ -177,7 +177,7 @@ static void errors_that_stay(void **state)
     bu_expect(&r, "before the first good exchange", INITIAL, DATA_ERROR);
     r.counting = true;
     bu_run(&r, 30 * MS);
-    bu_expect_reported(&r, "an error at the start does not stay", DISARMED, OPERATIONAL);
+    bu_expect_reported(&r, "an error at the start is not permanent", DISARMED, OPERATIONAL);
     r.counting = false;
     bu_run(&r, 2000 * MS);
     r.counting = true;
@@ -431,7 +431,7 @@ static void pci_counts_in_error(void **state)
     wire_close(&r.w);
 }
 
-/* Between two updates the input data do not change, whatever happens. */
+/* Between two updates the input data never change. */
 static void inputs_hold_between_updates(void **state)
 {
     (void)state;
@@ -454,7 +454,7 @@ static void inputs_hold_between_updates(void **state)
     wire_close(&r.w);
 }
 
-/* §10.3: the controller must notice that PCI stands still while the bus stays in OP. */
+/* §10.3: the controller must detect that PCI stops while the bus stays in OP. */
 static void frozen_inputs(void **state)
 {
     (void)state;
@@ -511,28 +511,28 @@ int main(int argc, char **argv)
         TEST("ECL-066 EC-C6: an error of the module is Module Error: Initial before, External link error after the "
              "first good exchange",
              module_error),
-        TEST("ECL-028 ECL-029: a fatal internal error is Failed whatever else there is", failed),
+        TEST("ECL-028 ECL-029: a fatal internal error is Failed, whatever the other errors", failed),
         TEST("ECL-028 ECL-033: EG-Link status 2 to 5 is External link error, the other values are not", eg_link),
-        TEST("ECL-028: every state but Armed and Disarmed has its cause", causes),
+        TEST("ECL-028: every state except Armed and Disarmed has its cause", causes),
         TEST("ECL-028 ECL-068: nothing is armed while the BU is Initial, Failed or has a link error",
              arming_needs_an_operative_unit),
         TEST("ECL-068 EC-C6: errors end with their cause; with lock_errors the unit is locked in Initial until power "
              "is cycled",
              errors_that_stay),
-        TEST("ECL-028 ECL-029: External link error goes before Blocked, Blocked before Stopped", worse_state_wins),
+        TEST("ECL-028 ECL-029: External link error has priority over Blocked, Blocked over Stopped", worse_state_wins),
         TEST("ECL-002 ECL-069: Disabled: no reply, EC-Link Unused, no message, nothing supervised; enabled it starts "
              "Initial",
              disabled_alone),
-        TEST("ECL-002: a disabled unit in a chain is gone with all behind it", disabled_in_a_chain),
-        TEST("ECL-002: the unit before a disabled one shows no link at that port", neighbour_sees_no_link),
-        TEST("ECL-028 ECL-068: power is cycled: Initial, counters 0, nothing armed; the surroundings stay",
+        TEST("ECL-002: a disabled unit in a chain is absent, with all slaves behind it", disabled_in_a_chain),
+        TEST("ECL-002: the unit in front of a disabled unit shows no link at that port", neighbour_sees_no_link),
+        TEST("ECL-028 ECL-068: power is cycled: Initial, counters 0, nothing armed; the surroundings are kept",
              power_is_cycled),
         TEST("ECL-002: a disabled unit is disabled after a restart too", restart_of_a_disabled_unit),
         TEST("ECL-020 ECL-021: PCI counts exactly every 125 ms, from 255 to 0", pci_rhythm),
-        TEST("ECL-022: PCI counts on in every error", pci_counts_in_error),
+        TEST("ECL-022: PCI continues to count in every error", pci_counts_in_error),
         TEST("ECL-020: input data change only together with PCI", inputs_hold_between_updates),
-        TEST("ECL-020 ECL-022: frozen, PCI and all input data stand still, and the bus stays in OP", frozen_inputs),
-        TEST("ECL-020: late polls neither shift the rhythm nor make up for updates", late_polls),
+        TEST("ECL-020 ECL-022: frozen, PCI and all input data stop, and the bus stays in OP", frozen_inputs),
+        TEST("ECL-020: late polls neither shift the period nor cause additional updates", late_polls),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

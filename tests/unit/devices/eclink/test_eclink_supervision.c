@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The EC-Link base unit watches its controller: BU state, EC-Link status, message and relays (TS-0007 §6.1, §10, §11).
- */
+/* The EC-Link base unit supervises its controller: BU state, EC-Link status, message and relays (TS-0007 §6.1, §10,
+ * §11). */
 #include <stdio.h>
 #include <string.h>
 
@@ -213,7 +213,7 @@ static void cao_of_something_else(void **state)
     }
 }
 
-/* A controller that has kept its CAO, or plays with it: nothing waits for it. */
+/* A controller that has kept its CAO, or changes it arbitrarily: nothing waits for it. */
 static void cao_without_a_command(void **state)
 {
     static const uint8_t caos[] = {7, 1, 255, 0, 128};
@@ -414,7 +414,7 @@ static void inputs_not_read(void **state)
     }
 }
 
-/* OP is entered and nothing follows. In SAFEOP reading is no duty. */
+/* OP begins and nothing follows. In SAFEOP reading is not required. */
 static void inputs_never_read(void **state)
 {
     (void)state;
@@ -536,7 +536,7 @@ static void acknowledged_but_no_further(void **state)
         bu_power_on(&r, &bu_nodes[2]);
         refuse(&r, m);
         assert_int_equal(wire_al(&r.w, 0, stays | ECT_AL_ACKNOWLEDGE, NULL), stays);
-        bu_expect(&r, "the error flag is acknowledged, the controller is no further", INITIAL, CFG_ERROR);
+        bu_expect(&r, "the error flag is acknowledged, the state is unchanged", INITIAL, CFG_ERROR);
         wire_close(&r.w);
     }
 }
@@ -611,12 +611,13 @@ static void module_error_hides_the_rest(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        TEST("ECL-018 ECL-066 ECL-068 EC-C6: until data flow the BU is Initial, EC-Link No Link, relays open, "
+        TEST("ECL-018 ECL-066 ECL-068 EC-C6: until data are exchanged the BU is Initial, EC-Link No Link, relays open, "
              "\"EC: No Data\"",
              initial_until_data),
-        TEST("ECL-018 ECL-019 ECL-058 EC-C6: the BU is in order as soon as the duties of its mode are done, not before",
+        TEST("ECL-018 ECL-019 ECL-058 EC-C6: the BU is in order as soon as the duties of its mode are fulfilled, not "
+             "before",
              normal_with_the_duties_of_the_mode),
-        TEST("ECL-058: Input Only and Input + Commands do not watch PCO", pco_unsupervised),
+        TEST("ECL-058: Input Only and Input + Commands do not supervise PCO", pco_unsupervised),
         TEST("ECL-049 ECL-057 ECL-067 ECL-069 EC-C6: PCO unchanged for 1999 ms is in order, for 2000 ms is Bad data; "
              "counting again is in order",
              pco_limit),
@@ -627,8 +628,8 @@ int main(int argc, char **argv)
              cao_limit),
         TEST("ECL-056: acknowledges after 1999 ms are in order, and nothing is late afterwards", cao_in_time),
         TEST("ECL-056: CAO with another number than CCI does not acknowledge", cao_of_something_else),
-        TEST("ECL-056: CAO is watched only while a command waits for it", cao_without_a_command),
-        TEST("ECL-056 ECL-023: CCI goes from 255 to 0, and so must CAO", cao_wraps),
+        TEST("ECL-056: CAO is supervised only while a command waits for it", cao_without_a_command),
+        TEST("ECL-056 ECL-023: CCI changes from 255 to 0, and so must CAO", cao_wraps),
         TEST("ECL-056 ECL-057: with PCO and CAO late, both must return", both_late),
         TEST("ECL-058: Input Only sends no commands, so none is ever late", no_commands_in_input_only),
         TEST("ECL-073 ECL-066: without outputs the watchdog ends OP: External link error, No Data, until OP and duties "
@@ -638,24 +639,24 @@ int main(int argc, char **argv)
              watchdog_before_good),
         TEST("ECL-066 EC-C6: when the controller leaves OP after a good exchange it is External link error, No Data",
              controller_leaves_op),
-        TEST("ECL-056: leaving OP ends the supervision, entering it begins a new 2000 ms", deadlines_end_with_op),
+        TEST("ECL-056: the end of OP ends the supervision, its start begins a new 2000 ms", deadlines_end_with_op),
         TEST("ECL-018 ECL-066 ECL-029: Input Only, inputs not read for 2000 ms in OP: No Data, relays open, until they "
              "are "
              "read",
              inputs_not_read),
         TEST("ECL-018 ECL-066: Input Only, inputs never read in OP: No Data after 2000 ms; SAFEOP does not count",
              inputs_never_read),
-        TEST("ECL-058: with outputs reading is not watched", reading_is_no_duty_with_outputs),
+        TEST("ECL-058: with outputs reading is not supervised", reading_is_no_duty_with_outputs),
         TEST("ECL-072 ECL-066 EC-C6: a refused SyncManager configuration is Cfg. Error: Initial before, External link "
              "error after the first good exchange",
              configuration_error),
         TEST("ECL-072: a SyncManager that changes to another size in OP is Cfg. Error", configuration_changes_in_op),
-        TEST("ECL-072: acknowledging the error flag without getting further leaves Cfg. Error standing",
+        TEST("ECL-072: an acknowledge of the error flag without a change of state leaves Cfg. Error",
              acknowledged_but_no_further),
         TEST("ECL-066 ECL-072: Cfg. Error for each AL status code of a configuration mismatch", codes_of_mismatches),
         TEST("ECL-066 ECL-072: refusals that are no configuration mismatch are No Data, not Cfg. Error",
              refusals_without_mismatch),
-        TEST("ECL-066: Module Error goes before Cfg. Error and Bad data", module_error_hides_the_rest),
+        TEST("ECL-066: Module Error has priority over Cfg. Error and Bad data", module_error_hides_the_rest),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -8,7 +8,7 @@
 
 enum { RU_BYTES = 38, MOST_FIELDS = 256, INPUT_RECORD = 0x2001, OUTPUT_RECORD = 0x2002, PERIODIC = 0x2003 };
 
-/* Offset, size and a word that the name holds; transcribed from the tables of TS-0007 chapter 8 and 9. */
+/* Offset, size and a word of the name; transcribed from the tables of TS-0007 chapter 8 and 9. */
 typedef struct field {
     uint16_t offset, size;
     const char *word;
@@ -60,7 +60,7 @@ static const node_t nodes[] = {
 #define FOR_EACH_NODE(node) for (const node_t *node = nodes; node < nodes + sizeof nodes / sizeof nodes[0]; node++)
 #define COUNT(table)        (sizeof(table) / sizeof((table)[0]))
 
-/* A field as the mapping must have it: which entry of which record, and where in the image. */
+/* A field of the mapping: its record and entry, and its position in the image. */
 typedef struct expected {
     field_t field;
     uint16_t index;
@@ -128,7 +128,7 @@ static void inputs_on_the_wire(wire_t *w, const node_t *node, uint8_t *image)
     assert_int_equal(wire_read(w, 0, 0x2800, image, node->input_bytes), 1);
 }
 
-/* Keeps the output watchdog fed while time passes. */
+/* Triggers the output watchdog while time passes. */
 static void exchange(wire_t *w, const node_t *node, const uint8_t *outputs, uint8_t *inputs)
 {
     if (node->output_bytes > 0)
@@ -558,7 +558,7 @@ int main(int argc, char **argv)
          sizes_and_names, NULL, NULL, NULL},
         {"ECL-010: DS301's error register 1001h is there, and 0 without emergencies", error_register, NULL, NULL, NULL},
         {"ECL-035 ECL-053: no two fields of a record have the same name", names_are_unique, NULL, NULL, NULL},
-        {"ECL-011: the data link of the base units as decided", data_link, NULL, NULL, NULL},
+        {"ECL-011: the data link of the base units", data_link, NULL, NULL, NULL},
         {"ECL-006 ECL-007 ECL-008 ECL-009: the assigned PDOs map every field at its offset and size, at most 64 "
          "entries each, none wider than 64 bits",
          mappings, NULL, NULL, NULL},
@@ -573,9 +573,9 @@ int main(int argc, char **argv)
         {"ECL-035 ECL-036 ECL-053: spare bytes and the fields of an RU that is not armed are 0", spares_and_unarmed,
          NULL, NULL, NULL},
         {"ECL-020 ECL-021: PCI counts every 125 ms and wraps", pci_counts, NULL, NULL, NULL},
-        {"ECL-020: PCI goes on counting by one after a pause", pci_after_a_pause, NULL, NULL, NULL},
+        {"ECL-020: PCI continues to count by one after a pause", pci_after_a_pause, NULL, NULL, NULL},
         {"ECL-024 ECL-025: PCO is acknowledged in PAI, CCO in CAI", acknowledges, NULL, NULL, NULL},
-        {"ECL-024 ECL-025: in SAFEOP outputs are not taken", outputs_count_in_op_only, NULL, NULL, NULL},
+        {"ECL-024 ECL-025: in SAFEOP outputs are not used", outputs_count_in_op_only, NULL, NULL, NULL},
         {"ECL-003 ECL-013: 3001h and 3002h show the fields as ordinary numbers", decoded_fields, NULL, NULL, NULL},
     };
     if (argc > 1)

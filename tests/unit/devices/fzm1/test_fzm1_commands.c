@@ -182,7 +182,8 @@ static void second_exe(void **state)
     sensor_set(&s, FZM1_EXE, true);
     for (int i = 0; i < 100; i++) {
         sensor_wait(&s, 1 * MS);
-        sensor_expect(&s, "no FLG for the first, which is over, nor for the second, which is not taken", FZM1_FLG, 0);
+        sensor_expect(&s, "no FLG for the first, which has ended, nor for the second, which is not accepted", FZM1_FLG,
+                      0);
     }
     assert_int_equal(ect_load_le32(s.in + 4), FZM1_GET_SCENE);
     sensor_set(&s, FZM1_EXE, false);
@@ -196,7 +197,7 @@ static void busy_ignores(void **state)
     sensor_prepare(&s, FZM1_GET_SCENE, 0, 0, 0);
     sensor_set(&s, FZM1_EXE, true);
     sensor_wait(&s, 500 * MS);
-    sensor_expect(&s, "EXE came while BUSY: ignored until it falls", FZM1_FLG | FZM1_BUSY, 0);
+    sensor_expect(&s, "EXE rose while BUSY: ignored until it falls", FZM1_FLG | FZM1_BUSY, 0);
     sensor_set(&s, FZM1_EXE, false);
     assert_int_equal(sensor_command(&s, FZM1_GET_SCENE, 0, 0, 0, NULL), 0);
 }
@@ -485,12 +486,12 @@ int main(int argc, char **argv)
              every_command),
         TEST("FZM-050 FZM-051 OM-C2: command codes are two words, the lower at +2; the echo repeats them",
              codes_on_the_wire),
-        TEST("FZM-040 FZM-043 FZM-070: FLG comes with the stored response and goes with EXE", handshake),
+        TEST("FZM-040 FZM-043 FZM-070: FLG is set with the stored response and cleared with EXE", handshake),
         TEST("FZM-070: code and parameters have their values at the rising edge of EXE", parameters_at_the_edge),
-        TEST("FZM-043: EXE that falls early: the command is done, FLG does not come", exe_falls_early),
+        TEST("FZM-043: EXE that falls early: the command is executed, FLG is not set", exe_falls_early),
         TEST("FZM-043 FZM-070: a second EXE while a command is executed begins no second one", second_exe),
         TEST("FZM-044: EXE that rises while BUSY is ignored until it falls", busy_ignores),
-        TEST("FZM-052 FZM-054 FZM-055: Clear and End continuous are taken while BUSY", taken_at_any_time),
+        TEST("FZM-052 FZM-054 FZM-055: Clear and End continuous are accepted while BUSY", taken_at_any_time),
         TEST("FZM-043 FZM-054 FZM-055: Clear and End continuous after another command: one response after the other",
              one_behind_the_other),
         TEST("FZM-052: Restart does not wait for the command that is executed", restart_at_once),
@@ -500,15 +501,14 @@ int main(int argc, char **argv)
         TEST("FZM-043: with exe_timeout set, EXE that stays on 10 s after FLG is an error", exe_timeout),
         TEST("FZM-075: handshakes in every cycle of 250 us", as_fast_as_it_gets),
         TEST("FZM-036 FZM-037 FZM-038: unnamed bits are ignored, and read 0", unnamed_bits),
-        TEST("FZM-003 FZM-004: outputs count in OP only; leaving it takes EXE off", leaving_op),
+        TEST("FZM-003 FZM-004: outputs are used only in OP; the end of OP clears EXE", leaving_op),
         TEST(
             "FZM-044 FZM-057 FZM-058 FZM-059: a scene switched manually is the current one, with data of its own; BUSY "
             "while it is switched",
             scene_by_hand),
         TEST("FZM-044 FZM-057 FZM-058: no manual switch while an image waits for its processing",
              by_hand_with_an_image),
-        TEST("FZM-040 FZM-041 FZM-042: exe, step and dsa show the levels from the master, each its own",
-             levels_as_signals),
+        TEST("FZM-040 FZM-041 FZM-042: exe, step and dsa each show their level from the master", levels_as_signals),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

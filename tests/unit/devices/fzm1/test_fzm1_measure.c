@@ -92,7 +92,7 @@ static void level_at_start(void **state)
     sensor_exchange(&s);
     sensor_wait(&s, 100 * MS);
     assert_int_equal(measurements(), 1);
-    sensor_expect(&s, "levels that OP begins with start nothing", MASK | FZM1_FLG, FZM1_READY);
+    sensor_expect(&s, "levels at the start of OP start nothing", MASK | FZM1_FLG, FZM1_READY);
     static const char *const causes[] = {"step_ignored_cause", "exe_ignored_cause"};
     for (unsigned int i = 0; i < 2; i++) {
         char text[ECT_SIGNAL_TEXT_ROOM];
@@ -163,7 +163,7 @@ static void causes_of_ignored_steps(void **state)
     }
 }
 
-/* Steps as fast as READY allows; how many images wait when READY stays off. */
+/* Steps as fast as READY allows; the number of waiting images when READY stays off. */
 static void queue(void **state)
 {
     static const struct {
@@ -217,7 +217,7 @@ static void order(void **state)
     for (int n = 1; n <= 5; n++) {
         while (measurements() < n)
             sensor_wait(&s, MS);
-        assert_int_equal(signal_number(&s.w, "result1"), n); /* as the image was when it was taken */
+        assert_int_equal(signal_number(&s.w, "result1"), n); /* the content of the image at its input */
     }
 }
 
@@ -240,7 +240,7 @@ static void continuous(void **state)
     assert_int_equal(sensor_command(&s, FZM1_END_CONTINUOUS, 0, 0, 0, NULL), 0);
 }
 
-/* A STEP comes between EXE and the start of the continuous measurement. */
+/* A STEP between EXE and the start of the continuous measurement. */
 static void continuous_after_step(void **state)
 {
     (void)state;
@@ -281,7 +281,7 @@ static void late_polls(void **state)
     assert_int_equal(signal_number(&s.w, "pending"), 0);
 }
 
-/* Hours without a poll are no endless work: after some thousand events a continuous measurement has waited. */
+/* Hours without a poll cause bounded work: after some thousand events a continuous measurement has waited. */
 static void very_late_poll(void **state)
 {
     (void)state;
@@ -607,7 +607,7 @@ static void clamped(void **state)
     assert_true(single == 1e9f);
 }
 
-/* How long READY stays off, and then BUSY on, for one STEP; microseconds. */
+/* Time of READY off, and then of BUSY on, for one STEP; microseconds. */
 static void take_times(uint64_t times[2])
 {
     sensor_step(&s);
@@ -625,7 +625,7 @@ static void random_times(void **state)
     signal_set(&s.w, "image_input_spread", "500");
     signal_set(&s.w, "processing_spread", "4000");
     take_times(times[0]);
-    assert_true(times[0][0] == 5000 && times[0][1] == 20000); /* as set, as long as time_source is 0 */
+    assert_true(times[0][0] == 5000 && times[0][1] == 20000); /* as set, while time_source is 0 */
     signal_set(&s.w, "time_source", "3");
     static const double want[2][2] = {{5000, 500}, {20000, 4000}};
     for (unsigned int round = 0; round < 2; round++) {
@@ -717,16 +717,16 @@ int main(int argc, char **argv)
         TEST("FZM-066: BUSY falls when all pending measurements are done", busy_until_all_are_done),
         TEST("FZM-067: pending images are measured in their order, with their own content", order),
         TEST("FZM-053 FZM-054 FZM-050 OM-C7: continuous measurement from Start to End", continuous),
-        TEST("FZM-053: a continuous measurement that finds an image already there", continuous_after_step),
+        TEST("FZM-053: a continuous measurement that finds a waiting image", continuous_after_step),
         TEST("FZM-066 FZM-073: a late poll loses no measurement, and no GATE", late_polls),
-        TEST("FZM-053: a day without a poll is no endless work", very_late_poll),
+        TEST("FZM-053: a day without a poll causes bounded work", very_late_poll),
         TEST("FZM-053: after ten seconds without a poll each image of a continuous measurement is still measured once",
              put_off),
         TEST("FZM-047: OR follows the overall judgement of each measurement", overall_judgement),
         TEST("FZM-033 FZM-047: `judgement`, set manually or in the table, applies to all units; 0: each its own",
              judgement_of_all),
         TEST("FZM-049: without the RUN window nothing is measured", run_window),
-        TEST("FZM-069: a trigger at the sensor measures as STEP does", trigger),
+        TEST("FZM-069: a trigger at the sensor starts a measurement like STEP", trigger),
         TEST("FZM-030: ramp, sine and random values", generators),
         TEST("FZM-030: values from a table, row by row", table),
         TEST("FZM-030 FZM-035: rows of the table for a scene are measured in that scene, in their own loop",
@@ -736,7 +736,7 @@ int main(int argc, char **argv)
         TEST("FZM-034 OM-C6: data stay within +-999999999.9999", clamped),
         TEST("FZM-066 FZM-068: image input and processing that vary, the same for the same seed", random_times),
         TEST("FZM-066 FZM-068: image input and processing from the table", times_from_the_table),
-        TEST("FZM-055: Clear makes unit data unmeasured; OR and output area stay", clear),
+        TEST("FZM-055: Clear makes unit data unmeasured; OR and output area are kept", clear),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -226,7 +226,7 @@ static void time_below_period(void **state)
         assert_false(signal_try_set(&s.w, rows[i].name, rows[i].value, message));
 }
 
-/* Measurements come faster than outputs may: the newest are lost, and nothing else is held up by it. */
+/* Measurements are faster than outputs: the newest are lost, and nothing else is delayed. */
 static void too_fast(void **state)
 {
     (void)state;
@@ -373,7 +373,7 @@ static void error_is_cleared(void **state)
     }
 }
 
-/* In OP by SDO, after a pause in which nothing happened: GATE is off before it comes again. */
+/* In OP by SDO, after a pause in which nothing happened: GATE is off before it rises again. */
 static void control_by_sdo(void **state)
 {
     const uint8_t none = 0, handshaking = 1;
@@ -446,7 +446,7 @@ static void pulse_from_before(void **state)
     }
 }
 
-/* A result waits when the handshake is chosen, and no outputs follow. */
+/* A result waits when the handshake is selected, and no outputs follow. */
 static void time_out_begins_with_handshake(void **state)
 {
     (void)state;
@@ -494,7 +494,7 @@ static void clear_takes_back(void **state)
     assert_int_equal(signal_number(&s.w, "discarded"), 2);
     sensor_set(&s, FZM1_DSA, true);
     sensor_wait(&s, 20000 * MS);
-    sensor_expect(&s, "nothing to output, nothing missing", FZM1_GATE | FZM1_ERR, 0);
+    sensor_expect(&s, "no output, no error", FZM1_GATE | FZM1_ERR, 0);
     measure(3);
     assert_int_equal(sensor_data(&s, 1), 3000);
 }
@@ -663,12 +663,14 @@ int main(int argc, char **argv)
         HANDSHAKING("FZM-072: DSA that does not fall is a timeout too", dsa_does_not_fall),
         HANDSHAKING("FZM-048: ERR is cleared by Clear, by 2401h and manually", error_is_cleared),
         HANDSHAKING("FZM-026 FZM-071: setting the output control to its present value changes nothing", control_stays),
-        HANDSHAKING("FZM-026 FZM-071: DSA that went on before the handshake was chosen is no request", dsa_from_before),
-        HANDSHAKING("FZM-026 FZM-045: GATE of a handshake outlasts the pulse that it cut short", pulse_from_before),
-        HANDSHAKING("FZM-026 FZM-072: the timeout of DSA begins when the handshake is chosen",
+        HANDSHAKING("FZM-026 FZM-071: DSA that rose before the selection of the handshake is no request",
+                    dsa_from_before),
+        HANDSHAKING("FZM-026 FZM-045: GATE of a handshake continues after the end of the pulse that it replaced",
+                    pulse_from_before),
+        HANDSHAKING("FZM-026 FZM-072: the timeout of DSA begins with the selection of the handshake",
                     time_out_begins_with_handshake),
-        HANDSHAKING("FZM-031: a result is output in the format that it was measured with", format_of_the_measurement),
-        HANDSHAKING("FZM-055 FZM-072: Clear takes back what waits to be output", clear_takes_back),
+        HANDSHAKING("FZM-031: a result is output in the format of its measurement", format_of_the_measurement),
+        HANDSHAKING("FZM-055 FZM-072: Clear discards waiting results", clear_takes_back),
         HANDSHAKING("FZM-048: each error is ended by its own handshake", errors_apart),
         HANDSHAKING("FZM-026 FZM-045: the output control changes in OP, by SDO: GATE is off in between",
                     control_by_sdo),
@@ -679,7 +681,7 @@ int main(int argc, char **argv)
         HANDSHAKING("FZM-048: several errors at a time, each with its cause and its end", causes_together),
         HANDSHAKING("FZM-004 FZM-071: DSA that is on when OP begins is no request", dsa_level_at_start),
         HANDSHAKING("FZM-004 FZM-072: the timeout of DSA begins with OP", time_out_begins_with_op),
-        HANDSHAKING("FZM-004 FZM-045: GATE goes with OP", gate_ends_with_op),
+        HANDSHAKING("FZM-004 FZM-045: GATE ends with OP", gate_ends_with_op),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A PLC that does everything at random: edges at any time, cycles from 250 us to 50 ms, cycles that are lost. Between
+ * A PLC with random actions: edges at any time, cycles from 250 us to 50 ms, cycles that are lost. Between
  * its cycles the test checks the sensor at each change.
  */
 #include <stdio.h>
@@ -66,7 +66,7 @@ static void judge(void)
     seen = now;
 }
 
-/* Lets time pass and looks after each thing that happens in it. */
+/* Advances the time and checks each event in it. */
 static void pass(uint64_t ns)
 {
     uint64_t end = s.w.now_ns + ns;
@@ -92,7 +92,7 @@ static void next_outputs(void)
     ect_store_le32(s.out, levels);
 }
 
-/* A STEP is accepted when it rises while the sensor, at that moment, shows READY and no command takes it away. */
+/* A STEP is accepted if it rises while the sensor shows READY and no command clears READY at that moment. */
 static void exchange(void)
 {
     fzm1_t *u = sensor_instance(&s);
@@ -151,7 +151,7 @@ static void random_plc(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"FZM-063 FZM-070 FZM-071 FZM-073 FZM-075: a PLC at random: no undefined combination, each accepted STEP is "
+        {"FZM-063 FZM-070 FZM-071 FZM-073 FZM-075: a random PLC: no undefined combination, each accepted STEP is "
          "one "
          "result",
          random_plc, NULL, NULL, NULL},

@@ -6,7 +6,7 @@
 #include "bench.h"
 #include "seams/record.h"
 
-/* By hand. @return whether all was saved */
+/* A manual save. @return whether all was saved */
 static bool save(void)
 {
     char message[ECT_SIGNAL_MESSAGE];
@@ -133,8 +133,8 @@ static void power_cut(void **state)
     assert_true(kept > 100);
 }
 
-/* A disk with a cache: after a power failure, data written but not yet safe exist or not, piece by piece. The
- * power goes at every step of a save, and several ways each. */
+/* A disk with a cache: after a power failure, data written but not yet safe exist or not, piece by piece. The power
+ * fails at every step of a save, in several ways. */
 static void power_cut_with_cache(void **state)
 {
     unsigned int kept = 0, renewed = 0;
@@ -191,7 +191,7 @@ static void fill_group(int group)
     (void)sensor_until(&s, FZM1_BUSY, 0);
 }
 
-/* Thirty-two full groups: no poll writes more than some scenes, FLG comes when the medium is sure, and meanwhile the
+/* Thirty-two full groups: no poll writes more than some scenes, FLG is set when the data are safe, and meanwhile the
  * sensor measures. */
 static void in_steps(void **state)
 {
@@ -226,7 +226,7 @@ static void in_steps(void **state)
     }
 }
 
-/* A manual save and commands: a command that concerns scenes waits for it, others do not; a restart breaks it off.
+/* A manual save and commands: a command that concerns scenes waits for it, others do not; a restart aborts it.
  */
 static void save_and_commands(void **state)
 {
@@ -275,7 +275,7 @@ static void spoilt(void **state)
     expect_text("data1", "0");
 }
 
-/* A memory that stops to respond: a reported save is complete, and the save before stays. */
+/* A memory that stops responding: a reported save is complete, and the previous save is kept. */
 static void unreadable(void **state)
 {
     char message[ECT_SIGNAL_MESSAGE], want[ECT_SIGNAL_TEXT_ROOM], value[16];
@@ -338,7 +338,7 @@ static void seal(unsigned int bank)
     ect_store_le32(b + 12, ect_record_check(crc, ect_load_le32(b + 4), length));
 }
 
-/* A record whose check value is right and whose content is not: each byte of the system data and of a scene. */
+/* A record with a correct check value and wrong content: each byte of the system data and of a scene. */
 static void nonsense(void **state)
 {
     static const uint8_t values[] = {0x00, 0x01, 0x7F, 0x80, 0xFF};
@@ -365,7 +365,7 @@ static void nonsense(void **state)
     }
 }
 
-/* A record of another layout, as another version would leave it: as if there were none, and replaced. */
+/* A record of another layout, as written by another version: ignored and replaced. */
 static void other_layout(void **state)
 {
     (void)state;
@@ -382,8 +382,8 @@ static void other_layout(void **state)
     expect_text("data1", "5");
 }
 
-/* Numbers that are none, or beyond the limits, in a record: the scene is as from the factory, its neighbour as saved.
- */
+/* Invalid numbers, or numbers beyond the limits, in a record: the scene has factory settings, its neighbour the saved
+ * values. */
 static void no_numbers(void **state)
 {
     static const uint64_t bits[] = {0x7FF8000000000000, 0xFFF8000000000000, 0x7FF0000000000000, 0xFFF0000000000000,
@@ -593,21 +593,21 @@ int main(int argc, char **argv)
         TEST("FZM-056 FZM-058: each saved scene group is kept, the others have factory settings", groups),
         TEST("FZM-056: without memory Save answers -1", no_memory),
         TEST("FZM-056: the power may be cut at any byte of a Save", power_cut),
-        TEST("FZM-056: a record that was spoilt is not used", spoilt),
-        TEST("FZM-056: a memory that stops to respond: a reported save is complete, and the save before stays",
+        TEST("FZM-056: a damaged record is not used", spoilt),
+        TEST("FZM-056: a memory that stops responding: a reported save is complete, and the previous save is kept",
              unreadable),
         TEST("FZM-056: a memory that does not respond at power-on: factory settings, or the saved ones",
              unreadable_at_power_on),
-        TEST("FZM-056: a record with nonsense in it breaks nothing", nonsense),
+        TEST("FZM-056: a record with invalid content has no effect on other data", nonsense),
         TEST("FZM-056: a record of another layout is not used, and is replaced", other_layout),
         TEST("FZM-034 FZM-056: a record with values that are no numbers", no_numbers),
         TEST("FZM-056: system data at the limits of each setting, and beyond them", system_limits),
-        TEST("FZM-056: a record that is cut short breaks nothing", cut_short),
-        TEST("FZM-056: a memory without room: -1 and the cause", no_room),
+        TEST("FZM-056: a truncated record has no effect on other data", cut_short),
+        TEST("FZM-056: a memory without space: -1 and the cause", no_room),
         TEST("FZM-056: a disk with a cache: the power may fail at any step of a Save, and acknowledged data are safe",
              power_cut_with_cache),
         TEST("FZM-051 FZM-056: a memory that does not keep writes: -1 and the cause", not_safe),
-        TEST("FZM-043 FZM-056 FZM-069: Save of 32 groups delays no other work, and FLG comes when it is safe",
+        TEST("FZM-043 FZM-056 FZM-069: Save of 32 groups delays no other work, and FLG is set when the data are safe",
              in_steps),
         TEST("FZM-052 FZM-056 FZM-058: a manual save, and commands meanwhile", save_and_commands),
         TEST("FZM-052 FZM-077: Restart: no response, signals off, off the bus, INIT, saved settings", restart),

@@ -62,7 +62,7 @@ static void of_a_scene(void **state)
     assert_int_equal(measured(1), 6000);
 }
 
-/* 2500h is of the current scene too. */
+/* 2500h also belongs to the current scene. */
 static void comments_by_sdo(void **state)
 {
     uint8_t data[64];
@@ -79,7 +79,7 @@ static void comments_by_sdo(void **state)
     assert_memory_equal(data, "hole", 4);
 }
 
-/* A scene of this group and one of another; then the master switches, to and fro. */
+/* A scene of this group and one of another; then the master switches between them. */
 static void prepared(void **state)
 {
     static const char *const here[][2] = {{"edit.scene", "7"}, {"edit.data1", "7.5"}, {"edit.judgement1", "-1"}};
@@ -193,7 +193,7 @@ static void forgotten(void **state)
     expect_text("data1", "0");
 }
 
-/* As many as there is room for; then a reason, and existing ones can be changed. */
+/* As many as fit; then a reason, and existing ones can be changed. */
 static void as_many_as_fit(void **state)
 {
     char number[16], message[ECT_SIGNAL_MESSAGE] = "";
@@ -212,7 +212,7 @@ static void as_many_as_fit(void **state)
     expect_text("edit.data1", "0");
 }
 
-/* Values of a scene have to make sense with each other, wherever they are set. */
+/* Values of a scene must be consistent, wherever they are set. */
 static void refused(void **state)
 {
     static const char *const prefixes[] = {"", "edit."};
@@ -248,7 +248,7 @@ static void memory_is_silent(void **state)
     signal_set(&s.w, "edit.group", "5");
 }
 
-/* Values that are set together belong to the scene that is named among them, wherever. */
+/* Values that are set together belong to the scene that is named among them, in any order. */
 static void set_together(void **state)
 {
     static const struct {
@@ -284,16 +284,17 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         TEST("FZM-030 FZM-031 FZM-035: comments, expressions and format belong to the scene's Fieldbus Data Output",
              of_a_scene),
-        TEST("FZM-030 FZM-035: values set together with a scene, in any order, are of that scene", set_together),
+        TEST("FZM-030 FZM-035: values set together with a scene, in any order, belong to that scene", set_together),
         TEST("FZM-030: 2500h has the comments of the current scene", comments_by_sdo),
-        TEST("FZM-030 FZM-058: any scene of any group is prepared before it is switched to, and stays so", prepared),
+        TEST("FZM-030 FZM-058: any scene of any group can be prepared before a switch to it, and stays prepared",
+             prepared),
         TEST("FZM-030 FZM-058: a switch of scene or group makes unit data unmeasured", unmeasured),
         TEST("FZM-030: the current scene is changed at once", current_scene),
         TEST("FZM-030 FZM-058: `edit` shows the values of the scene that it opens", opened),
         TEST("FZM-056 FZM-058: a saved scene is read, changed, and saved with its group", saved_scenes),
         TEST("FZM-058: prepared scenes are discarded manually", forgotten),
-        TEST("FZM-058: as many scenes are prepared as there is room for", as_many_as_fit),
-        TEST("FZM-030 FZM-033: nonsense in a scene is refused with the reason", refused),
+        TEST("FZM-058: as many scenes are prepared as fit", as_many_as_fit),
+        TEST("FZM-030 FZM-033: invalid values of a scene are refused with the reason", refused),
         TEST("FZM-056 FZM-058: a memory that does not respond has no scene", memory_is_silent),
     };
     if (argc > 1)

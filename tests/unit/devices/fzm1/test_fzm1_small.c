@@ -97,7 +97,7 @@ static void no_room(void **state)
     assert_int_equal(sensor_command(&s, FZM1_SWITCH_SCENE, 3, 0, 0, NULL), 0xFFFFFFFF);
     signal_get(&s.w, "command_refused_cause", text);
     assert_non_null(strstr(text, "save them first"));
-    expect_data("3"); /* it is where it was, and the others too */
+    expect_data("3"); /* it has its previous place, and so do the others */
     save();
     expect_scene(3, "0");
     expect_scene(0, "1");
@@ -158,7 +158,7 @@ static void changed_back_after_preparing(void **state)
     expect_changed_back();
 }
 
-/* Scene 9 is as from the factory, has no place, and both places are taken. */
+/* Scene 9 has factory settings and no place, and both places are used. */
 static void back_to_the_factory(void **state)
 {
     (void)state;
@@ -220,18 +220,19 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         TEST("FZM-056 FZM-058: saved scenes exist, whichever scenes are in memory", from_storage),
-        TEST("FZM-056 FZM-058: scenes that were changed and not saved stay until another group is switched to",
-             unsaved),
+        TEST("FZM-056 FZM-058: unsaved changes of scenes are kept until a switch to another group", unsaved),
         TEST("FZM-058: more changed scenes than places: the switch is refused with the reason, nothing is lost",
              no_room),
-        TEST("FZM-056 FZM-058: a scene saved, then set as it was before: the change stays", changed_back_after_a_save),
-        TEST("FZM-056 FZM-058: a scene set as it was before while it is being saved: the change stays",
+        TEST("FZM-056 FZM-058: a scene saved, then set to its previous values: the change is kept",
+             changed_back_after_a_save),
+        TEST("FZM-056 FZM-058: a scene set to its previous values during its save: the change is kept",
              changed_back_during_a_save),
-        TEST("FZM-058: a scene prepared, then set as it was before: the change stays", changed_back_after_preparing),
-        TEST("FZM-056 FZM-058: a scene without a place saved, then as from the factory: the change stays",
+        TEST("FZM-058: a scene prepared, then set to its previous values: the change is kept",
+             changed_back_after_preparing),
+        TEST("FZM-056 FZM-058: a scene without a place saved, then set to factory settings: the change is kept",
              back_to_the_factory),
-        TEST("FZM-056: a save reads a bounded number of times a step", reads_of_a_step),
-        TEST("FZM-058: a scene that the memory does not give is not switched to", silent_memory),
+        TEST("FZM-056: a save reads a bounded number of times per step", reads_of_a_step),
+        TEST("FZM-058: no switch to a scene that the memory does not return", silent_memory),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -232,7 +232,7 @@ static void gaps(void **state)
             int length = wire_coe(&w, 0, request, sizeof request, reply, sizeof reply);
             bool exists = upload(index, sub, &value) == 0;
             if (sub == 33) {
-                assert_int_equal(reply[2], 7); /* beyond the last one there is nothing */
+                assert_int_equal(reply[2], 7); /* none exists beyond the last one */
                 assert_int_equal(ect_load_le32(reply + 6), 0x06090011);
                 continue;
             }
@@ -274,7 +274,7 @@ static void all_aborts(void **state)
                     {0x2400, 9, false, 0, 0x06090011}, {0x2401, 0, false, 0, 0x06010001},
                     {0x6040, 0, true, 2, 0x06020000},  {0x2100, 1, true, 4, 0x06010002},
                     {0x2400, 4, true, 4, 0x06070012},  {0x2400, 1, true, 1, 0x06090030}};
-    for (size_t i = 0; i < COUNT(requests); i++) { /* whatever else would be wrong with the request */
+    for (size_t i = 0; i < COUNT(requests); i++) { /* whatever the other errors of the request */
         for (unsigned int with = 0; with < 2; with++) {
             uint32_t value;
             signal_set(&w, "sdo_abort", with ? "0x08000021" : "0");
@@ -381,7 +381,7 @@ static void cycles_before_op(void **state)
     assert_int_equal(wire_al(&w, 0, OP, &code), OP);
 }
 
-/* With SYNC0 running, and no outputs at all, a measurement takes the time that it always takes. */
+/* With SYNC0 running, and no outputs at all, a measurement takes its usual time. */
 static void asynchronous(void **state)
 {
     (void)state;
@@ -452,13 +452,13 @@ int main(int argc, char **argv)
         TEST("FZM-010 FZM-030: a comment on each output, by SDO", comments),
         TEST("FZM-009 FZM-010 FZM-012 OM-C9: each wrong request gets its abort code", natural_aborts),
         TEST("FZM-009 FZM-010: gaps of 1C32h and 1C33h have data type 0 and 0 bits in SDO information", gaps),
-        TEST(
-            "FZM-011 FZM-012 FZM-013 FZM-014: each of the 26 abort codes can be had, and no other, for any SDO request",
-            all_aborts),
+        TEST("FZM-011 FZM-012 FZM-013 FZM-014: each of the 26 abort codes can be selected, and no other, for any SDO "
+             "request",
+             all_aborts),
         TEST("FZM-015 OM-C10 CF-092: DC cycles of 250, 500 us, 1, 2, 4 ms and no others", cycles),
         TEST("FZM-015 CF-092: a cycle time written in SAFEOP is checked at the transition to OP", cycles_before_op),
         TEST("FZM-016 OM-C10: the measurement does not depend on SYNC0", asynchronous),
-        TEST("FZM-019 OM-C18: node address 1 to 9 is alias and device id from the next restart, 0 leaves it",
+        TEST("FZM-019 OM-C18: node address 1 to 9 is alias and device id from the next restart, 0 keeps the alias",
              node_address),
         TEST("FZM-030 FZM-048 FZM-067: signals that a user must not set are refused with the reason", signals),
         TEST("CF-057: SII", sii),

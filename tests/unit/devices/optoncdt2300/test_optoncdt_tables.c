@@ -103,7 +103,7 @@ static void process_sm(void **state)
     }
 }
 
-/* There is nothing to send, and OP does not wait for it; no watchdog ends it. */
+/* There are no outputs, and OP does not wait for any; no watchdog ends it. */
 static void no_outputs(void **state)
 {
     uint16_t code = 0;
@@ -220,7 +220,7 @@ static void full_mapping(void **state)
     assert_int_equal(ranger_value(&r, 5), 10000000);
 }
 
-/* Whatever is chosen, in whatever order it was: 1A00h has it in its own, at once; SM3 has it from the next SAFEOP on.
+/* A selection in any order: 1A00h has it in its own order, at once; SM3 has it from the next SAFEOP on.
  */
 static void selection(void **state)
 {
@@ -268,7 +268,7 @@ static void nothing_selected(void **state)
     assert_int_equal(wire_al(&r.w, 0, SAFEOP, &code), SAFEOP);
 }
 
-/* 22 whole records are what SM3 has room for: neither more records nor more values of them. */
+/* SM3 has space for 22 complete records: neither more records nor more values are possible. */
 static void room(void **state)
 {
     (void)state;
@@ -381,7 +381,7 @@ static void passwords(void **state)
     assert_int_equal(ranger_text(&r, 0x2001, 2, "Z"), 0);
 }
 
-/* Password and default user are kept without power, all other settings are the factory's again. */
+/* Password and default user are kept without power, all other settings return to the factory settings. */
 static void power_cycle(void **state)
 {
     (void)state;
@@ -457,16 +457,17 @@ int main(void)
         T("OPT-005 OPT-006 OPT-009: no outputs to wait for, SM2 unused (public manual, p. 151)", no_outputs),
         T("OPT-007 OPT-008: the object directory reads as printed (public manual, pp. 157, 161, 172)", directory),
         E("OPT-007 OPT-008: missing and read-only entries are refused", refusals),
-        T("OPT-012: identity can be that of the manual (public, p. 157), ours is a placeholder", identity),
+        T("OPT-012: identity can be that of the manual (public, p. 157), the default is a placeholder", identity),
         T("OPT-011: distance 1 and distance 2 by default (public manual, p. 153)", default_mapping),
         E("OPT-010: all thirteen measurements in the printed order (public manual, p. 157)", full_mapping),
         E("OPT-010: 1A00h follows the selection in 21B0h (public manual, p. 153)", selection),
         E("OPT-010: it can be changed in PREOP only (public manual, p. 153)", selection_is_refused),
-        E("OPT-010: nothing chosen, no process data", nothing_selected),
-        E("OPT-010: no choice and no assignment beyond what SM3 can hold", room),
-        E("1C13h (public manual, p. 174): each PDO once, and only those there are", assignment),
-        T("OPT-014: settings are the expert's (public manual, pp. 131, 161)", user_level),
-        E("OPT-014: a password is changed with the old one, and of letters (public manual, p. 131)", passwords),
+        E("OPT-010: no selection, no process data", nothing_selected),
+        E("OPT-010: no selection and no assignment beyond the capacity of SM3", room),
+        E("1C13h (public manual, p. 174): each PDO once, and only existing ones", assignment),
+        T("OPT-014: settings require the user level expert (public manual, pp. 131, 161)", user_level),
+        E("OPT-014: a password is changed with the old one, and consists of letters (public manual, p. 131)",
+          passwords),
         E("OPT-014: the default user is logged in after power-on (public manual, p. 131)", power_cycle),
         T("signals are refused with a reason, and buttons do nothing at 0", signals),
     };

@@ -94,7 +94,7 @@ static void settings_of_the_plant(void **state)
     }
 }
 
-/* Each error: how it comes, its code, and that it goes again. */
+/* Each error: its cause, its code, and its end. */
 static void errors(void **state)
 {
     static const struct {
@@ -160,7 +160,7 @@ static void laser_power(void **state)
     want("full", OPTO_INTENSITY_1, 512);
 }
 
-/* SDOs read the last measurement; before there are process data it is 10 ms old at most. */
+/* SDOs read the last measurement; without process data it is at most 10 ms old. */
 static void by_sdo(void **state)
 {
     (void)state;
@@ -288,7 +288,7 @@ static void table(void **state)
 
 /* --- when --------------------------------------------------------------------------------------------------------- */
 
-/* Each rate: so many records in a second, and their times. */
+/* Each rate: the number of records per second, and their times. */
 static void rates(void **state)
 {
     static const struct {
@@ -327,7 +327,7 @@ static void rates(void **state)
 static void fresh(void **state)
 {
     (void)state;
-    wire_advance(&r.w, 10 * MS); /* until then it has the rhythm of PREOP */
+    wire_advance(&r.w, 10 * MS); /* until then it has the period of PREOP */
     for (unsigned int i = 0; i < 50; i++) {
         ranger_wait(&r, 1 * MS + i * 7001);
         uint32_t now_us = (uint32_t)((r.w.now_ns - ranger_instance(&r)->start_ns) / 1000);
@@ -337,7 +337,7 @@ static void fresh(void **state)
     }
 }
 
-/* Away for an hour, a sensor has counted all and measured the last ones. */
+/* After an hour without polls, a sensor has counted all records and measured the last ones. */
 static void away(void **state)
 {
     (void)state;
@@ -353,14 +353,14 @@ static void away(void **state)
 
 /* --- several records in an exchange ------------------------------------------------------------------------------- */
 
-/* The first exchanges may show records twice, until the master's rhythm is found. */
+/* The first exchanges may repeat records, until the master's cycle is determined. */
 static void settle(void)
 {
     for (unsigned int i = 0; i < 5; i++)
         ranger_wait(&r, 1 * MS);
 }
 
-/* 10 kHz and 1 ms: ten records an exchange, each once, the oldest first (the manual's example). */
+/* 10 kHz and 1 ms: ten records per exchange, each once, the oldest first (the manual's example). */
 static void oversampling(void **state)
 {
     enum { SAMPLES = 10 };
@@ -386,7 +386,8 @@ static void oversampling(void **state)
     }
 }
 
-/* A master that comes 0.3 ms early, then as late, gets each record once all the same; one that is too slow the last. */
+/* A master that comes 0.3 ms early, then as late, still gets each record once; a master that is too slow gets the last
+ * one. */
 static void irregular(void **state)
 {
     enum { SAMPLES = 10 };
@@ -410,7 +411,7 @@ static void irregular(void **state)
     assert_in_range((uint32_t)(newest - ranger_value(&r, SAMPLES - 1)), 0, 3);
 }
 
-/* A hundred, the most there are; and just after power-on, when there are not as many yet. */
+/* A hundred, the maximum; also directly after power-on, with fewer records. */
 static void hundred(void **state)
 {
     (void)state;
@@ -463,7 +464,7 @@ static void late(void **state)
     }
 }
 
-/* Records from before the selection have another form: the last record replaces them. */
+/* Records before the selection have another form: the last record replaces them. */
 static void new_selection(void **state)
 {
     enum { SAMPLES = 20 };
@@ -487,7 +488,7 @@ static void new_selection(void **state)
     }
 }
 
-/* Away for longer than any record is kept: an exchange of many holds the last ones, without a gap. */
+/* Late by more than the time for which records are kept: an exchange of many has the last ones, without a gap. */
 static void many_after_away(void **state)
 {
     enum { SAMPLES = 100 };
@@ -534,7 +535,7 @@ static void cycles(void **state)
     }
 }
 
-/* In OP each SYNC0 takes a record, whatever the sensor's own rate is; ten of them fill an exchange of 1 ms for ever. */
+/* In OP each SYNC0 takes a record, whatever the sensor's own rate; ten of them fill an exchange of 1 ms for ever. */
 static void synchronised(void **state)
 {
     enum { SAMPLES = 10 };
@@ -599,7 +600,7 @@ static void sync0_takes_over(void **state)
     assert_true(younger > 0);
 }
 
-/* It has no outputs that could be missing: SYNC0 alone keeps it in OP. Without SYNC0 it leaves. */
+/* It has no outputs that could be missing: only SYNC0 keeps it in OP. Without SYNC0 it leaves OP. */
 static void sync0_without_outputs(void **state)
 {
     uint16_t code = 0;
@@ -640,7 +641,7 @@ int main(void)
         T("OPT-006: oversampling up to 100 (public manual, p. 174)", hundred),
         T("OPT-006: oversampling with a master that is late", late),
         T("OPT-006: oversampling, after a choice", new_selection),
-        T("OPT-006: oversampling, after an absence", many_after_away),
+        T("OPT-006: oversampling, after a time without polls", many_after_away),
         T("SYNC0 has the period of a measuring rate, or twice that (public manual, p. 182)", cycles),
         T("a record at each SYNC0 (public manual, p. 182)", synchronised),
         T("OPT-006: the first pulse after the last record continues them when SYNC0 replaces the rate (public manual, "

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * An axis without limit switches has no end: position values wrap at 2^32 counts, set values are differences of 32
+ * An axis without limit switches is endless: position values wrap at 2^32 counts, set values are differences of 32
  * bits. Several 2^32 counts in each mode, on the virtual clock.
  */
 #include <math.h>
@@ -44,7 +44,7 @@ static void expect_free(const char *when)
     assert_int_equal(ect_load_le32(d.in + d.from.inputs) & 3, 0); /* no limit switch */
 }
 
-/* Each cycle of a steady speed is the same way, wherever the position wraps. */
+/* Each cycle of a constant speed is the same distance, wherever the position wraps. */
 static void turn_steadily(const char *when, double speed, unsigned int cycles)
 {
     for (unsigned int n = 0; n < cycles; n++) {
@@ -179,7 +179,7 @@ static void tasks(void **state)
     drive_close(&d);
 }
 
-/* Latch, index pulse and reference run have no bound either. */
+/* Latch, index pulse and reference run have no limit either. */
 static void latch_and_reference(void **state)
 {
     (void)state;
@@ -237,9 +237,9 @@ static void no_switch_is_a_state(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"DRV-232: CSV and PV turn over several 2^32 counts both ways, without stop, limit bit or fault", speed, NULL,
-         NULL, NULL},
-        {"DRV-232 DRV-233: CSP follows set values that wrap, over several 2^32 counts both ways, to the count",
+        {"DRV-232: CSV and PV turn over several 2^32 counts in both directions, without stop, limit bit or fault",
+         speed, NULL, NULL, NULL},
+        {"DRV-232 DRV-233: CSP follows set values that wrap, over several 2^32 counts in both directions, exactly",
          position, NULL, NULL, NULL},
         {"DRV-233 DRV-416: 2147483600 to -2147483600 is a step of 96 counts", one_step, NULL, NULL, NULL},
         {"DRV-232: motion tasks over 2^31, absolute and relative", tasks, NULL, NULL, NULL},

@@ -26,7 +26,7 @@ enum { HOME_ON = 2097152, HOME_OFF = HOME_ON + 524288, NEGATIVE = -3145728, POSI
 enum { INDEX = 262144 };
 #define TURN PMC_TURN
 
-/* Method, where the shaft is to begin with, where on the machine the reference point is. */
+/* Method, position of the shaft at the start, position of the reference point on the machine. */
 static const struct {
     int8_t method;
     double from;
@@ -142,7 +142,7 @@ static void aborted(void **state)
     drive_close(&d);
 }
 
-/* 6098h changes on a leg of method 17, or on the way back: the run ends as method 17. */
+/* 6098h changes during a part of method 17, or during its return: the run ends as method 17. */
 static void write_on_leg(unsigned int leg, int8_t other)
 {
     drive_open(&d);
@@ -224,14 +224,15 @@ static void save(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"PLZ-023 PLZ-024: mode 8, bit 11: each method ends at its point, to the count", methods, NULL, NULL, NULL},
+        {"PLZ-023 PLZ-024: mode 8, bit 11: each method ends exactly at its point", methods, NULL, NULL, NULL},
         {"PLZ-024: mode 6, bit 4: the same", mode_6, NULL, NULL, NULL},
         {"PLZ-024: bit 13: a switch that is not found", no_switch, NULL, NULL, NULL},
         {"PLZ-023 PLZ-024: a falling start bit ends the run, its next edge starts another one", aborted, NULL, NULL,
          NULL},
-        {"PLZ-024: 6098h written during a run counts from the next one on", written_under_way, NULL, NULL, NULL},
+        {"PLZ-024: 6098h written during a run applies from the next one on", written_under_way, NULL, NULL, NULL},
         {"PLZ-023: the start bit without an edge in Operation Enabled starts nothing", no_edge, NULL, NULL, NULL},
-        {"PLZ-023: bit 12 saves the parameters, once an edge; they exist after a power cycle", save, NULL, NULL, NULL},
+        {"PLZ-023: bit 12 saves the parameters, once for each edge; they exist after a power cycle", save, NULL, NULL,
+         NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -191,15 +191,14 @@ static void armed_between_ticks(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"PLZ-005: bits 12 to 15 are digital inputs 4, 3, 2, 1, each for itself", inputs, setup, teardown, NULL},
-        {"PLZ-001 PLZ-002 PLZ-003 PLZ-004 PLZ-006: each latch is armed, catches its edge, is read and acknowledged "
-         "with "
-         "the position of the edge",
+        {"PLZ-005: bits 12 to 15 are digital inputs 4, 3, 2, 1, independently", inputs, setup, teardown, NULL},
+        {"PLZ-001 PLZ-002 PLZ-003 PLZ-004 PLZ-006: each latch is armed, latches its edge, is read and acknowledged "
+         "with the position of the edge",
          every_latch, NULL, NULL, NULL},
         {"PLZ-001 PLZ-002 PLZ-004: edges of inputs that are switched manually", by_hand, setup, teardown, NULL},
         {"PLZ-006: a code without a value is not acknowledged", codes, setup, teardown, NULL},
-        {"PLZ-004 PLZ-006: a latch that is armed by mailbox catches no edge from before", armed_between_ticks, NULL,
-         NULL, NULL},
+        {"PLZ-004 PLZ-006: a latch that is armed by mailbox latches no earlier edge", armed_between_ticks, NULL, NULL,
+         NULL},
         {"PLZ-004 PLZ-006: the latch words by mailbox", by_mailbox, setup, teardown, NULL},
     };
     if (argc > 1)

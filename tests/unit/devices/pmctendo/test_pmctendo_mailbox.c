@@ -70,7 +70,7 @@ static void as_printed(void **state)
     assert_int_equal(drive_read(&d, 0x1C12, 1), 0x1704);
 }
 
-/* Command bytes of requests and replies, 4 to 1 bytes; abort codes; index, sub-index and data where they belong. */
+/* Command bytes of requests and replies, 4 to 1 bytes; abort codes; index, sub-index and data at their positions. */
 static void commands(void **state)
 {
     static const struct {
@@ -145,7 +145,7 @@ static void handling(void **state)
     assert_int_equal(ect_load_le16(reply), 10);
 }
 
-/* Whatever the telegram is: other types, services, commands, lengths. */
+/* Any telegram: other types, services, commands, lengths. */
 static void every_telegram(void **state)
 {
     static const telegram_t read = {10, 0, 0, 0, 0, 3, 0, 0x20, 0x40, 0x41, 0x60};

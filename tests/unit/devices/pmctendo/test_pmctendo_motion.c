@@ -217,7 +217,7 @@ static void task(void **state)
     expect_near("position", 9.0 * TURN, 2);
 }
 
-/* A shorter way than the ramps need, and a new target while one is under way, behind the shaft. */
+/* A shorter distance than the ramps need, and a new target during a motion, behind the shaft. */
 static void short_and_changed_tasks(void **state)
 {
     (void)state;
@@ -248,7 +248,7 @@ static void short_and_changed_tasks(void **state)
 
 /* --- stopping ----------------------------------------------------------------------------------------------------- */
 
-/* From 20 turns a second: which ramp, how long (the speed, then a standstill), where it ends. */
+/* From 20 turns per second: the ramp, its time (the speed, then a standstill), its end. */
 static const struct {
     const char *what;
     int16_t option;
@@ -314,7 +314,7 @@ static void halt(void **state)
 
 /* --- limits ------------------------------------------------------------------------------------------------------- */
 
-/* At a turn a second the shaft stops right behind the switch; back is allowed, on is not. */
+/* At a turn a second the shaft stops right behind the switch; the motion back is allowed, further motion is not. */
 static void limit_switch(void **state)
 {
     (void)state;
@@ -391,7 +391,7 @@ static void following_error(void **state)
     drive_cycles(&d, 20);
     drive_expect(&d, ECT_402_FAULT, "F03");
     assert_int_equal(drive_position(&d), 0);
-    drive_control(&d, 0x8F); /* an edge of bit 7 resets it; enabling begins at the beginning */
+    drive_control(&d, 0x8F); /* an edge of bit 7 resets it; the whole enabling sequence is needed again */
     drive_cycles(&d, 2);
     drive_expect(&d, ECT_402_SWITCH_ON_DISABLED, "reset");
     expect_fault(0);
@@ -466,27 +466,26 @@ static void stop_in_vain(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"PLZ-019: position set values are followed to the count", position, setup, teardown, NULL},
+        {"PLZ-019: position set values are followed exactly", position, setup, teardown, NULL},
         {"PLZ-019: a cyclic speed is followed", cyclic_speed, setup, teardown, NULL},
         {"PLZ-019: actual values of a motion", actual_values, setup, teardown, NULL},
         {"speed with ramps", speed_ramp, setup, teardown, NULL},
         {"a torque on an inertia gives its acceleration", torque, setup, teardown, NULL},
-        {"friction and load take their share", load_and_friction, setup, teardown, NULL},
+        {"friction and load reduce the torque", load_and_friction, setup, teardown, NULL},
         {"6072h limits the torque", torque_limits, setup, teardown, NULL},
-        {"607Fh limits the speed, of a torque too", speed_limit, setup, teardown, NULL},
-        {"PLZ-024 DRV-502: a motion task: bit 15 while it is under way, bit 10 at its target, in its time", task, setup,
+        {"607Fh limits the speed, also in torque mode", speed_limit, setup, teardown, NULL},
+        {"PLZ-024 DRV-502: a motion task: bit 15 while it is active, bit 10 at its target, in its time", task, setup,
          teardown, NULL},
-        {"short ways, and targets that change", short_and_changed_tasks, setup, teardown, NULL},
-        {"PLZ-023 PLZ-022: falling bits: which stop, on which ramp, how long, where it ends", stopping, NULL, NULL,
-         NULL},
-        {"PLZ-022: halt stops on the ramp and goes on", halt, setup, teardown, NULL},
-        {"PLZ-024: bit 11, n10, n11: limit switches block one way", limit_switch, setup, teardown, NULL},
+        {"short distances, and targets that change", short_and_changed_tasks, setup, teardown, NULL},
+        {"PLZ-023 PLZ-022: falling bits: the stop, its ramp, its time, its end", stopping, NULL, NULL, NULL},
+        {"PLZ-022: halt stops with the ramp, and the motion continues", halt, setup, teardown, NULL},
+        {"PLZ-024: bit 11, n10, n11: limit switches block one direction", limit_switch, setup, teardown, NULL},
         {"PLZ-024: bit 11, n07: software limit switches, once there is a reference", software_limits, setup, teardown,
          NULL},
         {"F03: the following error beyond its window; an edge of bit 7 resets it", following_error, setup, teardown,
          NULL},
-        {"PLZ-021 PLZ-031: STO, DC link and enable input take the torque at once, and are needed again", supply, NULL,
-         NULL, NULL},
+        {"PLZ-021 PLZ-031: STO, DC link and enable input switch the torque off at once, and are needed again", supply,
+         NULL, NULL, NULL},
         {"F08: turned too fast", overspeed, setup, teardown, NULL},
         {"F30: a quick stop that does not end in its time", stop_in_vain, setup, teardown, NULL},
     };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The PMCtendo against CiA 402-2 where the manual is silent: limits, set-points, halt, reference runs, the brake of the
- * plant; on the virtual clock. */
+/* The PMCtendo by CiA 402-2, on points that the manual does not define: limits, set-points, halt, reference runs, the
+ * brake of the plant; on the virtual clock. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -75,7 +75,7 @@ static void limits_in_every_mode(void **state)
     }
 }
 
-/* A hanging load is held at the limit whatever torque is set; more than holds it lifts it back. */
+/* A hanging load is held at the limit at any set torque; a torque above the load lifts it back. */
 static void load_at_a_limit(void **state)
 {
     (void)state;
@@ -94,7 +94,7 @@ static void load_at_a_limit(void **state)
     assert_true(drive_position(&d) > -1.9 * TURN);
 }
 
-/* The first write of a pair may cross the other limit, none after it. */
+/* The first write of a pair may cross the other limit, later writes may not. */
 static void crossed_limits(void **state)
 {
     (void)state;
@@ -156,7 +156,7 @@ static void set_point(uint16_t bits, int32_t target)
     drive_cycle(&d);
 }
 
-/* Ways at 10 turns a second with ramps of 0.1 s: 20 turns take 2.1 s. */
+/* Distances at 10 turns per second with ramps of 0.1 s: 20 turns take 2.1 s. */
 static void start_tasks(void)
 {
     start(PMC_MODE_TASK, 0x1701);
@@ -234,7 +234,7 @@ static void no_edge(void **state)
     expect_position("target", 10.0 * TURN, 2);
 }
 
-/* A relative target counts from the last target, wherever the shaft is on its way. */
+/* A relative target is added to the last target, whatever the position of the shaft. */
 static void relative(void **state)
 {
     (void)state;
@@ -275,7 +275,7 @@ static void halt_keeps_the_task(void **state)
     expect_position("target", 5.0 * TURN, 2);
 }
 
-/* Switched off and on again there is no task left. */
+/* Switched off and on again, no task is left. */
 static void disabled_drops_the_task(void **state)
 {
     (void)state;
@@ -302,7 +302,7 @@ static void build_machine(double from)
     drive_instance(&d)->plant.machine.position = from;
 }
 
-/* The shaft begins in front of the switch, so that the first leg is satisfied. */
+/* The shaft starts in front of the switch, so that the first part is already done. */
 static const struct {
     int8_t method;
     double from;
@@ -344,7 +344,7 @@ static void searching_speed(void **state)
         one_search(i);
 }
 
-/* A mark shorter than the way to a standstill behind it. */
+/* A mark shorter than the braking distance behind it. */
 static void narrow_mark(void **state)
 {
     (void)state;
@@ -392,7 +392,7 @@ static void run_ends_at_the_point(void **state)
     }
 }
 
-/* Halt stops a run on 609Ah and lets it go on; the start bit taken back ends it. */
+/* Halt stops a run with 609Ah, and the run continues afterwards; clearing the start bit ends it. */
 static void halted_run(void **state)
 {
     (void)state;
@@ -491,31 +491,32 @@ static void brake_slips(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"DRV-236: 607Dh stops PV, CSV and CST at the limit: n06, n07, bit 11; back is free", limits_in_every_mode,
-         NULL, NULL, NULL},
+        {"DRV-236: 607Dh stops PV, CSV and CST at the limit: n06, n07, bit 11; the motion back is allowed",
+         limits_in_every_mode, NULL, NULL, NULL},
         {"DRV-236: 607Dh holds a load in CST", load_at_a_limit, setup, teardown, NULL},
         {"DRV-096: 607Dh with min > max is refused with 06090036", crossed_limits, setup, teardown, NULL},
         {"DRV-220 DRV-405: 6081h above 607Fh moves at 607Fh, without a fault", task_above_the_speed_limit, setup,
          teardown, NULL},
-        {"DRV-246: PV's bit 10 judges the limited target", target_reached_at_the_speed_limit, setup, teardown, NULL},
+        {"DRV-246: bit 10 in PV applies to the limited target", target_reached_at_the_speed_limit, setup, teardown,
+         NULL},
         {"DRV-210 DRV-217 DRV-409: one set-point runs, one waits, a third one is ignored", queue, setup, teardown,
          NULL},
         {"DRV-211 DRV-408: bit 5 changes to the new set-point at once and drops the waiting one", at_once, setup,
          teardown, NULL},
         {"DRV-212 DRV-410: bit 9 passes the first target at its speed", through, NULL, NULL, NULL},
         {"DRV-215: set values without an edge of bit 4 change nothing", no_edge, setup, teardown, NULL},
-        {"DRV-213 DRV-222: a relative target counts from the last one", relative, setup, teardown, NULL},
+        {"DRV-213 DRV-222: a relative target is added to the last one", relative, setup, teardown, NULL},
         {"DRV-214 DRV-205 DRV-406: halt keeps the set-points: executed or continued", halt_keeps_the_task, setup,
          teardown, NULL},
-        {"DRV-130: disabled, the set-points are gone", disabled_drops_the_task, setup, teardown, NULL},
-        {"DRV-274 DRV-275: methods 4, 6, 20, 22 search at 6099h:1 when the first leg is satisfied", searching_speed,
+        {"DRV-130: disabling discards the set-points", disabled_drops_the_task, setup, teardown, NULL},
+        {"DRV-274 DRV-275: methods 4, 6, 20, 22 search at 6099h:1 if the first part is already done", searching_speed,
          NULL, NULL, NULL},
-        {"DRV-275: a mark shorter than the way to a standstill", narrow_mark, NULL, NULL, NULL},
-        {"DRV-268 DRV-276: a run ends at the very point", run_ends_at_the_point, NULL, NULL, NULL},
-        {"DRV-273: halt stops a run on 609Ah, and it goes on", halted_run, setup, teardown, NULL},
+        {"DRV-275: a mark shorter than the braking distance", narrow_mark, NULL, NULL, NULL},
+        {"DRV-268 DRV-276: a run ends exactly at the point", run_ends_at_the_point, NULL, NULL, NULL},
+        {"DRV-273: halt stops a run with 609Ah, and the run continues", halted_run, setup, teardown, NULL},
         {"DRV-152: a brake holds a hanging load at STO; without one it falls", brake_holds_a_falling_load, NULL, NULL,
          NULL},
-        {"DRV-134 DRV-133: the brake closes before the torque goes", brake_closes_before_the_torque_ends, NULL, NULL,
+        {"DRV-134 DRV-133: the brake closes before the torque is off", brake_closes_before_the_torque_ends, NULL, NULL,
          NULL},
         {"DRV-152: a load beyond the brake's torque slips", brake_slips, setup, teardown, NULL},
     };

@@ -26,7 +26,7 @@ static uint32_t draw(uint32_t below)
 static struct {
     ect_402_state_t state;
     double free_speed;    /* when set values ceased to count */
-    uint64_t stopping_ns; /* since when the drive stops on its ramp, 0: it does not */
+    uint64_t stopping_ns; /* start of the stop on the ramp, 0: no stop */
     uint64_t stop_limit_ns;
 } seen;
 
@@ -63,14 +63,14 @@ static void judge_power(const pmctendo_t *u)
         refuse("digital outputs are on outside OP");
 }
 
-/* Nothing accelerates the shaft but set values: there is no load. */
+/* Only set values accelerate the shaft: there is no load. */
 static void judge_speed(const pmctendo_t *u)
 {
     double speed = fabs(u->plant.machine.speed);
     if (u->axis.action == ECT_402_FOLLOW)
         seen.free_speed = speed;
     else if (speed > seen.free_speed + 3.0 * PMC_TURN) /* two steps with all the torque: 2.4 turns a second */
-        refuse("it gets faster though no set value counts");
+        refuse("it accelerates although no set value applies");
 }
 
 static void judge_stop(const pmctendo_t *u)
@@ -98,7 +98,7 @@ static void judge(bool new_word, uint16_t before, uint16_t word)
     bool reaction = u->axis.state == ECT_402_FAULT_REACTION || u->axis.state == ECT_402_QUICK_STOP;
     if (up > was && !reaction) {
         bool one_up = up == was + 1 && u->al == ECT_STATE_OP;
-        bool ready = up == 1 && (u->axis.set.control & 7) == 6; /* its word may have waited for the supply */
+        bool ready = up == 1 && (u->axis.set.control & 7) == 6; /* its control word may have waited for the supply */
         bool higher = up >= 2 && new_word && (word & 7) == 7 && (up == 2 || edge);
         if (!one_up || !(ready || higher))
             refuse("a step of the sequence was omitted");
@@ -106,7 +106,7 @@ static void judge(bool new_word, uint16_t before, uint16_t word)
     if (reaction && was < 2 && u->axis.action != ECT_402_OFF)
         refuse("power comes on with a fault");
     if (seen.state == ECT_402_FAULT && u->axis.state != ECT_402_FAULT && u->fault != 0)
-        refuse("out of Fault with the fault still there");
+        refuse("out of Fault while the fault still exists");
     seen.state = u->axis.state;
     judge_power(u);
     judge_speed(u);
@@ -133,7 +133,7 @@ static void exchange(void)
     judge(known, before, drive_controlled(&d));
 }
 
-/* Mostly words of the sequence, at times any. */
+/* Mostly words of the sequence, sometimes any word. */
 static void next_outputs(void)
 {
     static const uint16_t words[] = {0x06, 0x07, 0x0F, 0x0F, 0x0F, 0x0B, 0x0D, 0x80, 0x10F, 0x80F, 0x1F, 0x00};
@@ -194,7 +194,7 @@ static void fall_silent(void)
     if (u->axis.torque_now != 0 || u->outputs != 0 || u->axis.action != ECT_402_OFF)
         refuse("torque or outputs without a master");
     if (op && u->axis.state != ECT_402_FAULT)
-        refuse("no fault though the master is gone");
+        refuse("no fault although the master has stopped");
 }
 
 static void session(unsigned int number)
@@ -238,8 +238,8 @@ static void at_random(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"PLZ-019 PLZ-020 PLZ-021 PLZ-022 PLZ-031: at random: enabled by the whole sequence alone, set values in "
-         "Operation Enabled alone, stops end in their time, all is off behind the watchdog",
+        {"PLZ-019 PLZ-020 PLZ-021 PLZ-022 PLZ-031: random runs: enabled only by the whole sequence, set values only in "
+         "Operation Enabled, stops end in their time, everything is off after the watchdog",
          at_random, NULL, NULL, NULL},
     };
     if (argc > 1) {

@@ -61,7 +61,7 @@ static void registers(void **state)
     assert_int_not_equal(wire_read16(&d.w, 0, 0x0134), 0);
 }
 
-/* Which events interrupt the drive, by AL state: mailbox from PREOP on, process data from SAFEOP on. */
+/* The events that interrupt the drive, by AL state: mailbox from PREOP on, process data from SAFEOP on. */
 static void events(void **state)
 {
     (void)state;
@@ -97,7 +97,7 @@ static void no_sync(void **state)
     expect_display("INIT", "n17");
 }
 
-/* SYNC0, its cycle, 60C2h: units and power of ten; whether the drive finds its rhythm. */
+/* SYNC0, its cycle, 60C2h: units and power of ten; whether the drive synchronises. */
 static const struct {
     uint32_t sync0_ns;
     uint8_t units;
@@ -139,7 +139,7 @@ static void cycle_times(void **state)
         one_cycle_time(i);
 }
 
-/* Frames with outputs every millisecond between the pulses of SYNC0, every four. */
+/* Frames with outputs every millisecond between the pulses of SYNC0, every four milliseconds. */
 static void outputs_are_no_rhythm(void **state)
 {
     enum { PULSE_MS = 4, FIRST_MS = PULSE_MS / 2, PULSES = 5 }; /* the first one, and four that follow it in time */
@@ -154,7 +154,8 @@ static void outputs_are_no_rhythm(void **state)
     expect_display("after the fifth pulse", "");
 }
 
-/* 60C2h is 0.3 ms, no multiple of 250 us: without a clock any frames are a rhythm, within a tolerance none are. */
+/* 60C2h is 0.3 ms, no multiple of 250 us: without a clock the drive synchronises to any frames, with a tolerance to
+ * none. */
 static void tolerance_in_safeop(void **state)
 {
     (void)state;
@@ -345,7 +346,7 @@ static void faults_at_once(void **state)
 
 /* --- what is open, what locked ------------------------------------------------------------------------------------ */
 
-/* No state of the bus and no control word below OP moves anything, and none at all but the whole sequence. */
+/* No state of the bus and no control word below OP causes motion, and in OP only the whole sequence does. */
 static void no_motion_without_enable(void **state)
 {
     static const uint16_t words[] = {0x06, 0x07, 0x0F, 0x1F, 0x80F, 0xFFFF};
@@ -385,7 +386,7 @@ static void locks(void **state)
     drive_cycles(&d, 100);
     assert_int_equal(wire_al(&d.w, 0, SAFEOP, NULL), SAFEOP);
     drive_expect(&d, ECT_402_QUICK_STOP, "OP to SAFEOP");
-    drive_cycles(&d, 60); /* set values come all the same: 10 turns a second are gone after 20 ms */
+    drive_cycles(&d, 60); /* set values continue: the speed of 10 turns per second is 0 after 20 ms */
     drive_expect(&d, ECT_402_SWITCH_ON_DISABLED, "SAFEOP");
     int32_t position = drive_position(&d);
     assert_true(position > PMC_TURN / 2);
@@ -431,7 +432,7 @@ static void al_codes(void **state)
     }
 }
 
-/* Each PDO of the manual's kind: its length is the only one that is taken. */
+/* Each PDO of the manual: only its own length is accepted. */
 static void fixed_pdos(void **state)
 {
     static const struct {
@@ -464,29 +465,32 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"PLZ-015 PLZ-016: AL Control, AL Status, AL Status Code and SyncManagers at their addresses", registers, setup,
          teardown, NULL},
-        {"PLZ-013 PLZ-018: interrupt enable opens mailbox and process data with the states, and closes all but AL "
-         "Control",
+        {"PLZ-013 PLZ-018: interrupt enable opens mailbox and process data with the states, and disables all except AL "
+         "control",
          events, setup, teardown, NULL},
-        {"PLZ-017 PLZ-020: n17 until the bus has a rhythm, and again below SAFEOP", no_sync, setup, teardown, NULL},
+        {"PLZ-017 PLZ-020: n17 until the drive is synchronised, and again below SAFEOP", no_sync, setup, teardown,
+         NULL},
         {"PLZ-017 PLZ-025: SYNC0 at 60C2h's cycle, 0.25 ms and more: OP; at another one n17, then F28 and 001Ah",
          cycle_times, NULL, NULL, NULL},
-        {"PLZ-017: with SYNC0 frames with outputs are no part of the rhythm that ends n17", outputs_are_no_rhythm,
-         setup, teardown, NULL},
-        {"PLZ-017: sync_tolerance that is set in SAFEOP ends a rhythm that 60C2h cannot have", tolerance_in_safeop,
+        {"PLZ-017: with SYNC0, frames with outputs do not contribute to the synchronisation that ends n17",
+         outputs_are_no_rhythm, setup, teardown, NULL},
+        {"PLZ-017: sync_tolerance set in SAFEOP ends a synchronisation that 60C2h does not allow", tolerance_in_safeop,
          setup, teardown, NULL},
         {"PLZ-025 DRV-160: a SYNC0 below 0.25 ms is refused", shorter_than_allowed, setup, teardown, NULL},
         {"PLZ-017: sync_tolerance: the master's frames within 1000 ppm", tolerance, NULL, NULL, NULL},
-        {"PLZ-017 PLZ-020: a rhythm that is lost in OP: F28, the drive brakes and is off", sync_lost, NULL, NULL, NULL},
+        {"PLZ-017 PLZ-020: a loss of synchronisation in OP: F28, the drive brakes and is off", sync_lost, NULL, NULL,
+         NULL},
         {"PLZ-020: every fault shows its number and sends an emergency; PREOP to SAFEOP clears those that need no "
          "restart",
          faults, NULL, NULL, NULL},
         {"PLZ-017 PLZ-020: state and display show a signal's fault before the next tick", faults_at_once, NULL, NULL,
          NULL},
-        {"PLZ-031 PLZ-021: nothing moves without the whole sequence in OP", no_motion_without_enable, setup, teardown,
+        {"PLZ-031 PLZ-021: no motion without the whole sequence in OP", no_motion_without_enable, setup, teardown,
          NULL},
-        {"PLZ-019 PLZ-020: set values count in OP alone; SAFEOP stops and keeps the shaft", locks, setup, teardown,
+        {"PLZ-019 PLZ-020: set values apply only in OP; SAFEOP stops and holds the shaft", locks, setup, teardown,
          NULL},
-        {"PLZ-015: AL status codes of the standard; of the manual with quirk_pilz_codes", al_codes, NULL, NULL, NULL},
+        {"PLZ-015: AL status codes of the standard; those of the manual with quirk_pilz_codes", al_codes, NULL, NULL,
+         NULL},
         {"PLZ-029: each fixed PDO with its length and no other", fixed_pdos, NULL, NULL, NULL},
     };
     if (argc > 1)
