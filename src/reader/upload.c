@@ -125,7 +125,7 @@ static ect_reader_result_t upload_once(ect_reader_t *r, void *what)
         return take_expedited(r, t, data);
     t->size = ect_load_le32(data + SDO_HEADER);
     if (t->size > t->room)
-        return give_up(r, t, ABORT_NO_MEMORY, ECT_READER_TOO_LONG, "longer than the room");
+        return give_up(r, t, ABORT_NO_MEMORY, ECT_READER_TOO_LONG, "longer than the buffer");
     const size_t here = length - SDO_REQUEST < t->size ? length - SDO_REQUEST : t->size;
     memcpy(t->data, data + SDO_REQUEST, here);
     t->done = here;

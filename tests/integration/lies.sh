@@ -30,12 +30,12 @@ verify() { # DEVICE EXIT
   check "$1: exit code of verify" "$2" $?
 }
 
-read_slave liar-upload-4g 3 "1000:00: longer than there is room for" &
+read_slave liar-upload-4g 3 "1000:00: longer than the buffer" &
 read_slave liar-no-uploads 3 "no reply within 2000 ms" &
 read_slave liar-no-replies 3 "no reply within 2000 ms" &
 read_slave liar-other-index 3 "no mail within 2000 ms is the reply to the request" &
 read_slave liar-toggle 3 "1000:00: a segment with the wrong toggle bit" &
-read_slave liar-endless-list 3 "SDO information in fragments without an end" &
+read_slave liar-endless-list 3 "SDO information in endless fragments" &
 read_slave liar-endless-mails 3 "no mail within 2000 ms is the reply to the request" &
 wait
 for device in liar-upload-4g liar-no-uploads liar-no-replies liar-endless-mails; do

@@ -162,8 +162,8 @@ def faults():
 def refusals():
     taken = os.environ["ECTWIN_UDP"]
     for words, status, part in (
-        (["--udp", "here", "fzm1"], 1, "'here' is no [ADDRESS:]PORT: an IPv4 address"),
-        (["--udp", taken, "fzm1"], 2, "the port is taken: choose another one"),
+        (["--udp", "here", "fzm1"], 1, "'here' is no [ADDRESS:]PORT: a numeric IPv4 address"),
+        (["--udp", taken, "fzm1"], 2, "the port is in use: choose another port"),
         (["--udp", "192.0.2.1:34980", "fzm1"], 2, "this machine does not have the address"),
         (["-o", "lo", "fzm1"], 1, "no interface: name it with -i IFACE"),
     ):

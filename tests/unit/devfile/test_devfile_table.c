@@ -140,7 +140,7 @@ static void a_table_that_cannot_be_read_is_a_line_of_the_device_file(void **stat
     assert_string_equal(m.why, expected);
     write_table(zero, sizeof zero - 1);
     assert_null(ect_devfile_parse(device_path, DEVICE, strlen(DEVICE), m.why, sizeof m.why));
-    assert_non_null(strstr(m.why, "o.csv:2: it has a zero byte in it"));
+    assert_non_null(strstr(m.why, "o.csv:2: it contains a zero byte"));
 }
 
 int main(void)

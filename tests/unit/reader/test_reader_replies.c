@@ -77,7 +77,7 @@ static const struct script {
      ECT_READER_TOO_LONG,
      17,
      {0},
-     "2345:06: longer than there is room for",
+     "2345:06: longer than the buffer",
      {0x40, 0x80},
      0x05040005},
     {"4 GiB",
@@ -85,7 +85,7 @@ static const struct script {
      ECT_READER_TOO_LONG,
      UINT32_MAX,
      {0},
-     "2345:06: longer than there is room for",
+     "2345:06: longer than the buffer",
      {0x40, 0x80},
      0x05040005},
     /* segmented */

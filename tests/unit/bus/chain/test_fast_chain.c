@@ -1053,14 +1053,14 @@ int main(int argc, char **argv)
         {"CF-010: a loop that was closed for a time is open for the first frame after it", loop_opens_in_time, NULL,
          NULL, NULL},
         {"CF-088: a recorded system time is applied before any access, also when more are sent than are kept",
-         NULL, NULL, NULL},
+         times_wait, NULL, NULL, NULL},
         {"CF-002: a broadcast read of AL status gets all bits of all slaves, in one byte or two", status_of_all, NULL,
          NULL, NULL},
         {"CF-004: a station alias that is switched off gets no reply and no system time", an_alias_that_is_switched_off,
          NULL, NULL, NULL},
         {"a line without memory is refused, and allocates none", memory_runs_out, NULL, NULL, NULL},
         {"CF-088: system times of one frame take effect at its end, in the order of its datagrams",
-         times_wait, NULL, NULL, NULL},
+         times_within_a_frame, NULL, NULL, NULL},
         {"link lamps flicker at the slaves that frames reach", lamps_within_reach, NULL, NULL, NULL},
     };
     if (argc > 1)

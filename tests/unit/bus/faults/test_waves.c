@@ -59,7 +59,7 @@ static void refused(void **state)
         {"gate", 0, 1, 1000 * MS, "gate"},
         {"scene", 0, 1e6, 1000 * MS, "scene"},
         {"scene", -1, 5, 1000 * MS, "scene"},
-        {"scene", 5, 1, 1000 * MS, "from low to high"},
+        {"scene", 5, 1, 1000 * MS, "low <= high"},
         {"scene", 0, 1, 10 * MS - 1, "a period of 0.01 s or more"},
     };
     char message[ECT_SIGNAL_MESSAGE];

@@ -621,7 +621,7 @@ static int realtime_refused(void)
     const struct rlimit none = {0, 0};
     if (setrlimit(RLIMIT_RTPRIO, &none) < 0 || ect_rights_realtime(50, message) != -1)
         return 1;
-    static const char want[] = "--realtime 50 lacks a right: CAP_SYS_NICE, or a limit of real-time priority";
+    static const char want[] = "--realtime 50 lacks a right: CAP_SYS_NICE, or a sufficient limit of real-time priority";
     return strncmp(message, want, sizeof want - 1) == 0 ? 0 : 2;
 }
 

@@ -209,13 +209,12 @@ static void realtime(void **state)
         {"without the right to the priority",
          {.locked = 0},
          {"scheduler", FIRST, EPERM},
-         "--realtime 42 lacks a right: CAP_SYS_NICE, or a limit of real-time priority that allows it ('ulimit "
-         "-r')" CURE,
+         "--realtime 42 lacks a right: CAP_SYS_NICE, or a sufficient limit of real-time priority ('ulimit -r')" CURE,
          ""},
         {"with too low a limit",
          {.locked = 65536},
          {"mlockall", FIRST, ENOMEM},
-         "--realtime 42 lacks a right: CAP_IPC_LOCK, or no limit of locked memory ('ulimit -l unlimited')" CURE,
+         "--realtime 42 lacks a right: CAP_IPC_LOCK, or unlimited locked memory ('ulimit -l unlimited')" CURE,
          "lock present\n"},
     };
     (void)state;

@@ -145,7 +145,7 @@ static void addresses(void **state)
 
 static void opens(void **state)
 {
-    static const char wrong[] = "an IPv4 address in numbers, the port from 0 to 65535, as in 127.0.0.1:34980";
+    static const char wrong[] = "a numeric IPv4 address, the port from 0 to 65535, as in 127.0.0.1:34980";
     static const struct {
         const char *where;
         failing_t failing;
@@ -156,7 +156,7 @@ static void opens(void **state)
         {"[::1]:34980", {0}, wrong, EINVAL},
         {"here", {0}, wrong, EINVAL},
         {"34980", {"socket", FIRST, EMFILE}, "cannot receive at '34980': Too many open files", EMFILE},
-        {"34980", {"bind", FIRST, EADDRINUSE}, "cannot receive at '34980': the port is taken", EADDRINUSE},
+        {"34980", {"bind", FIRST, EADDRINUSE}, "cannot receive at '34980': the port is in use", EADDRINUSE},
         {"80", {"bind", FIRST, EACCES}, "needs CAP_NET_BIND_SERVICE", EACCES},
         {"34980", {"bind", FIRST, EADDRNOTAVAIL}, "this machine does not have the address", EADDRNOTAVAIL},
         {"34980", {"bind", FIRST, ENOMEM}, "Cannot allocate memory", ENOMEM},

@@ -240,7 +240,7 @@ static void foreign_files(void **state)
     static const size_t sizes[] = {1, 100, ECT_MEMORY_BANK, ECT_MEMORY_BANK + 32, ECT_MEMORY_BANK + 33};
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         write_file("foreign.0", "M", 1, sizes[i]);
-        expect_refused("foreign", "no record of a twin");
+        expect_refused("foreign", "it is not a twin's record");
         assert_int_equal(size_of("foreign.0"), sizes[i]);
         assert_int_equal(size_of("foreign.1"), -1);
     }
@@ -248,7 +248,7 @@ static void foreign_files(void **state)
         write_file("foreign.0", "", 0, ECT_MEMORY_BANK + 32);
         for (off_t at = patterns[i].first; at < ECT_MEMORY_BANK + 32; at += patterns[i].step)
             overwrite("foreign.0", at, "x");
-        expect_refused("foreign", "no record of a twin");
+        expect_refused("foreign", "it is not a twin's record");
         assert_int_equal(size_of("foreign.0"), ECT_MEMORY_BANK + 32);
     }
     assert_int_equal(unlink("foreign.0"), 0);
@@ -435,7 +435,7 @@ static void longest_path_of_a_damaged_file(void **state)
     save_twice_and_damage(path);
     ect_memory_t *memory = ect_memory_open(path, message);
     assert_non_null(memory);
-    assert_non_null(strstr(message, "it is kept as 'far-away."));
+    assert_non_null(strstr(message, "is kept as 'far-away."));
     expect_saved(memory, "one");
     ect_memory_close(memory);
     assert_true(size_of("far-away.0.damaged1") > 0 || size_of("far-away.1.damaged1") > 0);
