@@ -781,7 +781,7 @@ static void set_pdos(ect_build_t *build, ect_device_t *device)
             };
     }
     if (build->pdo_count > UINT8_MAX)
-        ect_build_note(build, "it has %zu PDOs; what is fixed, mandatory and excluded is known of the first %u",
+        ect_build_note(build, "it has %zu PDOs; fixed, mandatory and excluded PDOs are recorded for the first %u",
                        build->pdo_count, (unsigned int)UINT8_MAX);
     device->pdos = pdos;
     device->pdo_count = (uint8_t)count;

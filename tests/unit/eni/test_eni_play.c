@@ -419,10 +419,10 @@ static void ENI_015_a_mailbox_is_tried_for_a_second_or_the_Timeout_of_the_comman
         unsigned int writes, reads;
         const char *line;
     } rows[] = {
-        {"a mailbox that stays full", "0", false, 1000, 0, "t.xml:1: slave 1, 1000:0: its mailbox takes no mail"},
-        {"no reply", "0", true, 1, 1001, "t.xml:1: slave 1, 1000:0: no reply comes"},
-        {"no reply within the Timeout", "5", true, 1, 6, "t.xml:1: slave 1, 1000:0: no reply comes"},
-        {"a Timeout beyond a minute", "60001", true, 1, 60001, "t.xml:1: slave 1, 1000:0: no reply comes"},
+        {"a mailbox that stays full", "0", false, 1000, 0, "t.xml:1: slave 1, 1000:0: its mailbox accepts no mail"},
+        {"no reply", "0", true, 1, 1001, "t.xml:1: slave 1, 1000:0: no reply"},
+        {"no reply within the Timeout", "5", true, 1, 6, "t.xml:1: slave 1, 1000:0: no reply"},
+        {"a Timeout beyond a minute", "60001", true, 1, 60001, "t.xml:1: slave 1, 1000:0: no reply"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -929,16 +929,16 @@ static void ENI_025_a_reply_of_AoE_or_EoE_is_that_to_the_request(void **state)
         {"AoE: an error before a result", ADS_REQUEST, ADS(36, 2, 5, 0x0706, 4, 0x0705), 1, "AoE: ADS error 0x0706"},
         {"AoE: a part of a result is none", ADS_REQUEST, ADS(35, 2, 5, 0, 4, 0x0705), 1, ""},
         {"AoE: no result", ADS_REQUEST, ADS(32, 2, 5, 0, 4, 0x0705), 1, ""},
-        {"AoE: shorter than its header", ADS_REQUEST, ADS(31, 2, 5, 0, 4, 0), SKIPPED, "AoE: no reply comes"},
-        {"AoE: a request", ADS_REQUEST, ADS(36, 2, 4, 0, 4, 0), SKIPPED, "AoE: no reply comes"},
-        {"AoE: another command", ADS_REQUEST, ADS(36, 3, 5, 0, 4, 0), SKIPPED, "AoE: no reply comes"},
-        {"AoE: another number", ADS_REQUEST, ADS(36, 2, 5, 0, 5, 0), SKIPPED, "AoE: no reply comes"},
+        {"AoE: shorter than its header", ADS_REQUEST, ADS(31, 2, 5, 0, 4, 0), SKIPPED, "AoE: no reply"},
+        {"AoE: a request", ADS_REQUEST, ADS(36, 2, 4, 0, 4, 0), SKIPPED, "AoE: no reply"},
+        {"AoE: another command", ADS_REQUEST, ADS(36, 3, 5, 0, 4, 0), SKIPPED, "AoE: no reply"},
+        {"AoE: another number", ADS_REQUEST, ADS(36, 2, 5, 0, 5, 0), SKIPPED, "AoE: no reply"},
         {"EoE: no error", EOE_REQUEST, EOE(3, 2, 0), 1, ""},
         {"EoE: an error", EOE_REQUEST, EOE(3, 2, 0x0201), 1, "EoE type 2: EoE result 0x0201"},
         {"EoE: bits beside the type", EOE_REQUEST, EOE(0x13, 2, 0), 1, ""},
-        {"EoE: the request itself", EOE_REQUEST, EOE(2, 2, 0), SKIPPED, "EoE type 2: no reply comes"},
-        {"EoE: another type", EOE_REQUEST, EOE(4, 2, 0), SKIPPED, "EoE type 2: no reply comes"},
-        {"EoE: another protocol", EOE_REQUEST, EOE(3, 1, 0), SKIPPED, "EoE type 2: no reply comes"},
+        {"EoE: the request itself", EOE_REQUEST, EOE(2, 2, 0), SKIPPED, "EoE type 2: no reply"},
+        {"EoE: another type", EOE_REQUEST, EOE(4, 2, 0), SKIPPED, "EoE type 2: no reply"},
+        {"EoE: another protocol", EOE_REQUEST, EOE(3, 1, 0), SKIPPED, "EoE type 2: no reply"},
         {"EoE: a mailbox error", EOE_REQUEST, EOE(3, 0, 0), 1, "EoE type 2: a mailbox error comes"},
     };
     (void)state;

@@ -275,7 +275,7 @@ static void lines_that_cannot_be_taken(void **state)
     } rows[] = {
         {ENOENT, 0, "cannot take line 25 of '/dev/gpiochip0': No such file or directory"},
         {EACCES, 0,
-         "cannot take line 25 of '/dev/gpiochip0': Permission denied; the group that may is gpio on a Raspberry Pi"},
+         "cannot take line 25 of '/dev/gpiochip0': Permission denied; on a Raspberry Pi the group gpio has access"},
         {0, EBUSY, "cannot take line 25 of '/dev/gpiochip0': Device or resource busy"},
     };
     (void)state;
@@ -365,7 +365,7 @@ static void opens(void **state)
         {0, 0, 0, NULL},
         {ENOENT, 0, 0,
          "cannot use '/dev/spidev0.0': No such file or directory; on a Raspberry Pi: dtparam=spi=on in config.txt"},
-        {EACCES, 0, 0, "cannot use '/dev/spidev0.0': Permission denied; the group that may is spi on a Raspberry Pi"},
+        {EACCES, 0, 0, "cannot use '/dev/spidev0.0': Permission denied; on a Raspberry Pi the group spi has access"},
         {0, SPI_IOC_WR_MODE, ENOTTY,
          "cannot use '/dev/spidev0.0': Inappropriate ioctl for device; it is no SPI device"},
         {0, SPI_IOC_WR_MAX_SPEED_HZ, EINVAL, "cannot use '/dev/spidev0.0': Invalid argument"},
