@@ -261,8 +261,9 @@ os.system('env -u LD_PRELOAD sh -c \"\$UNTIL\"')"; }
 long_poll() {
   reported_once 'recv()' "
 a, b = socket.socketpair()
-child = subprocess.Popen(real + ['sh', '-c', '''$(until_line)''' + '; echo >&%d' % b.fileno()], pass_fds=[b.fileno()])
-a.recv(1)"
+child = subprocess.Popen(real + ['sh', '-c', '''$(until_line)''' + '; echo'], stdout=b)
+b.close()
+assert a.recv(1)"
 }
 set_at_a_time() {
   for _ in 1 2 3; do
