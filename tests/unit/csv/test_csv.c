@@ -2,6 +2,7 @@
 /* Tables in text files: cells, separators, quotes, the lines that are refused, times, and cells written. */
 #define _GNU_SOURCE
 #include <errno.h>
+#include <fcntl.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -200,6 +201,19 @@ static void a_file_that_cannot_be_read_has_the_reason_of_the_system(void **state
     ect_csv_close(&csv);
 }
 
+static void a_close_closes_the_file_once(void **state)
+{
+    FILE *file = file_of("a\n", 2);
+    const int fd = fileno(file);
+    (void)state;
+    assert_true(ect_csv_begin(&csv, file));
+    assert_int_not_equal(fcntl(fd, F_GETFD), -1);
+    ect_csv_close(&csv);
+    assert_int_equal(fcntl(fd, F_GETFD), -1);
+    assert_null(csv.file);
+    ect_csv_close(&csv);
+}
+
 /* "-" is standard input, which remains open. */
 static void a_dash_is_standard_input(void **state)
 {
@@ -297,6 +311,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_first_line_is_refused_with_the_reason),
         cmocka_unit_test(the_longest_line_and_the_most_cells_are_taken),
         cmocka_unit_test(a_file_that_cannot_be_read_has_the_reason_of_the_system),
+        cmocka_unit_test(a_close_closes_the_file_once),
         cmocka_unit_test(a_dash_is_standard_input),
         cmocka_unit_test(a_time_is_seconds_in_ascending_order),
         cmocka_unit_test(a_cell_is_written_as_it_is_read_back),

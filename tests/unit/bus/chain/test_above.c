@@ -491,6 +491,25 @@ static void listed(void **state)
     assert_null(ect_chain_fault_at(w->chain, 0));
 }
 
+/* A fault of one transfer or mail is over with it: it is listed no more, and leaves room for another. */
+static void over_after_one(void **state)
+{
+    static const char *const faults[] = {"abort 0x2000 0x08000020 2nd slave 2", "mail type 2nd slave 2",
+                                         "mail lost 2nd slave 2"};
+    wire_t *w = *state;
+    uint8_t mail[ROOM];
+    for (size_t i = 0; i < sizeof faults / sizeof faults[0]; i++) {
+        set(w, faults[i]);
+        (void)request(w, mail);
+        if (!ect_chain_fault_at(w->chain, 0))
+            fail_msg("%s: over after the first", faults[i]);
+        (void)request(w, mail);
+        if (ect_chain_fault_at(w->chain, 0))
+            fail_msg("%s: not over after the second", faults[i]);
+        wire_advance(w, MS);
+    }
+}
+
 /* A count is no fault: it is not listed, lasts beyond 'off', and ends by its tag. */
 static void counts(void **state)
 {
@@ -560,6 +579,7 @@ int main(int argc, char **argv)
         TEST("a SyncManager without data has none with a fault of sizes either", sizes_of_any_length),
         TEST("a twin with a fault sleeps until there is work", sleeps),
         TEST("faults above the wire are listed, at most eight of a slave, and ended", listed),
+        TEST("a fault of one transfer or mail is over with it", over_after_one),
         TEST("SDO transfers are counted", counts),
         TEST("a share of the transfers, the same with the same seed", shares),
     };

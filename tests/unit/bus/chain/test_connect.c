@@ -91,6 +91,27 @@ static void through_twins(void **state)
     expect(2, "load", "3");
 }
 
+/* The target keeps what it has been set to meanwhile, unless the result is another. */
+static void the_same_result_sets_nothing(void **state)
+{
+    ect_connection_t list[] = {from_to(0, "analog", 1, "analog")};
+    (void)state;
+    list[0].factor = 0.01;
+    set(1, "analog", "9");
+    connect(list, COUNT(list)); /* 0, for the first time */
+    expect(1, "analog", "0");
+    set(1, "analog", "7");
+    set(0, "analog", "40");
+    expect(1, "analog", "7");
+    set(0, "analog", "100");
+    expect(1, "analog", "1");
+    set(1, "analog", "7");
+    set(0, "analog", "149");
+    expect(1, "analog", "7");
+    set(0, "analog", "150");
+    expect(1, "analog", "2");
+}
+
 /* Each connection has the value of its own source, with its fraction. */
 static void real_values(void **state)
 {
@@ -271,6 +292,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         {"a value passes through twins in one poll, with factor and offset", through_twins, setup, teardown, NULL},
+        {"a result that is the same again sets nothing", the_same_result_sets_nothing, setup, teardown, NULL},
         {"a signal with a fraction sets one", real_values, setup, teardown, NULL},
         {"values stop at the limits of the target; inversion", at_the_limits, setup, teardown, NULL},
         {"a value is rounded to the nearest integer, a half away from zero", rounded, setup, teardown, NULL},

@@ -388,6 +388,30 @@ static void address_is_gone(rig_t *r)
     (void)wire_write16(&r->w, 0, ECT_REG_STATION_ADDRESS, 0x3333);
 }
 
+static void fault(rig_t *r, const char *text)
+{
+    char message[ECT_FAULT_MESSAGE];
+    ect_fault_t parsed;
+    if (!ect_fault_parse(text, &parsed, message))
+        fail_msg("%s", message);
+    assert_null(ect_chain_fault(r->w.chain, &parsed, r->w.now_ns));
+}
+
+static void pdi_access_fails(rig_t *r)
+{
+    fault(r, "pdi-error slave 2");
+}
+
+static void event_is_lost(rig_t *r)
+{
+    fault(r, "lose-event slave 2");
+}
+
+static void eeprom_is_busy(rig_t *r)
+{
+    fault(r, "eeprom busy slave 2");
+}
+
 static void slave_restarts(rig_t *r)
 {
     ect_chain_power_cycle(r->w.chain, r->w.now_ns);
@@ -500,6 +524,9 @@ static void renewed_plans(void **state)
         {"the clock has another address", address_is_gone, false, false},
         {"the second slave is cut off", second_is_cut_off, true, false},
         {"writes are protected", writes_are_protected, false, false},
+        {"an access of the PDI has failed", pdi_access_fails, true, true},
+        {"an event will be lost", event_is_lost, true, true},
+        {"an EEPROM is busy", eeprom_is_busy, true, true},
         {"a slave has lost its power for a moment", slave_restarts, false, false},
     };
     (void)state;
