@@ -861,6 +861,9 @@ static void dictionary(void **state)
     assert_int_equal(sizeOfPDO(TX_PDO_OBJIDX, &count, sm, 4), 3);
     assert_int_equal(count, 4);
     assert_null(sm[2].obj);
+    assert_null(sm[2].objectlistitem);
+    assert_ptr_equal(sm[1].objectlistitem, &SDOobjects[SDO_findobject(0x6000)]);
+    assert_ptr_equal(sm[3].objectlistitem, &SDOobjects[SDO_findobject(0x6001)]); /* of a variable */
     assert_int_equal(sizeOfPDO(RX_PDO_OBJIDX, &count, NULL, 0), 3);
     assert_int_equal(count, 0);
     assert_int_equal(sizeOfPDO(TX_PDO_OBJIDX, &count, sm, 3), 0);
