@@ -23,6 +23,7 @@ FOLDERS = {"esi": TESTS / "esi", "eni": TESTS / "eni", "examples": TESTS.parent 
            "support": TESTS / "support"}
 LONGEST = 60  # s
 HELP = re.compile(r"Try `[^']*' or `[^']*' for\s+more\s+information\.\n")  # follows each message on wrong usage
+OTHERS = re.compile(r"^  (one of .* runs: -s|.* may have some, in) .*\n", re.M)  # twins of other tests, and of other users
 
 
 def output_of(command, folder, environment, version):
@@ -33,7 +34,7 @@ def output_of(command, folder, environment, version):
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
             return [f"no end after {LONGEST} s"]
-    lines = HELP.sub("", text).splitlines() + ([f"[{process.returncode}]"] if process.returncode != 0 else [])
+    lines = OTHERS.sub("", HELP.sub("", text)).splitlines() + ([f"[{process.returncode}]"] if process.returncode != 0 else [])
     return [line.rstrip() for line in lines]
 
 
