@@ -87,7 +87,7 @@ static long read_hex(FILE *file, const char *path, uint8_t *image, char *message
 long sii_file_read(const char *path, uint8_t *image, char *message, size_t room)
 {
     FILE *file = fopen(path, "rb");
-    long size = -1;
+    long size;
     if (file == NULL) {
         (void)snprintf(message, room, "%s: %s", path, strerror(errno));
         return -1;

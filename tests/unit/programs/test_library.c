@@ -460,6 +460,34 @@ static void no_control_socket(void **state)
     ectwin_bus_close(bus);
 }
 
+/* @return whether a file contains a text */
+static bool contains(const char *path, const char *text)
+{
+    static char content[1 << 20];
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    const size_t size = fread(content, 1, sizeof content, file);
+    fclose(file);
+    return memmem(content, size, text, strlen(text)) != NULL;
+}
+
+static void changes_in_a_record(void **state)
+{
+    char path[] = "/tmp/ectwin-library-XXXXXX", why[ECTWIN_MESSAGE];
+    const int fd = mkstemp(path);
+    (void)state;
+    assert_true(fd >= 0);
+    close(fd);
+    const char *const words[WORDS] = {"--record", path, "fzm1,fzm1"};
+    ectwin_bus_t *bus = must_open(words);
+    assert_int_equal(ectwin_bus_set(bus, 2, "data1", "1.5", START_NS, why, sizeof why), 0);
+    assert_int_equal(ectwin_bus_fault(bus, "drop 3%", START_NS, why, sizeof why), 0);
+    ectwin_bus_close(bus);
+    assert_true(contains(path, "{\"op\":\"set\",\"slave\":2,\"name\":\"data1\",\"value\":\"1.5\"}"));
+    assert_true(contains(path, "{\"op\":\"fault\",\"fault\":\"drop 3%\"}"));
+    unlink(path);
+}
+
 #define TEST(title, function) {title, function, NULL, NULL, NULL}
 
 int main(int argc, char **argv)
@@ -476,6 +504,7 @@ int main(int argc, char **argv)
         TEST("a signal is read as text, if it has room", get_signals),
         TEST("a signal is set from text, or the reason is returned and nothing changes", set_signals),
         TEST("a fault is set from text, or the reason is returned", set_faults),
+        TEST("a record has each set signal and fault as a request", changes_in_a_record),
         TEST("the expectations of a bus are judged, a line each", judge_scenarios),
         TEST("the control socket of a bus opens once, serves its clients and ends with the bus", control_socket),
         TEST("without a folder for the control socket none is open", no_control_socket),
