@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Sessions with the command: commands, and what they print.
 
 usage: sessions.py [--accept] ECTWIN [NAME...]     NAME: sessions/NAME.txt; without, all files

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """A control socket with canned replies, for commands that print them.
 
 usage: canned.py SOCKET REPLY... -- COMMAND ARG...
