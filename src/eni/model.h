@@ -133,7 +133,6 @@ typedef struct ect_eni_sm {
     ect_esi_number_t size; /**< `DefaultSize` */
     uint16_t start;
     uint8_t control;
-    bool enable;
     const uint16_t *pdos;
     size_t pdo_count;
     int line;

@@ -63,7 +63,6 @@ static void read_sm(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_sm_t *sm)
     sm->size.value = ect_esi_number(xml, node, "DefaultSize", 0, UINT16_MAX, 0);
     sm->start = (uint16_t)ect_esi_number(xml, node, "StartAddress", 0, UINT16_MAX, 0);
     sm->control = (uint8_t)ect_esi_number(xml, node, "ControlByte", 0, UINT8_MAX, 0);
-    sm->enable = strcmp(ect_esi_text(xml, ect_esi_child(node, "Enable")), "0") != 0;
     sm->line = ect_esi_line(node);
     ECT_ESI_EACH(child, node, "Pdo")
     {

@@ -632,7 +632,7 @@ static int64_t default_of(const ect_build_entry_t *entry, bool is_signed)
     uint64_t value = ect_build_number(entry);
     ECT_ASSERT(entry->bits > 0 && entry->bits <= 64); /* ect_build_range: an integer */
     uint64_t sign = is_signed ? UINT64_C(1) << (entry->bits - 1) : 0;
-    return (value & sign) != 0 ? (int64_t)(value | ~(2 * sign - 1)) : (int64_t)value;
+    return (value & sign) != 0 ? (int64_t)(value | ~(sign - 1)) : (int64_t)value;
 }
 
 /* Sets limits of the file that are within the range of the type. */

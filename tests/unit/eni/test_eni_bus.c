@@ -353,7 +353,9 @@ static void ENI_015_pdos_that_are_assigned_and_not_described_have_no_entries(voi
         model_of("assigned",
                  BOXES_AND("4096", "128", "4224", "128",
                            ASSIGN(" CompleteAccess='1'", "#x1C12", "1", "<Data>0016ff170018ff15</Data>")
-                               ASSIGN(" CompleteAccess='1'", "#x1C13", "1", "<Data>001aff1b001c001a</Data>")),
+                               ASSIGN(" CompleteAccess='1'", "#x1C13", "1", "<Data>001aff1b001c001a</Data>")
+                                   ASSIGN("", "#x1C0F", "1", "<Data>0116</Data>")
+                                       ASSIGN("", "#x1C30", "1", "<Data>0216</Data>")),
                  &esi);
     assert_int_equal(model->pdo_count, sizeof rows / sizeof rows[0]);
     for (size_t i = 0; i < model->pdo_count; i++) {

@@ -198,12 +198,13 @@ static void each_transition_has_the_timeout_of_the_device(void **state)
 {
     static const struct {
         ect_timeouts_t timeouts;
-        unsigned int ms[5]; /* IP, PS, SO, OS, SP */
+        unsigned int ms[6]; /* IP, PS, SO, OS, SP, PI */
     } rows[] = {
-        {{0}, {3000, 10000, 10000, 200, 5000}},
-        {{.preop_ms = 11, .safeop_op_ms = 22, .back_to_safeop_ms = 33, .back_to_init_ms = 44}, {11, 22, 22, 33, 44}},
+        {{0}, {3000, 10000, 10000, 200, 5000, 5000}},
+        {{.preop_ms = 11, .safeop_op_ms = 22, .back_to_safeop_ms = 33, .back_to_init_ms = 44},
+         {11, 22, 22, 33, 44, 44}},
     };
-    static const unsigned int transitions[] = {ECT_ENI_IP, ECT_ENI_PS, ECT_ENI_SO, ECT_ENI_OS, ECT_ENI_SP};
+    static const unsigned int transitions[] = {ECT_ENI_IP, ECT_ENI_PS, ECT_ENI_SO, ECT_ENI_OS, ECT_ENI_SP, ECT_ENI_PI};
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         ect_device_t device = *ect_catalogue_find("fzm1")->device;
@@ -212,7 +213,7 @@ static void each_transition_has_the_timeout_of_the_device(void **state)
         add_part(&w, "fzm1");
         w.parts[0].device = &device;
         write_parts("timeouts", &w);
-        for (size_t k = 0; k < 5; k++)
+        for (size_t k = 0; k < 6; k++)
             assert_int_equal(timeout_of(&w, transitions[k]), rows[i].ms[k]);
         drop(&w);
     }
@@ -552,6 +553,29 @@ static void ENI_020_mailboxes_have_a_bit_each(void **state)
     drop(&w);
 }
 
+/* The bits of the ninth and the tenth slave lie in the second byte. */
+static void ENI_020_more_than_eight_mailboxes_have_bits_in_several_bytes(void **state)
+{
+    enum { COUNT = 10 };
+    written_t w = {.count = 0};
+    (void)state;
+    for (unsigned int i = 0; i < COUNT; i++)
+        add_part(&w, "fzm1");
+    write_parts("states", &w);
+    const ect_eni_network_t *network = ect_eni_network(w.eni);
+    assert_int_equal(network->status_count, COUNT);
+    for (unsigned int i = 0; i < COUNT; i++) {
+        const uint8_t bit = i % 8;
+        const uint8_t fmmu[16] = {(uint8_t)(i / 8), 0, 0, 9, 1, 0, bit, bit, 0x0D, 0x08, 0, 1, 1};
+        const ect_eni_command_t *command = command_at(slave_of(w.eni, i), ECT_ENI_IP, 0x0620);
+        assert_non_null(command);
+        assert_memory_equal(command->data.bytes, fmmu, sizeof fmmu);
+        assert_int_equal(slave_of(w.eni, i)->mailbox.status_bit.value, i);
+    }
+    assert_int_equal(network->cyclics[0].frames[0].commands[1].data.length, 2);
+    drop(&w);
+}
+
 static void ENI_007_a_disabled_command_stays_disabled(void **state)
 {
     char why[400] = "";
@@ -797,6 +821,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(ENI_019_commands_that_a_tool_adapts_have_the_cycle_of_the_bus),
         cmocka_unit_test(ENI_019_cycle_times_of_synchronisation_have_the_cycle_of_the_clock),
         cmocka_unit_test(ENI_020_mailboxes_have_a_bit_each),
+        cmocka_unit_test(ENI_020_more_than_eight_mailboxes_have_bits_in_several_bytes),
         cmocka_unit_test(ENI_025_mails_of_AoE_EoE_SoE_and_FoE_come_back),
         cmocka_unit_test(ENI_025_a_mail_of_FoE_without_a_name_has_no_operation),
         cmocka_unit_test(ENI_025_commands_of_an_ESI_file_are_those_of_the_written_file),
