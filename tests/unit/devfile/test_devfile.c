@@ -668,7 +668,7 @@ static void lists_that_are_too_long_are_refused(void **state)
         {DEVICE("inputs: ["), "{entries: [gap 8]}, ", 513, "]\n", P(6, "more than 512 PDOs")},
         {DEVICE("outputs: ["), "{entries: [gap 8]}, ", 513, "]\n", P(6, "more than 512 PDOs")},
         {DEVICE("syncmanagers: ["), "{type: unused, start: 0}, ", 17, "]\n", P(6, "more than 16 SyncManagers")},
-        {DEVICE("outputs: ["), "gap 255, ", 255, "]\n",
+        {DEVICE("outputs: ["), "gap 255, ", 255, "]\n", P(6, "PDO 1600 has more than 254 entries")},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {

@@ -939,7 +939,7 @@ static void ENI_025_a_reply_of_AoE_or_EoE_is_that_to_the_request(void **state)
         {"EoE: the request itself", EOE_REQUEST, EOE(2, 2, 0), SKIPPED, "EoE type 2: no reply"},
         {"EoE: another type", EOE_REQUEST, EOE(4, 2, 0), SKIPPED, "EoE type 2: no reply"},
         {"EoE: another protocol", EOE_REQUEST, EOE(3, 1, 0), SKIPPED, "EoE type 2: no reply"},
-        {"EoE: a mailbox error", EOE_REQUEST, EOE(3, 0, 0), 1, "EoE type 2: a mailbox error comes"},
+        {"EoE: a mailbox error", EOE_REQUEST, EOE(3, 0, 0), 1, "EoE type 2: mailbox error"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
