@@ -86,7 +86,7 @@ static void all_or_none(void **state)
          2,
          10,
          20,
-         "`own` is read-only: it can be read and watched, not set"},
+         "own is the twin's own: it can be read and watched, not set"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {

@@ -167,7 +167,7 @@ static void waves(void **state)
         {WAVE("\"shape\":\"sine\",\"low\":1,\"high\":4,\"period\":-1"), "takes"},
         {WAVE("\"shape\":\"sine\",\"low\":1,\"high\":4,\"period\":2e6"), "takes"},
         {WAVE("\"shape\":\"sine\",\"low\":1,\"high\":4,\"period\":1000001"), "takes"},
-        {WAVE("\"shape\":\"sine\",\"low\":1,\"high\":4,\"period\":0"), "in a period of 0.01 s or more"},
+        {WAVE("\"shape\":\"sine\",\"low\":1,\"high\":4,\"period\":0"), "a period of 0.01 s or more"},
         {WAVE("\"shape\":\"sine\",\"low\":1,\"high\":4,\"period\":1e6"), OK},
         {"{\"op\":\"wave\",\"shape\":\"sine\",\"low\":1,\"high\":4,\"period\":1}\n", "takes"},
         {WAVE("\"slave\":2,\"shape\":\"off\""), "no wave sets 'scene'"},
