@@ -110,12 +110,25 @@ static void outlast(void **state)
     expect_fault(0, 0x2311, CURRENT);
 }
 
+static void one_drive(void **state)
+{
+    (void)state;
+    open_servo("SPEED", ECT_BEHAVIOUR_BY_FILE);
+    assert_int_equal((int)signal_of("soe.reports"), 0);
+    set("soe.reports", "1");
+    assert_int_equal((int)signal_of("soe.reports"), 1);
+    set("axis1.fault", "0x2311");
+    wire_advance(&wire, MS);
+    expect_fault(0, 0x2311, CURRENT);
+}
+
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
         {"SOE-019: a SoE drive sends no mail unasked", silent, NULL, close_drive, NULL},
         {"SOE-020: with soe.reports=1 the end of a command is a notification, a fault an emergency", reports, NULL,
          close_drive, NULL},
+        {"SOE-020: a twin of a single drive has soe.reports, too", one_drive, NULL, close_drive, NULL},
         {"SOE-020: soe.reports outlasts a power cycle", outlast, NULL, close_drive, NULL},
     };
     return cmocka_run_group_tests_name("reports of SoE drives", tests, NULL, NULL);
