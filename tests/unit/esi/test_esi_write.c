@@ -124,11 +124,27 @@ static void expect_same_dictionary(const ect_device_t *device, const ect_device_
     }
 }
 
+/* Each type is defined once, however many entries have it. */
+static void expect_types_once(const char *device, const char *file)
+{
+    static const char begin[] = "<DataType>\n";
+    for (const char *at = strstr(file, begin); at != NULL; at = strstr(at + 1, begin)) {
+        const char *name = strstr(at, "<Name>");
+        for (const char *next = strstr(at + 1, begin); next != NULL; next = strstr(next + 1, begin)) {
+            const char *other = strstr(next, "<Name>");
+            const size_t length = (size_t)(strstr(name, "</Name>") + strlen("</Name>") - name);
+            if (strncmp(name, other, length) == 0)
+                fail_msg("%s: %.*s is defined twice", device, (int)length, name);
+        }
+    }
+}
+
 static void round_trip(const ect_device_t *device, bool dictionary)
 {
     ect_arena_t arena = {0};
     const ect_identity_t identity = {0xE57, device->identity.product_code, device->identity.revision, 77};
     const char *file = write_one(&arena, device, &identity);
+    expect_types_once(device->name, file);
     ect_esi_twin_t *twin = read_back(file);
     const ect_device_t *again = ect_esi_twin_product(twin)->device;
     assert_int_equal(again->identity.vendor_id, identity.vendor_id);
