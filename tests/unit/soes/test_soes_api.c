@@ -516,6 +516,23 @@ static void interrupts(void **state)
     expect_calls("dc; dc; on 404; ");
 }
 
+/* Without use_interrupt the functions of interrupts are not called, and use_interrupt needs none of them. */
+static void no_interrupts(void **state)
+{
+    (void)state;
+    for (int use = 0; use < 2; use++) {
+        config.use_interrupt = use;
+        config.esc_hw_interrupt_enable = use == 0 ? enable : NULL;
+        config.esc_hw_interrupt_disable = use == 0 ? disable : NULL;
+        power_on();
+        wire_go(&w, 0, OP);
+        assert_int_equal(wire_al(&w, 0, PREOP, NULL), PREOP);
+        expect_calls("");
+        if (use == 0)
+            wire_close(&w);
+    }
+}
+
 /* The state that the hook behind a change gets: with ESCerror, the one that a refusal or a fall leads to. */
 static void errors_of_state_hooks(void **state)
 {
@@ -802,6 +819,23 @@ static void remapped(void **state)
     assert_int_equal(wire_write(&w, 0, SM2_sma, out, sizeof out), 1);
     assert_int_equal(app.gain, 0x12345678);
     assert_int_equal(app.offset, -2);
+}
+
+/* Without outputs no watchdog can expire, and no outputs are fetched. */
+static void without_outputs(void **state)
+{
+    (void)state;
+    config.watchdog_cnt = 5;
+    open_in(PREOP);
+    assert_int_equal(download8(0x1C12, 0, 0), 0);
+    wire_set_sm(&w, 0, 2, SM2_sma, 0, 0);
+    wire_set_sm(&w, 0, 3, SM3_sma, 3, SM3_smc);
+    assert_int_equal(wire_al(&w, 0, SAFEOP, NULL), SAFEOP);
+    assert_int_equal(ESCvar.ESC_SM2_sml, 0);
+    assert_int_equal(wire_al(&w, 0, OP, NULL), OP);
+    turns(30);
+    expect_status(OP, 0);
+    assert_int_equal(app_outputs, 0);
 }
 
 static void mapped_wrongly(void **state)
@@ -1408,6 +1442,7 @@ int main(int argc, char **argv)
         T("BOOT has a mailbox of its own", boot),
         T("CF-040: get_device_id, or the station alias, is the explicit identification", identification),
         T("use_interrupt: the enabled and disabled events, and the check of DC by the application", interrupts),
+        T("Without use_interrupt, or without the functions of interrupts, none is called", no_interrupts),
         T("a hook of a refusal or a fall gets the state with ESCerror", errors_of_state_hooks),
         T("SYNC0 is in the EEPROM of an application that checks it", clock_modes),
         T("DIG_process does what its flags name", parts_of_the_exchange),
@@ -1415,6 +1450,7 @@ int main(int argc, char **argv)
         T("a loop of separate calls: ESC_state does everything", pieces),
 #ifndef APP_RAW
         T("CF-074: dynamic process data", remapped),
+        T("CF-074: without outputs the watchdog does not leave OP", without_outputs),
         T("CF-074: a mapping that cannot be is refused on the way to SAFEOP", mapped_wrongly),
 #endif
         T_HOOKS("CF-067 CF-068: hooks of uploads: data, length, abort codes, each once", uploads),

@@ -211,6 +211,10 @@ static void names_of_twins(void **state)
         {"{\"op\":\"get\",\"pattern\":\"b.nosuch\"}\n",
          "{\"ok\":false,\"message\":\"no signal of slave 2 matches 'nosuch': 'ectwin list-signals -n 2' lists them; -n "
          "chooses one of 3 slaves\"}\n"},
+        {"{\"op\":\"wave\",\"name\":\"b.scene\",\"shape\":\"ramp\",\"low\":1,\"high\":2,\"period\":3}\n", OK},
+        {"{\"op\":\"waves\"}\n",
+         "{\"slave\":2,\"twin\":\"b\",\"name\":\"scene\",\"shape\":\"ramp\",\"low\":1,\"high\":2,"
+         "\"period\":3}\n" OK},
         {"{\"op\":\"set\",\"name\":\"b.data1\",\"value\":7,\"at\":5}\n", OK},
         {"{\"op\":\"set\",\"name\":\"b.nosuch\",\"value\":7,\"at\":5}\n",
          "{\"ok\":false,\"message\":\"slave 1 has no signal 'b.nosuch' that can be set: 'ectwin list-signals -n 1' "

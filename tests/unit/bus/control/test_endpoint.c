@@ -124,7 +124,9 @@ static void rights(void **state)
     runtime_folder("rights", folder);
     assert_int_equal(mkdir(folder, 0777), 0);
     assert_int_equal(chmod(folder, 0777), 0);
+    const mode_t mask = umask(0027);
     int fd = must_listen(path);
+    assert_int_equal(umask(mask), 0027); /* as before */
     assert_int_equal(stat(folder, &info), 0);
     assert_int_equal(info.st_mode & 07777, 0700);
     assert_int_equal(stat(path, &info), 0);
