@@ -33,7 +33,7 @@ ECT_C_BEGIN
  */
 uint16_t ect_ip_reply(const ect_eoe_address_t *own, const uint8_t *frame, uint16_t length, uint8_t *reply);
 
-/** @return the MAC address of a device: the known one, else a locally administered one derived from its IP address. */
+/** Writes the MAC address of a device: the known one, else a locally administered one derived from its IP address. */
 void ect_ip_mac(const ect_eoe_address_t *own, uint8_t mac[6]);
 
 ECT_C_END
