@@ -15,7 +15,7 @@ typedef struct taken {
     struct sigaction own; /* the program's action */
 } taken_t;
 
-static __typeof__(&sigaction) set_action; /* found before a handler needs it, who may have interrupted dlsym() */
+static __typeof__(&sigaction) set_action; /* found early: a handler may have interrupted dlsym() */
 
 static taken_t signals[] = {{.number = SIGSEGV}, {.number = SIGBUS}, {.number = SIGSYS}};
 
