@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which blocks of a program run, for tools/dev/mutate.py: the compiler calls a function at the begin of each block
- * (-fsanitize-coverage=trace-pc), which marks the block's place in the program in the file REACHED. The file is in
- * memory before main: neither a sandbox nor a signal that ends the process keeps a mark from it, and programs that are
- * started by others mark it too.
+ * Marks the blocks of a program that run, for tools/dev/mutate.py: the compiler inserts a call at the beginning of each
+ * block (-fsanitize-coverage=trace-pc), and the call marks the block's place in the file REACHED. The file is mapped
+ * before main, so marks survive a sandbox and a signal that ends the process; child processes mark the same file.
  */
 #define _GNU_SOURCE
 #include <fcntl.h>
@@ -12,14 +11,14 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-enum { SIZE = 1 << 24 }; /* of the file; code further back is left out */
+enum { SIZE = 1 << 24 }; /* of the file; code beyond is ignored */
 
 extern const char __ehdr_start[] __attribute__((visibility("hidden"))); /* of this program or library alone */
 void __sanitizer_cov_trace_pc(void) __attribute__((visibility("hidden")));
 
 static char *marks;
 
-/* System calls, because a library of `ectwin with --in-process` may be in the place of the functions. */
+/* Direct system calls, because a library of `ectwin with --in-process` may have replaced the functions. */
 static void __attribute__((constructor(101))) begin(void)
 {
     long fd = syscall(SYS_openat, AT_FDCWD, REACHED, O_RDWR | O_CLOEXEC);
