@@ -761,13 +761,13 @@ static int socket_of_handler = -1;
 static void on_fault(int number, siginfo_t *info, void *context)
 {
     sigset_t mask;
-    uint8_t here;
+    const uint8_t *here = __builtin_frame_address(0); /* AddressSanitizer may keep variables elsewhere */
     (void)context;
     handled.count++;
     handled.number = number;
     handled.code = info->si_code;
     handled.address = info->si_addr;
-    handled.on_stack = &here >= signal_stack && &here < signal_stack + sizeof signal_stack;
+    handled.on_stack = here >= signal_stack && here < signal_stack + sizeof signal_stack;
     pthread_sigmask(SIG_BLOCK, NULL, &mask);
     handled.blocks_usr1 = sigismember(&mask, SIGUSR1) == 1;
     handled.blocks_itself = sigismember(&mask, number) == 1;
