@@ -6,8 +6,8 @@ between the folders of a program follow from their files; its own folder, which 
 of src have a table of their own (layers.py). Read from the objects of a build; --graph prints each room, and each program, from the
 lowest to the highest, with the references of each.
 
-The comment of a room's internal.h lists all files of the room from the lowest to the highest: a file refers only to files before
-it. """
+The comment of a room's internal.h lists all files of the room from the lowest to the highest: a file refers only to files before it.
+"""
 import json
 import pathlib
 import re

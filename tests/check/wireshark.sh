@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Wireshark as an independent judge of tests/vectors: its dissector must report nothing on frames of both directions, detect
 # EtherCAT in each, and find all fifteen commands; it must report frames that are broken on purpose, and nothing malformed in the
-# slave's replies to mails (some requests are malformed on purpose). usage: wireshark.sh TEST_VECTORS Exits with 77 (skipped) where
-# tshark is not installed.
+# slave's replies to mails (some requests are malformed on purpose).
+# usage: wireshark.sh TEST_VECTORS      Exits with 77 (skipped) where tshark is not installed.
 set -eu
 command -v tshark >/dev/null || { echo "skipped: tshark is not installed"; exit 77; }
 work=$(mktemp -d)

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The commands of the manual's chapter "Timing charts" are typed as printed there, and give their charts: each signal of each chart
-# is both on and off. usage: charts_typed.sh ECTWIN A machine that is busy at that moment may stretch a record beyond a chart's end:
-# ten records are tried.
+# is both on and off.  usage: charts_typed.sh ECTWIN
+# A machine that is busy at that moment may stretch a record beyond a chart's end: ten records are tried.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=$(cd "$(dirname "$1")" && pwd)

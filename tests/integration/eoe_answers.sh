@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # A slave with a network address, a board or a program: it accepts an address, and replies to ARP and ping in frames of each length
-# over EoE. usage: eoe_answers.sh CONFORM IFACE [OPTION...]
+# over EoE.
+# usage: eoe_answers.sh CONFORM IFACE [OPTION...]
 set -u
 # shellcheck source=tests/support/check.sh
 . "$(dirname "$0")/../support/check.sh"

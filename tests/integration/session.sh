@@ -135,8 +135,8 @@ delayed_replies() {
   check "--delay: none is lost between late ones" whole "$(late_answers 30 40 | cut -d' ' -f1)"
 }
 
-# expect_of_fault FAULT EXPECTED: what comes back of twelve frames over three slaves, 5 ms apart, "number counter" each. The leaks of Python at its end
-# are no subject, and a report of them takes 0.2 s.
+# expect_of_fault FAULT EXPECTED: compares the replies to twelve frames over three slaves, 5 ms apart, as "number counter". Python reports
+# no leaks at its end, which would take 0.2 s for each fault.
 expect_of_fault() {
   check "--fault $1" "$2" "$(ASAN_OPTIONS=detect_leaks=0 "$ectwin" with --in-process --virtual-time --fault "$1" fzm1,fzm1,fzm1 -- python3 "$here/frames.py" {} 12 5 6 2>/dev/null |
     cut -d" " -f1,2 | xargs)"
