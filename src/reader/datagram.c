@@ -34,7 +34,7 @@ static size_t build(ect_reader_t *r, uint8_t command, uint16_t address, const ui
     ect_store_be16(r->frame + AT_TYPE, ETHERTYPE);
     ect_store_le16(r->frame + ETHERNET, (uint16_t)(COMMANDS | (DATAGRAM + length + WKC)));
     put_slave(r, d, command);
-    d[1] = ++r->index;
+    d[1] = r->index;
     ect_store_le16(d + 4, address);
     ect_store_le16(d + 6, length);
     memcpy(d + DATAGRAM, data, length);
@@ -51,7 +51,8 @@ static bool is_reply(const ect_reader_t *r, size_t length)
            memcmp(d + 4, sent + 4, 2) == 0 && (ect_load_le16(d + 6) & LENGTH) == bytes;
 }
 
-bool reader_try(ect_reader_t *r, uint8_t command, uint16_t address, uint8_t *data, uint16_t length, uint16_t *wkc)
+/* All tries of a request have the same index: on a busy machine, the late reply to an earlier try is the reply. */
+static bool try_once(ect_reader_t *r, uint8_t command, uint16_t address, uint8_t *data, uint16_t length, uint16_t *wkc)
 {
     ECT_ASSERT(length <= ECT_READER_MAIL);
     const uint64_t until = reader_now(r) + r->config.frame_ms * NS_PER_MS;
@@ -61,12 +62,21 @@ bool reader_try(ect_reader_t *r, uint8_t command, uint16_t address, uint8_t *dat
         if (got == 0)
             return false;
         if (!is_reply(r, got))
-            continue; /* a late frame, or a frame of another master */
+            continue; /* a reply to an earlier request, or a frame of another master */
         memcpy(data, r->reply + AT_DATA, length);
         *wkc = ect_load_le16(r->reply + AT_DATA + length);
         return true;
     }
     return false;
+}
+
+bool reader_ask(ect_reader_t *r, uint8_t command, uint16_t address, uint8_t *data, uint16_t length, uint16_t *wkc)
+{
+    bool came = false;
+    r->index++;
+    for (unsigned int tries = 0; tries < r->config.tries && !came && !reader_is_over(r); tries++)
+        came = try_once(r, command, address, data, length, wkc);
+    return came;
 }
 
 bool ect_reader_hears_master(const ect_reader_link_t *link, uint32_t ms)
@@ -86,10 +96,11 @@ static ect_reader_result_t repeat(ect_reader_t *r, uint8_t command, uint16_t add
 {
     uint16_t wkc = 0;
     bool came = false;
+    r->index++;
     for (unsigned int tries = 0; tries < r->config.tries; tries++) {
         if (reader_is_over(r))
             return ECT_READER_STOPPED;
-        came = reader_try(r, command, address, data, length, &wkc);
+        came = try_once(r, command, address, data, length, &wkc);
         if (came && wkc == 1)
             return reader_good(r);
     }

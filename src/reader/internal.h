@@ -39,9 +39,11 @@ uint64_t reader_now(const ect_reader_t *r);
 /* A pause between two polls: short at first, then up to 1 ms. */
 void reader_pause(const ect_reader_t *r, unsigned int polls);
 
-/* `command`: APRD, APWR or BRD. @return false: no frame came back. *wkc: slaves that processed the datagram */
-bool reader_try(ect_reader_t *r, uint8_t command, uint16_t address, uint8_t *data, uint16_t length, uint16_t *wkc);
-/* Sends a datagram to the slave, and repeats it when a frame is lost: not for accesses with side effects. */
+/* Sends a datagram until a reply arrives, at most ect_reader_config_t::tries times. `command`: APRD, APWR or BRD.
+ * @return false: no frame came back, or the limit of all calls was reached. *wkc: slaves that processed the datagram */
+bool reader_ask(ect_reader_t *r, uint8_t command, uint16_t address, uint8_t *data, uint16_t length, uint16_t *wkc);
+/* Sends a datagram to the slave, and repeats it when a frame is lost or not processed: not for accesses with side
+ * effects. */
 ect_reader_result_t reader_get(ect_reader_t *r, uint16_t address, uint8_t *data, uint16_t length);
 ect_reader_result_t reader_put(ect_reader_t *r, uint16_t address, const uint8_t *data, uint16_t length);
 uint16_t reader_load16(const uint8_t *bytes);

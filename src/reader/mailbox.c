@@ -10,8 +10,8 @@
 enum { COUNTERS = 7, ATTEMPTS_MOST = 100000 };
 enum { STATUS_OF_SM1 = ECT_REG_SM + ECT_SM_SIZE + ECT_SM_STATUS };
 
-/* Reads a mail once: the read of the last byte empties the mailbox, so a repetition after a lost frame would find no
- * mail. */
+/* The read of the last byte empties the mailbox: where the reply to this read is lost, a repetition finds no mail, and
+ * the request is repeated. */
 static ect_reader_result_t fetch(ect_reader_t *r, bool *came)
 {
     uint8_t status;
@@ -22,7 +22,7 @@ static ect_reader_result_t fetch(ect_reader_t *r, bool *came)
     if ((status & ECT_SM_STATUS_FULL) == 0)
         return ECT_READER_OK;
     memset(r->mail, 0, sizeof r->mail);
-    *came = reader_try(r, APRD, r->in_start, r->mail, r->in_size, &wkc) && wkc == 1;
+    *came = reader_ask(r, APRD, r->in_start, r->mail, r->in_size, &wkc) && wkc == 1;
     return ECT_READER_OK;
 }
 
@@ -72,7 +72,7 @@ ect_reader_result_t reader_send_mail(ect_reader_t *r, uint8_t type, const uint8_
     for (unsigned int polls = 0; polls < ATTEMPTS_MOST && reader_now(r) < until; polls++) {
         if (reader_is_over(r))
             return ECT_READER_STOPPED;
-        if (reader_try(r, APWR, r->out_start, mail, r->out_size, &wkc) && wkc == 1)
+        if (reader_ask(r, APWR, r->out_start, mail, r->out_size, &wkc) && wkc == 1)
             return reader_good(r);
         reader_pause(r, polls);
     }

@@ -14,7 +14,7 @@ enum { TO_SLAVE = 0x26, FROM_SLAVE = 0x22, SM1 = ECT_SM_SIZE };
 static ect_reader_config_t with_defaults(const ect_reader_config_t *given)
 {
     ect_reader_config_t c = given != NULL ? *given : (ect_reader_config_t){0};
-    c.frame_ms = c.frame_ms != 0 ? c.frame_ms : 100;
+    c.frame_ms = c.frame_ms != 0 ? c.frame_ms : 300;
     c.reply_ms = c.reply_ms != 0 ? c.reply_ms : 2000;
     c.state_ms = c.state_ms != 0 ? c.state_ms : 5000;
     c.limit_ms = c.limit_ms != 0 ? c.limit_ms : 600000;
@@ -25,9 +25,7 @@ static ect_reader_config_t with_defaults(const ect_reader_config_t *given)
 static ect_reader_result_t count_slaves(ect_reader_t *r)
 {
     uint8_t byte = 0;
-    bool came = false;
-    for (unsigned int tries = 0; tries < r->config.tries && !came; tries++)
-        came = reader_try(r, BRD, ECT_REG_TYPE, &byte, 1, &r->count);
+    const bool came = reader_ask(r, BRD, ECT_REG_TYPE, &byte, 1, &r->count);
     if (came && r->config.position < r->count)
         return ECT_READER_OK;
     return came ? reader_report(r, ECT_READER_LOST, "the segment has only %u slave%s", r->count,

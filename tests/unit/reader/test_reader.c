@@ -975,6 +975,89 @@ static void a_frame_is_sent_again_after_its_timeout_only(void **state)
     }
 }
 
+/* A wire that delivers every reply, in order, this long after its request: a busy machine. */
+typedef struct slow {
+    liar_t l;
+    uint64_t delay_ns;
+    struct {
+        uint8_t frame[LIAR_FRAME];
+        size_t length;
+        uint64_t at_ns;
+    } replies[16];
+    unsigned int sent, received;
+} slow_t;
+
+static void slow_send(void *ctx, const uint8_t *frame, size_t length)
+{
+    slow_t *s = ctx;
+    const size_t slot = s->sent++ % (sizeof s->replies / sizeof s->replies[0]);
+    assert_true(s->sent - s->received <= sizeof s->replies / sizeof s->replies[0]);
+    s->l.link.send(&s->l, frame, length);
+    s->replies[slot].length = s->l.link.receive(&s->l, s->replies[slot].frame, LIAR_FRAME, 0);
+    s->replies[slot].at_ns = s->l.link.now(&s->l) + s->delay_ns;
+}
+
+static size_t slow_receive(void *ctx, uint8_t *frame, size_t room, uint64_t until_ns)
+{
+    slow_t *s = ctx;
+    const size_t slot = s->received % (sizeof s->replies / sizeof s->replies[0]);
+    const bool comes = s->received < s->sent && s->replies[slot].at_ns <= until_ns;
+    const uint64_t at_ns = comes ? s->replies[slot].at_ns : until_ns;
+    if (at_ns > s->l.link.now(&s->l))
+        s->l.link.wait(&s->l, at_ns);
+    if (!comes)
+        return 0;
+    assert_true(s->replies[slot].length <= room);
+    memcpy(frame, s->replies[slot].frame, s->replies[slot].length);
+    s->received++;
+    return s->replies[slot].length;
+}
+
+static uint64_t slow_now(void *ctx)
+{
+    slow_t *s = ctx;
+    return s->l.link.now(&s->l);
+}
+
+static void slow_wait(void *ctx, uint64_t until_ns)
+{
+    slow_t *s = ctx;
+    s->l.link.wait(&s->l, until_ns);
+}
+
+static void a_slave_is_read_while_every_reply_is_late(void **state)
+{
+    static const struct {
+        unsigned int delay_ms;
+        ect_reader_result_t result;
+    } rows[] = {
+        {0, ECT_READER_OK}, {250, ECT_READER_OK}, {350, ECT_READER_OK}, {899, ECT_READER_OK}, {901, ECT_READER_LOST}};
+    static slow_t slow;
+    static const ect_reader_link_t link = {
+        .ctx = &slow, .send = slow_send, .receive = slow_receive, .now = slow_now, .wait = slow_wait};
+    static const ect_reader_config_t patient = {.limit_ms = 36000000};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        seen_t s = {.device = &testdev};
+        const ect_reader_sink_t sink = {.ctx = &s, .begin = see_begin, .object = see_object, .entry = see_entry};
+        ect_reader_result_t result;
+        size_t size;
+        memset(&slow, 0, sizeof slow);
+        liar_open(&slow.l, &testdev, NULL);
+        slow.delay_ns = rows[i].delay_ms * UINT64_C(1000000);
+        result = ect_reader_open(&reader, &link, &patient);
+        if (result == ECT_READER_OK)
+            result = ect_reader_sii(&reader, image, 0, &size);
+        if (result == ECT_READER_OK)
+            result = ect_reader_dictionary(&reader, ECT_READER_ALL_VALUES, &sink);
+        if (result != rows[i].result)
+            fail_msg("%u ms: %d (%s), %d expected", rows[i].delay_ms, result, reader.text, rows[i].result);
+        if (result == ECT_READER_OK)
+            assert_int_equal(s.entries, entries_of(&testdev));
+        close_reader(&slow.l);
+    }
+}
+
 /* A slave changes its position, the data and the working counter of a datagram, and nothing else. */
 static void a_reply_has_the_request_s_command_index_and_address(void **state)
 {
@@ -1022,7 +1105,7 @@ static void zeros_of_the_configuration_are_the_defaults(void **state)
             .ctx = &s, .send = scripted_send, .receive = scripted_receive, .now = scripted_now};
         const ect_reader_config_t second = {.position = 1};
         (void)ect_reader_open(&reader, &link, n == 0 ? &second : &given);
-        assert_int_equal(reader.config.frame_ms, n == 0 ? 100 : 1);
+        assert_int_equal(reader.config.frame_ms, n == 0 ? 300 : 1);
         assert_int_equal(reader.config.reply_ms, n == 0 ? 2000 : 2);
         assert_int_equal(reader.config.state_ms, n == 0 ? 5000 : 3);
         assert_int_equal(reader.config.limit_ms, n == 0 ? 600000 : 4);
@@ -1167,6 +1250,7 @@ int main(void)
         cmocka_unit_test(the_json_text_has_every_field),
         cmocka_unit_test(a_wire_that_loses_a_fifth_of_the_frames_changes_nothing),
         cmocka_unit_test(a_frame_is_sent_again_after_its_timeout_only),
+        cmocka_unit_test(a_slave_is_read_while_every_reply_is_late),
         cmocka_unit_test(a_reply_has_the_request_s_command_index_and_address),
         cmocka_unit_test(zeros_of_the_configuration_are_the_defaults),
         cmocka_unit_test(sync_managers_are_written_whole_and_reserved_bits_are_zero),
