@@ -17,7 +17,7 @@
     "{\"slave\":1,\"name\":\"ready\",\"value\":0,\"access\":\"r\",\"range\":\"0..1\",\"meaning\":\"READY\","           \
     "\"field\":\"2200h:1 bit 2\"}\n"
 
-/* --- answers ------------------------------------------------------------------------------------------------------ */
+/* --- replies ------------------------------------------------------------------------------------------------------ */
 
 static void requests_get_replies(void **state)
 {
@@ -88,7 +88,7 @@ static void requests_get_replies(void **state)
     close_bench(&b);
 }
 
-/* Each counter with a value of its own; one reply more or less moves the quantiles to another step. */
+/* Each counter has a different value; with one reply more or less, a quantile is in another step. */
 static void statistics_are_in_the_reply(void **state)
 {
     static const ect_stats_t stats = {.start_ns = 400 * MS,
@@ -128,7 +128,7 @@ static void statistics_are_in_the_reply(void **state)
     close_bench(&b);
 }
 
-/* With a script the reply has its progress, and the verdict so far. */
+/* With a script the reply contains its progress and the present verdict. */
 static void statistics_of_a_scenario(void **state)
 {
     static const ect_stats_t stats = {.start_ns = 400 * MS};
@@ -142,7 +142,7 @@ static void statistics_of_a_scenario(void **state)
     close_bench(&b);
 }
 
-/* With replies in the kernel the reply has their way, their times and their histogram too. */
+/* With --in-kernel the reply contains the hook, the times and the histogram of the replies in the kernel. */
 static void statistics_of_the_kernel(void **state)
 {
     static const ect_stats_t stats = {.hook = "native",
@@ -257,12 +257,12 @@ static void words_of_the_start(void **state)
     close_bench(&b);
 }
 
-/* After each step, over all three units: one that is off the bus counts as 0, and its error does not count. */
+/* The states of all three units after each step: a unit off the bus counts as state 0, and without its error. */
 static void states_of_the_twins(void **state)
 {
     static const struct {
         const char *title;
-        size_t twin; /* goes to `to`, or gets `request` */
+        size_t twin; /* changes to the state `to`, or executes `request` */
         uint8_t to;
         const char *request;
         const char *want;
@@ -350,7 +350,7 @@ static void every_line_is_json(void **state)
     close_bench(&b);
 }
 
-/* The controller sends a set of periodic data whose bytes count up. */
+/* The controller sends a set of periodic data; each byte is one higher than the previous byte. */
 static void send_periodic(bench_t *b, uint16_t size)
 {
     uint8_t out[228] = {0};
@@ -365,7 +365,7 @@ static void send_periodic(bench_t *b, uint16_t size)
     }
 }
 
-/* Too large for a signal, and for a line: it is given in pieces. */
+/* Periodic data exceed a signal and a line. */
 static void periodic_data_in_pieces(void **state)
 {
     static const struct {
@@ -406,7 +406,7 @@ static void periodic_data_in_pieces(void **state)
     close_bench(&b);
 }
 
-/* The replay of a record executes the same requests, without a connection. */
+/* The replay of a record executes these requests without a connection. */
 static void changes_without_a_connection(void **state)
 {
     static const struct {
@@ -459,7 +459,7 @@ static void all_or_nothing(void **state)
     static const struct {
         const char *request, *part;
     } cases[] = {
-        /* Each of the two limits the other: 5 ms and 10 ms at first. */
+        /* Each of the two signals limits the other: initially 5 ms and 10 ms. */
         {"{\"op\":\"set\",\"values\":{\"output_period\":40,\"output_time\":30}}\n", OK},
         {"{\"op\":\"set\",\"values\":{\"output_time\":300,\"output_period\":400}}\n", OK},
         {"{\"op\":\"set\",\"values\":{\"output_period\":30,\"output_time\":20}}\n", OK},
@@ -483,7 +483,7 @@ static void all_or_nothing(void **state)
     open_bench(&b, "fzm1", 1);
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
         expect_part(&b, cases[i].request, cases[i].part);
-    assert_false(ect_chain_slave(b.wire.chain, 0)->off_bus); /* the restart was taken back */
+    assert_false(ect_chain_slave(b.wire.chain, 0)->off_bus); /* the restart was undone */
     close_bench(&b);
 }
 
@@ -562,7 +562,7 @@ static void set_at_a_time(void **state)
     expect_data1(&b, "1");
     ect_control_act(b.control, b.wire.chain, start_ns + 4000000000u);
     assert_true(ect_control_planned(b.control) == start_ns + 5000000000u);
-    expect_data1(&b, "3"); /* of one time in the order of the requests */
+    expect_data1(&b, "3"); /* requests for the same time are executed in their order */
     assert_string_equal(refusal, "");
     ect_control_act(b.control, b.wire.chain, start_ns + 5000000000u);
     assert_true(ect_control_planned(b.control) == ECT_NEVER);
@@ -570,7 +570,7 @@ static void set_at_a_time(void **state)
     close_bench(&b);
 }
 
-/* The list of faults is one step of the loop, so it has an end: 64 of those of all slaves. */
+/* The list of faults is written in one step of the loop, so its length is limited. */
 static void most_faults_of_a_list(void **state)
 {
     enum { TWINS = 9, OF_A_TWIN = 8, LISTED = 64 };
@@ -609,7 +609,7 @@ static void on_change(void *ctx, const char *request, size_t length)
     snprintf(observed.request, sizeof observed.request, "%.*s", (int)length, request);
 }
 
-/* A bus whose scenario, if it has one, reports no refusals. */
+/* A bus without a scenario, and a bus whose scenario has no function for refusals. */
 static void observed_at_a_time(void **state)
 {
     (void)state;
@@ -652,7 +652,7 @@ static void without_memory(void **state)
     close_bench(&b);
 }
 
-/* A step of the start that fails has a message and an error, and leaves nothing open. */
+/* Each step of the start fails once, with a message and an error; no descriptor remains open. */
 static void failing_starts(void **state)
 {
     static const struct {
@@ -716,31 +716,33 @@ static void most_requests_that_wait(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"Requests get replies, refusals with the reason", requests_get_replies, NULL, NULL, NULL},
-        {"The reply to stats has the hook, the plans and the times of replies in the kernel", statistics_of_the_kernel,
+        {"Each request gets a reply, a refused one with the reason", requests_get_replies, NULL, NULL, NULL},
+        {"The reply to stats contains the hook, the plans and the times of replies in the kernel",
+         statistics_of_the_kernel, NULL, NULL, NULL},
+        {"The reply to stats contains each counter and each step of the histogram", statistics_are_in_the_reply, NULL,
+         NULL, NULL},
+        {"The name of a twin selects the twin in requests", names_of_twins, NULL, NULL, NULL},
+        {"The command line of the start is read in pieces", words_of_the_start, NULL, NULL, NULL},
+        {"The reply to about contains name, devices, interfaces and AL states", about_the_twins, NULL, NULL, NULL},
+        {"The reply to about contains the lowest and highest AL state of all twins, and the number of errors",
+         states_of_the_twins, NULL, NULL, NULL},
+        {"Requests set, list and end faults", faults_by_request, NULL, NULL, NULL},
+        {"Every line of a reply is JSON", every_line_is_json, NULL, NULL, NULL},
+        {"Data that exceed a signal are read in pieces", periodic_data_in_pieces, NULL, NULL, NULL},
+        {"A control socket that cannot be opened has a message, and no descriptor remains open", failing_starts, NULL,
+         NULL, NULL},
+        {"The reply to stats contains the progress of a script", statistics_of_a_scenario, NULL, NULL, NULL},
+        {"Without a connection, requests that change the chain are executed or refused", changes_without_a_connection,
          NULL, NULL, NULL},
-        {"Each counter and step of the histogram is in the reply to stats", statistics_are_in_the_reply, NULL, NULL,
-         NULL},
-        {"Twins are chosen by their names", names_of_twins, NULL, NULL, NULL},
-        {"The words of the start come in pieces", words_of_the_start, NULL, NULL, NULL},
-        {"The twins are described: name, devices, interfaces, AL states", about_the_twins, NULL, NULL, NULL},
-        {"The lowest and highest AL state of all twins, and the number of errors", states_of_the_twins, NULL, NULL,
-         NULL},
-        {"Faults are set, listed and ended by requests", faults_by_request, NULL, NULL, NULL},
-        {"Every line is JSON", every_line_is_json, NULL, NULL, NULL},
-        {"Data too large for a signal are sent in pieces", periodic_data_in_pieces, NULL, NULL, NULL},
-        {"A control socket that cannot be opened has a cause, and leaves nothing open", failing_starts, NULL, NULL,
-         NULL},
-        {"The statistics have the progress of a script", statistics_of_a_scenario, NULL, NULL, NULL},
-        {"Changes are executed without a connection, or refused", changes_without_a_connection, NULL, NULL, NULL},
-        {"The requests that change the chain are set, fault, write and wave", requests_that_change, NULL, NULL, NULL},
-        {"Several signals are set all or none, in any order", all_or_nothing, NULL, NULL, NULL},
+        {"Only set, fault, write and wave change the chain", requests_that_change, NULL, NULL, NULL},
+        {"Several signals are set in any order, all of them or none", all_or_nothing, NULL, NULL, NULL},
         {"A request sets at most 128 signals", most_signals_of_one_set, NULL, NULL, NULL},
-        {"Signals are set at a time of the bus; a time that is over is refused", set_at_a_time, NULL, NULL, NULL},
-        {"An observer gets a request at its time, as one that is due", observed_at_a_time, NULL, NULL, NULL},
-        {"Without memory there is no socket, and no watching", without_memory, NULL, NULL, NULL},
-        {"At most 64 faults are listed", most_faults_of_a_list, NULL, NULL, NULL},
-        {"At most 64 requests wait for their time", most_requests_that_wait, NULL, NULL, NULL},
+        {"Signals are set at a time of the bus; a past time is refused", set_at_a_time, NULL, NULL, NULL},
+        {"An observer gets a request with a time when the request is executed, without the time", observed_at_a_time,
+         NULL, NULL, NULL},
+        {"Without memory no control socket is opened, and watch is refused", without_memory, NULL, NULL, NULL},
+        {"A list of faults has at most 64 lines", most_faults_of_a_list, NULL, NULL, NULL},
+        {"At most 64 requests with a time are pending", most_requests_that_wait, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -16,8 +16,7 @@
 
 /* --- bounded work ------------------------------------------------------------------------------------------------- */
 
-/* Several requests for everything in one write, from each of sixteen clients. serve_once() holds the bounds.
- */
+/* Each of sixteen clients requests all signals several times in one write. serve_once() checks the bounds. */
 static void pipelined_requests_are_served_in_pieces(void **state)
 {
     static char got[ECT_CONTROL_CLIENTS][ANSWER_ROOM];
@@ -49,7 +48,7 @@ static void pipelined_requests_are_served_in_pieces(void **state)
     close_bench(&b);
 }
 
-/* A client that requests everything again and again, a client that does not read: the others are served in the next
+/* One client repeats requests for all signals, one client does not read: another client is served in the next
  * round. */
 static void clients_are_served_in_turn(void **state)
 {
@@ -71,7 +70,7 @@ static void clients_are_served_in_turn(void **state)
         serve_once(&b);
     for (unsigned int i = 0; i < 100; i++) {
         send_text(fds[2], "{\"op\":\"get\",\"pattern\":\"bu.state\"}\n");
-        for (unsigned int k = 0; k < 3 * 3; k++) /* it is received, then answered, in its turns */
+        for (unsigned int k = 0; k < 3 * 3; k++) /* one turn for the reception, one for the reply */
             serve_once(&b);
         receive_text(fds[2], got, sizeof got);
         assert_non_null(strstr(got, "\"bu.state\""));
@@ -83,7 +82,7 @@ static void clients_are_served_in_turn(void **state)
     close_bench(&b);
 }
 
-/* An unread reply stops, costs nothing meanwhile, and is complete in the end. */
+/* The reply stops while the client does not read, without work for the twin, and is complete in the end. */
 static void unread_replies_cost_nothing(void **state)
 {
     static char got[ANSWER_ROOM];
@@ -97,12 +96,12 @@ static void unread_replies_cost_nothing(void **state)
     for (size_t n = 0; n < 3; n++)
         send_text(fd, "{\"op\":\"get\",\"slave\":0}\n");
     serve(&b);
-    assert_false(wants_to_be_served(&b)); /* waiting, although the reply is incomplete */
+    assert_false(wants_to_be_served(&b)); /* waiting for the client, with an incomplete reply */
     size_t used = receive_text(fd, got, 1000);
     while (!wants_to_be_served(&b))
         used += receive_text(fd, got + used, 1000);
     serve_once(&b);
-    assert_int_equal(work.receives, 0); /* there is room for more, and nothing to receive */
+    assert_int_equal(work.receives, 0); /* nothing is pending for reception */
     assert_int_equal(work.sends, 1);
     for (size_t before = 1; used != before;) {
         before = used;
@@ -116,7 +115,7 @@ static void unread_replies_cost_nothing(void **state)
     close_bench(&b);
 }
 
-/* A step by itself, without a socket. */
+/* A step without a socket. */
 static void a_step_is_bounded(void **state)
 {
     static const char *const requests[] = {"{\"op\":\"list\"}\n", "{\"op\":\"get\",\"pattern\":\"*\",\"slave\":0}\n",
@@ -146,7 +145,7 @@ static void a_step_is_bounded(void **state)
     close_bench(&b);
 }
 
-/* Each step writes as much as it may: eight changes of the 16 that wait, then the others, then none. */
+/* With 16 pending changes the first step writes eight, the second the others, the third none. */
 static void a_step_is_used(void **state)
 {
     static const char request[] = "{\"op\":\"watch\",\"slave\":0,\"pattern\":\"ru*.encoder\"}\n";
@@ -199,14 +198,14 @@ static void a_half_closed_client_gets_its_reply(void **state)
         send_text(fd, requests[i]);
         assert_int_equal(shutdown(fd, SHUT_WR), 0);
         serve(&b);
-        receive_text(fd, got, sizeof got); /* returns: the connection was closed after the reply */
+        receive_text(fd, got, sizeof got); /* returns because the connection is closed after the reply */
         assert_non_null(strstr(got, OK));
         close(fd);
     }
     close_bench(&b);
 }
 
-/* A reply that takes many steps is complete, too. */
+/* A reply of many steps. */
 static void a_half_closed_client_gets_a_long_reply(void **state)
 {
     static char got[ANSWER_ROOM];
@@ -227,12 +226,12 @@ static void a_half_closed_client_gets_a_long_reply(void **state)
     got[used] = 0;
     assert_int_equal(count_of(got, OK), 1);
     assert_int_equal(count_of(got, "\"slave\":2,"), count_of(got, "\"slave\":1,"));
-    assert_int_equal(part, 0); /* the connection has ended */
+    assert_int_equal(part, 0); /* end of the connection */
     close(fd);
     close_bench(&b);
 }
 
-/* The kernel may refuse to wait for one more descriptor. */
+/* epoll_ctl() may fail for a further descriptor. */
 static void a_client_that_cannot_be_waited_for(void **state)
 {
     char got[256];
@@ -243,14 +242,14 @@ static void a_client_that_cannot_be_waited_for(void **state)
     refuses_events = true;
     serve(&b);
     refuses_events = false;
-    receive_text(fd, got, sizeof got); /* returns: the connection was closed */
+    receive_text(fd, got, sizeof got); /* returns because the connection is closed */
     assert_non_null(strstr(got, "{\"ok\":false,"));
     close(fd);
     expect_part(&b, "{\"op\":\"get\"}\n", OK);
     close_bench(&b);
 }
 
-/* A watcher that has ended sending still gets changes; when it is gone, its place is free. */
+/* A client that watches and has ended sending gets changes; after its end another client is accepted. */
 static void a_half_closed_watcher_gets_changes(void **state)
 {
     char got[1024];
@@ -293,7 +292,7 @@ static void requests_before_the_end_of_a_connection(void **state)
     close_bench(&b);
 }
 
-/* Writes as many requests as the socket takes, the last one sets a signal. */
+/* Writes `last`, then requests until the buffer of the socket is full. */
 static void fill_with_requests(int fd, const char *request, const char *last)
 {
     static char block[4096];
@@ -308,7 +307,7 @@ static void fill_with_requests(int fd, const char *request, const char *last)
         ;
 }
 
-/* Sixteen clients that asked for everything, thousands of times, and closed their connections. */
+/* Sixteen clients request all signals thousands of times and close their connections. */
 static void requests_of_closed_connections_are_skipped(void **state)
 {
     static const char *const requests[] = {"{\"op\":\"list\",\"slave\":0}\n", "{\"op\":\"watch\",\"slave\":0}\n", "\n"};
@@ -367,7 +366,7 @@ static void a_request_in_pieces(void **state)
     close_bench(&b);
 }
 
-/* A request of 4095 bytes still waits for its line feed; a 4096th byte of another kind ends the connection. */
+/* A request of 4095 bytes waits for its line feed; another byte in place of the line feed ends the connection. */
 static void the_line_feed_of_the_longest_request(void **state)
 {
     static const struct {
@@ -420,7 +419,7 @@ static void zero_bytes_and_long_requests(void **state)
     memset(text, ' ', ECT_ENDPOINT_REQUEST - 1);
     memcpy(text, request, strlen(request));
     strcpy(text + ECT_ENDPOINT_REQUEST - 1, "\n");
-    send_text(fd, text); /* as long as may be */
+    send_text(fd, text); /* the longest request */
     serve(&b);
     receive_text(fd, got, sizeof got);
     assert_non_null(strstr(got, OK));
@@ -429,7 +428,7 @@ static void zero_bytes_and_long_requests(void **state)
     serve(&b);
     receive_text(fd, got, sizeof got);
     assert_non_null(strstr(got, "at most 4095 characters"));
-    assert_int_equal(read(fd, got, 1), 0); /* and it was closed */
+    assert_int_equal(read(fd, got, 1), 0); /* closed */
     close(fd);
     close_bench(&b);
 }
@@ -509,7 +508,7 @@ static void the_17th_client_gets_the_reason(void **state)
     close_bench(&b);
 }
 
-/* Without a descriptor no client is accepted, and a waiting one keeps the socket readable: the loop must not spin. */
+/* Without a free descriptor a pending client keeps the socket readable, but the loop must not spin. */
 static void expect_refusal(void)
 {
     struct rlimit before, none;
@@ -538,8 +537,7 @@ static void no_descriptors(void **state)
     expect_refusal();
 }
 
-/* A daemon's standard input may be closed: the descriptor that is kept for a refusal, or that of a client, is 0 then.
- */
+/* A daemon's standard input may be closed: the spare descriptor, or the descriptor of a client, then is 0. */
 static void descriptor_0(void **state)
 {
     char got[256];
@@ -561,14 +559,14 @@ static void descriptor_0(void **state)
     receive_text(fd, got, sizeof got);
     assert_non_null(strstr(got, OK));
     close(fd);
-    fd = dup(input); /* in place of the standard input, which the socket closes */
+    fd = dup(input); /* replaces descriptor 0, which close_bench() closes */
     close_bench(&b);
     close(fd);
     assert_int_equal(dup2(input, STDIN_FILENO), STDIN_FILENO);
     close(input);
 }
 
-/* No descriptor for the refusal either: the next attempt follows after a second. */
+/* Without the spare descriptor, too, the next attempt follows after a second. */
 static void no_descriptors_at_all(void **state)
 {
     struct rlimit before, none;
@@ -602,36 +600,37 @@ static void no_descriptors_at_all(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"Attack: 4 x everything from 16 clients is served in bounded pieces, and whole",
+        {"Attack: 4 requests for all signals from each of 16 clients are served completely, in bounded pieces",
          pipelined_requests_are_served_in_pieces, NULL, NULL, NULL},
-        {"A step writes at most eight lines and its result, and compares at most 32 names", a_step_is_bounded, NULL,
+        {"A step writes at most eight lines and the result, and compares at most 32 names", a_step_is_bounded, NULL,
          NULL, NULL},
-        {"A step writes eight changes when more wait, and the next step the others", a_step_is_used, NULL, NULL, NULL},
-        {"Each client is served in its turn, whatever the others request", clients_are_served_in_turn, NULL, NULL,
-         NULL},
-        {"Attack: a client that does not read costs nothing, and gets everything later", unread_replies_cost_nothing,
-         NULL, NULL, NULL},
-        {"A half-closed client gets a reply of many steps to its end", a_half_closed_client_gets_a_long_reply, NULL,
+        {"A step writes eight of the pending changes, the next step the others", a_step_is_used, NULL, NULL, NULL},
+        {"Each client is served in turn, regardless of the requests of the others", clients_are_served_in_turn, NULL,
          NULL, NULL},
-        {"A client for which epoll has no place is refused", a_client_that_cannot_be_waited_for, NULL, NULL, NULL},
+        {"Attack: a client that does not read causes no work, and gets the complete reply later",
+         unread_replies_cost_nothing, NULL, NULL, NULL},
+        {"A half-closed client gets a reply of many steps completely", a_half_closed_client_gets_a_long_reply, NULL,
+         NULL, NULL},
+        {"A client that epoll refuses is closed with a reason", a_client_that_cannot_be_waited_for, NULL, NULL, NULL},
         {"A half-closed client gets its reply", a_half_closed_client_gets_its_reply, NULL, NULL, NULL},
-        {"A half-closed watcher still gets changes, and its place is free after its end",
+        {"A half-closed client that watches gets changes; after its end another client is accepted",
          a_half_closed_watcher_gets_changes, NULL, NULL, NULL},
         {"Requests before the end of a connection are executed", requests_before_the_end_of_a_connection, NULL, NULL,
          NULL},
-        {"Attack: sixteen closed connections: only set and fault are executed",
+        {"Attack: only changes are executed of the requests of sixteen closed connections",
          requests_of_closed_connections_are_skipped, NULL, NULL, NULL},
-        {"A request may come byte by byte", a_request_in_pieces, NULL, NULL, NULL},
+        {"A request is received byte by byte", a_request_in_pieces, NULL, NULL, NULL},
         {"A request of 4095 bytes waits for its line feed", the_line_feed_of_the_longest_request, NULL, NULL, NULL},
-        {"Attack: zero bytes and endless requests are refused", zero_bytes_and_long_requests, NULL, NULL, NULL},
-        {"Attack: the 17th client gets the reason, and is closed", the_17th_client_gets_the_reason, NULL, NULL, NULL},
-        {"A read that is interrupted is repeated, one that fails ends the connection", interrupted_reads_are_repeated,
-         NULL, NULL, NULL},
-        {"Attack: a client that is gone before it is refused harms no other", a_client_that_is_gone_before_its_refusal,
-         NULL, NULL, NULL},
-        {"Attack: without descriptors a client gets the reason", no_descriptors, NULL, NULL, NULL},
-        {"Descriptor 0 is one as any other, where the standard input is closed", descriptor_0, NULL, NULL, NULL},
-        {"Attack: without any descriptor nothing spins", no_descriptors_at_all, NULL, NULL, NULL},
+        {"Attack: zero bytes and too long requests are refused", zero_bytes_and_long_requests, NULL, NULL, NULL},
+        {"Attack: the 17th client gets the reason and is closed", the_17th_client_gets_the_reason, NULL, NULL, NULL},
+        {"An interrupted read is repeated, a failed one ends the connection", interrupted_reads_are_repeated, NULL,
+         NULL, NULL},
+        {"Attack: a client that ends before its refusal has no effect on others",
+         a_client_that_is_gone_before_its_refusal, NULL, NULL, NULL},
+        {"Attack: without a free descriptor a client gets the reason", no_descriptors, NULL, NULL, NULL},
+        {"With the standard input closed, descriptor 0 is the spare one or that of a client", descriptor_0, NULL, NULL,
+         NULL},
+        {"Attack: without the spare descriptor the loop does not spin", no_descriptors_at_all, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The control socket: signals that are watched (control.h, watch.h). */
+/* The control socket: watched signals (control.h, watch.h). */
 #define _GNU_SOURCE
 #include "support/control_bench.h"
 
@@ -43,17 +43,17 @@ static void changes_every_10_ms(void **state)
     receive_text(fd, got, sizeof got);
     assert_string_equal(got, "{\"slave\":1,\"name\":\"ru1.encoder\",\"value\":6,\"time\":1.010000}\n");
     set_encoder(&b, 7);
-    set_encoder(&b, 6); /* back before the next round: no change */
+    set_encoder(&b, 6); /* the previous value before the next round: no change */
     b.wire.now_ns += 10 * MS;
     serve(&b);
     assert_int_equal(receive_text(fd, got, sizeof got), 0);
     close(fd);
     serve(&b);
-    assert_true(ect_control_due(b.control) == ECT_NEVER); /* no client watches: no rounds */
+    assert_true(ect_control_due(b.control) == ECT_NEVER); /* no rounds without a client that watches */
     close_bench(&b);
 }
 
-/* Each of several signals has its own last value. */
+/* Each watched signal has a last value of its own. */
 static void a_change_is_reported_once(void **state)
 {
     static const char *const watches[] = {"ru1.buttons", "bu.state", "ru1.encoder"};
@@ -81,7 +81,7 @@ static void a_change_is_reported_once(void **state)
     close_bench(&b);
 }
 
-/* Each byte of a value counts, whatever its size. */
+/* A change of any byte of a value is reported, for each size. */
 static void every_byte_of_a_value(void **state)
 {
     static const struct {
@@ -149,11 +149,11 @@ static void set_of_fzm1(bench_t *b, const char *name, const char *value)
         fail_msg("%s", message);
 }
 
-/* The order of a list of changes in which they can be played, whatever the order of the watches. */
+/* The list of changes can be played in its order, regardless of the order of the watches. */
 static void choices_come_first(void **state)
 {
     static const struct {
-        const char *watch, *set[2]; /* name and value; data1 of the first scene is 5 */
+        const char *watch, *set[2]; /* name and value; data1 is 5 in the first scene */
         const char *names[4];       /* of the reply */
     } rows[] = {
         {"{\"op\":\"watch\",\"pattern\":\"[ds][ac][te][an]*\"%s}\n", {"scene", "3"}, {"scene", "data1"}},
@@ -200,12 +200,12 @@ static void choices_come_first(void **state)
     }
 }
 
-/* Lamps are made when they are looked for: those of the twins of which one is watched, and of no others. */
+/* Only the lamps of twins with a watched lamp are updated, because their computation has a cost. */
 static void watched_lamps(void **state)
 {
     static const struct {
         const char *watch;
-        unsigned int updates; /* at the lamps of a twin, for each comparison */
+        unsigned int updates; /* of the lamps of a twin, for each comparison */
         const char *reply;
     } rows[] = {
         {"{\"op\":\"watch\",\"slave\":2,\"pattern\":\"ecat.state\",\"every\":true}\n", 1,
@@ -243,7 +243,7 @@ static void watched_lamps(void **state)
     }
 }
 
-/* A signal that is added is watched from the next round on; it begins none. */
+/* An added signal is watched from the next round on, and begins no round. */
 static void no_round_begins(void **state)
 {
     static const char *const names[] = {"ru1.encoder", "ru2.encoder"};
@@ -273,7 +273,7 @@ static void no_round_begins(void **state)
     close_bench(&b);
 }
 
-/* A thousand equal requests: each gets a reply, and a change is reported once. */
+/* Each of a thousand equal requests gets a reply; a change is reported once. */
 static void a_repeated_watch_is_one(void **state)
 {
     static char got[ANSWER_ROOM];
@@ -322,7 +322,7 @@ static void most_signals_that_are_watched(void **state)
     expect_part(&b, "{\"op\":\"watch\",\"every\":true}\n", "too many signals are watched at every change");
     expect_part(&b, "{\"op\":\"watch\",\"pattern\":\"bu.state\",\"every\":true}\n",
                 "too many signals are watched at every change");
-    /* Nor by a request for every change of signals that are watched already. */
+    /* A request with `every` for signals that are already watched adds none. */
     send_text(fds[0], "{\"op\":\"watch\",\"pattern\":\"bu.state\",\"every\":true}\n");
     serve(&b);
     receive_text(fds[0], got, sizeof got);
@@ -333,7 +333,7 @@ static void most_signals_that_are_watched(void **state)
     close_bench(&b);
 }
 
-/* Two connections share the room for watches of every change, to its last place. */
+/* Two connections together watch as many signals with `every` as are allowed. */
 static void most_signals_of_all_connections(void **state)
 {
     static char got[ANSWER_ROOM];
@@ -364,7 +364,7 @@ static void most_signals_of_all_connections(void **state)
     close_bench(&b);
 }
 
-/* A client that watches every change and reads none gets a line about the loss, and the connection ends. */
+/* The client gets a line that reports the loss, and the connection ends. */
 static void a_slow_watcher_of_every_change_is_disconnected(void **state)
 {
     static char got[ANSWER_ROOM];
@@ -395,19 +395,20 @@ static void a_slow_watcher_of_every_change_is_disconnected(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"Watch: one line for each difference after 10 ms", changes_every_10_ms, NULL, NULL, NULL},
-        {"Watch: a change is reported once, whatever else is watched", a_change_is_reported_once, NULL, NULL, NULL},
-        {"Watch: a signal that is added begins no round", no_round_begins, NULL, NULL, NULL},
-        {"Watch: each byte of a value counts", every_byte_of_a_value, NULL, NULL, NULL},
-        {"Watch: every change, with its time", every_change, NULL, NULL, NULL},
-        {"Watch: the number of a scene is reported before the values that it has changed", choices_come_first, NULL,
+        {"Watch: every 10 ms, each changed value is one line", changes_every_10_ms, NULL, NULL, NULL},
+        {"Watch: a change is reported once, regardless of other watched signals", a_change_is_reported_once, NULL, NULL,
+         NULL},
+        {"Watch: an added signal begins no round", no_round_begins, NULL, NULL, NULL},
+        {"Watch: a change of any byte of a value is reported", every_byte_of_a_value, NULL, NULL, NULL},
+        {"Watch: with every, each change is reported with its time", every_change, NULL, NULL, NULL},
+        {"Watch: the number of a scene is reported before the values that change with it", choices_come_first, NULL,
          NULL, NULL},
-        {"Watch: lamps are brought up to date where one is watched", watched_lamps, NULL, NULL, NULL},
-        {"Attack: 1000 x the same watch is watched once", a_repeated_watch_is_one, NULL, NULL, NULL},
-        {"Attack: at most 4096 signals are watched", most_signals_that_are_watched, NULL, NULL, NULL},
-        {"Attack: all connections together watch at most 4096 signals at every change", most_signals_of_all_connections,
+        {"Watch: the lamps of a twin are updated if one of them is watched", watched_lamps, NULL, NULL, NULL},
+        {"Attack: a signal of 1000 equal watches is watched once", a_repeated_watch_is_one, NULL, NULL, NULL},
+        {"Attack: a connection watches at most 4096 signals", most_signals_that_are_watched, NULL, NULL, NULL},
+        {"Attack: all connections together watch at most 4096 signals with every", most_signals_of_all_connections,
          NULL, NULL, NULL},
-        {"Attack: a watcher of every change that does not read is disconnected",
+        {"Attack: a client that watches with every and does not read is disconnected",
          a_slow_watcher_of_every_change_is_disconnected, NULL, NULL, NULL},
     };
     if (argc > 1)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The place and the owner of control sockets, and files that must not be touched (endpoint.h). */
+/* The path and the owner of control sockets, and files that are left unchanged (endpoint.h). */
 #define _GNU_SOURCE
 #include "bus/control/endpoint.h"
 
@@ -20,8 +20,7 @@
 
 #include <cmocka.h>
 
-/* A runtime folder of the test's own, the working directory as well; `name` is made in it and set as XDG_RUNTIME_DIR.
- */
+/* A folder of the test, and its working directory. */
 static char work[64];
 
 static int make_work(void **state)
@@ -39,6 +38,7 @@ static int remove_work(void **state)
     return system(command) == 0 ? 0 : -1;
 }
 
+/* Creates a folder in `work`, and sets XDG_RUNTIME_DIR to it. @param[out] folder  of the sockets */
 static void runtime_folder(const char *name, char folder[ECT_ENDPOINT_PATH])
 {
     char path[ECT_ENDPOINT_PATH];
@@ -81,7 +81,7 @@ static void expect_reachable(int fd, const char *path)
     close(client);
 }
 
-/* Files in a folder, hidden ones too. */
+/* Counts the files of a folder, hidden ones included. */
 static int count_names(const char *folder)
 {
     DIR *directory = opendir(folder);
@@ -94,7 +94,7 @@ static int count_names(const char *folder)
     return count;
 }
 
-/* Rights of folders at their creation, before any chmod(). */
+/* The mode of the last mkdir(), before any chmod(). */
 static mode_t made_with;
 int __real_mkdir(const char *path, mode_t mode);
 int __wrap_mkdir(const char *path, mode_t mode);
@@ -126,7 +126,7 @@ static void rights(void **state)
     assert_int_equal(chmod(folder, 0777), 0);
     const mode_t mask = umask(0027);
     int fd = must_listen(path);
-    assert_int_equal(umask(mask), 0027); /* as before */
+    assert_int_equal(umask(mask), 0027); /* unchanged */
     assert_int_equal(stat(folder, &info), 0);
     assert_int_equal(info.st_mode & 07777, 0700);
     assert_int_equal(stat(path, &info), 0);
@@ -147,7 +147,7 @@ static void odd_and_long_paths(void **state)
         ect_endpoint_close(fd, path, ect_endpoint_identity(path));
         assert_int_equal(access(path, F_OK), -1);
     }
-    /* Longer than the address of a socket, 108 bytes, by a little and by much. */
+    /* Around and far above the length of a socket's address, 108 bytes. */
     for (size_t length = 90; length <= 400; length += 31) {
         memset(name, 'x', length);
         for (size_t i = 50; i < length; i += 50)
@@ -176,7 +176,8 @@ static void too_long_a_path(void **state)
     assert_int_equal(errno, ENAMETOOLONG);
 }
 
-/* The folder leaves 32 bytes of a path for a name; a path beyond a socket's address is reached through its folder. */
+/* A folder leaves 32 bytes of a path for a name; a path longer than a socket's address is reached through its folder.
+ */
 static void paths_at_their_limits(void **state)
 {
     enum { FOLDER_MOST = ECT_ENDPOINT_PATH - 32 - 1 - (int)sizeof "/ectwin" + 1, ADDRESS = 108 };
@@ -196,13 +197,14 @@ static void paths_at_their_limits(void **state)
     }
     assert_int_equal(ect_endpoint_listen(NULL, path, message), -1);
     assert_non_null(strstr(message, "XDG_RUNTIME_DIR can name another place"));
-    for (size_t length = ADDRESS - 1; length <= ADDRESS + 1; length++) { /* without a folder, the longest address */
+    for (size_t length = ADDRESS - 1; length <= ADDRESS + 1;
+         length++) { /* a path without a folder must fit the address */
         memset(name, 'y', length);
         name[length] = 0;
         assert_int_equal(ect_endpoint_connect(name, &owner), -1);
         assert_int_equal(errno, length < ADDRESS ? ENOENT : ENAMETOOLONG);
     }
-    /* A name of 108 bytes fits into no address, wherever its folder is. */
+    /* A name of 108 bytes fits no address, in any folder. */
     char longest[ECT_ENDPOINT_PATH + sizeof work + 16];
     snprintf(longest, sizeof longest, "%s/%s", work, name);
     assert_int_equal(ect_endpoint_connect(longest, &owner), -1);
@@ -210,7 +212,7 @@ static void paths_at_their_limits(void **state)
     assert_int_equal(ect_endpoint_identity(longest), 0);
 }
 
-/* The path of a name in the longest folder that has room for one. */
+/* Names of which the path has 1023 bytes, in short and long folders. */
 static void the_longest_name_that_is_found(void **state)
 {
     enum { ROOM = 1023 - (int)sizeof "/.sock" + 1 };
@@ -232,8 +234,7 @@ static void the_longest_name_that_is_found(void **state)
     }
 }
 
-/* Containers that share the folder have equal process ids: the second one takes another name, the first keeps its own.
- */
+/* Containers with a common folder may have equal process ids: the second twin takes another name. */
 static void names_that_collide(void **state)
 {
     char folder[ECT_ENDPOINT_PATH], path[3][ECT_ENDPOINT_PATH];
@@ -255,7 +256,7 @@ static void names_that_collide(void **state)
     assert_int_equal(rmdir(folder), 0);
 }
 
-/* A process tries a hundred names for its socket, and for the file in which that begins. */
+/* A hundred names for the socket, and for the hidden file that becomes the socket. */
 static void most_names(void **state)
 {
     enum { MOST = 100 };
@@ -298,14 +299,14 @@ static void dead_socket(void **state)
     char folder[ECT_ENDPOINT_PATH], path[2][ECT_ENDPOINT_PATH];
     (void)state;
     runtime_folder("dead", folder);
-    close(must_listen(path[0])); /* as when the process was killed: the name stays */
+    close(must_listen(path[0])); /* as by a kill: the file remains */
     int fd = must_listen(path[1]);
     assert_string_equal(path[0], path[1]);
     expect_reachable(fd, path[1]);
     ect_endpoint_close(fd, path[1], ect_endpoint_identity(path[1]));
 }
 
-/* A daemon's standard input may be closed: a socket, or a connection, gets descriptor 0 then. */
+/* A daemon's standard input may be closed: a socket or a connection then gets descriptor 0. */
 static void descriptor_0(void **state)
 {
     char folder[ECT_ENDPOINT_PATH], path[2][ECT_ENDPOINT_PATH];
@@ -329,7 +330,7 @@ static void descriptor_0(void **state)
     ect_endpoint_close(fd, path[0], ect_endpoint_identity(path[0]));
 }
 
-/* Dead sockets are removed; live sockets and other files stay. */
+/* Dead sockets are removed; live sockets and other files remain. */
 static void dead_sockets_of_others(void **state)
 {
     char folder[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH], left[ECT_ENDPOINT_PATH], live[ECT_ENDPOINT_PATH];
@@ -351,12 +352,12 @@ static void dead_sockets_of_others(void **state)
     assert_int_equal(access(left, F_OK), -1);
     assert_int_equal(access(live, F_OK), 0);
     assert_int_equal(access(file, F_OK), 0);
-    assert_int_equal(access(hidden, F_OK), 0); /* no twin has that name */
+    assert_int_equal(access(hidden, F_OK), 0); /* a name of no twin */
     ect_endpoint_close(fd, path, ect_endpoint_identity(path));
     ect_endpoint_close(second, live, ect_endpoint_identity(live));
 }
 
-/* Somebody else has taken the name meanwhile: it is theirs. */
+/* The file has been removed, and another process has a socket with its name. */
 static void name_of_another(void **state)
 {
     char folder[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH], other[ECT_ENDPOINT_PATH];
@@ -391,7 +392,7 @@ static void other_files_than_sockets(void **state)
     ect_endpoint_clear(path);
     assert_int_equal(stat(path, &info), 0);
     assert_int_equal(info.st_size, 4);
-    /* Nor a link to a dead socket, nor its target. */
+    /* A link to a dead socket and its target also remain. */
     char link[ECT_ENDPOINT_PATH + 32];
     snprintf(link, sizeof link, "%s/link.sock", folder);
     close(must_listen(taken));
@@ -403,8 +404,8 @@ static void other_files_than_sockets(void **state)
     assert_int_equal(lstat(taken, &info), -1);
 }
 
-/* A folder of another user, a link to another folder, a folder writable by all, a file. (Another owner needs another
- * user: tests/integration/control.sh.) */
+/* A link to another folder, a file, a folder writable by others. (A folder of another user requires a second user:
+ * tests/integration/control.sh.) */
 static void folders_not_to_trust(void **state)
 {
     char folder[ECT_ENDPOINT_PATH], path[ECT_ENDPOINT_PATH], message[ECT_ENDPOINT_MESSAGE];
@@ -433,7 +434,7 @@ static void folders_not_to_trust(void **state)
     assert_non_null(strstr(message, "XDG_RUNTIME_DIR can name another place"));
 }
 
-/* A named twin has one socket, under its name alone; nothing else stays in the folder. */
+/* A named twin has one socket, with its name, and the folder contains no other file. */
 static void names(void **state)
 {
     static const char longest[] = "abcdefghijklmnopqrstuvwxyz12345";
@@ -465,7 +466,7 @@ static void names(void **state)
     assert_int_equal(errno, EADDRINUSE);
     assert_non_null(strstr(message, "is running"));
     assert_int_equal(count_names(folder), 1);
-    close(fd); /* as a killed process leaves it */
+    close(fd); /* as by a kill */
     fd = ect_endpoint_listen(longest, path, message);
     assert_true(fd >= 0);
     ect_endpoint_close(fd, path, ect_endpoint_identity(path));
@@ -550,29 +551,28 @@ static void full_backlog(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"The folder is made 0700 and the socket 0600, whatever was there", rights, NULL, NULL, NULL},
-        {"Attack: the folder has mode 0700 from its first moment on", never_open_to_others, NULL, NULL, NULL},
-        {"Paths with brackets and blanks, and longer than a socket's address, are reached", odd_and_long_paths, NULL,
+        {"The folder has mode 0700 and the socket 0600, regardless of the previous mode and of umask", rights, NULL,
          NULL, NULL},
-        {"A path that is too long is refused, not cut", too_long_a_path, NULL, NULL, NULL},
-        {"A name is found whose path has 1023 bytes, and no longer one", the_longest_name_that_is_found, NULL, NULL,
-         NULL},
+        {"Attack: the folder is created with mode 0700", never_open_to_others, NULL, NULL, NULL},
+        {"Paths with brackets and blanks, and paths longer than a socket's address, are reached", odd_and_long_paths,
+         NULL, NULL, NULL},
+        {"A path that is too long is refused, not truncated", too_long_a_path, NULL, NULL, NULL},
+        {"A name is found if its path has at most 1023 bytes", the_longest_name_that_is_found, NULL, NULL, NULL},
         {"Paths at their limits: the longest folder, the longest address of a socket", paths_at_their_limits, NULL,
          NULL, NULL},
-        {"Attack: the name of a live twin is not taken over", names_that_collide, NULL, NULL, NULL},
-        {"A process tries a hundred names", most_names, NULL, NULL, NULL},
-        {"Descriptor 0 is one as any other, where the standard input is closed", descriptor_0, NULL, NULL, NULL},
-        {"The name of a twin that was killed is free", dead_socket, NULL, NULL, NULL},
-        {"Sockets that killed processes have left are removed at the next start", dead_sockets_of_others, NULL, NULL,
-         NULL},
-        {"A name that another twin has taken meanwhile stays", name_of_another, NULL, NULL, NULL},
+        {"Attack: the name of a live twin is not taken by another", names_that_collide, NULL, NULL, NULL},
+        {"A process without a name tries a hundred names", most_names, NULL, NULL, NULL},
+        {"With the standard input closed, a socket or a connection has descriptor 0", descriptor_0, NULL, NULL, NULL},
+        {"The name of a killed twin is free", dead_socket, NULL, NULL, NULL},
+        {"The sockets of killed processes are removed at the next start", dead_sockets_of_others, NULL, NULL, NULL},
+        {"A socket of another twin with the same name is not removed", name_of_another, NULL, NULL, NULL},
         {"Attack: a file that is no socket is never removed", other_files_than_sockets, NULL, NULL, NULL},
-        {"Attack: a folder that others could have made or may write to is not trusted", folders_not_to_trust, NULL,
+        {"Attack: a link, a file, and a folder that others may write to are not trusted", folders_not_to_trust, NULL,
          NULL, NULL},
-        {"A name belongs to one live twin, and is free when that has ended", names, NULL, NULL, NULL},
-        {"Sockets of a folder: other files and names with a dot are ignored", each_socket, NULL, NULL, NULL},
-        {"Connecting without waiting: a full backlog is EAGAIN", full_backlog, NULL, NULL, NULL},
-        {"Without XDG_RUNTIME_DIR it is /tmp/ectwin-UID", without_a_runtime_folder, NULL, NULL, NULL},
+        {"A name belongs to one live twin, and is free after the end of the twin", names, NULL, NULL, NULL},
+        {"The sockets of a folder are listed without other files and hidden names", each_socket, NULL, NULL, NULL},
+        {"Connecting without waiting returns EAGAIN with a full backlog", full_backlog, NULL, NULL, NULL},
+        {"Without XDG_RUNTIME_DIR the folder is /tmp/ectwin-UID", without_a_runtime_folder, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

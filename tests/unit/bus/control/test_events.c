@@ -27,7 +27,7 @@ static void open_followed(bench_t *b, const char *device, size_t count)
     b->wire.now_ns = 1500 * MS;
 }
 
-/* Carries out a fault, and lets the twins run. */
+/* Executes a fault, and polls the twins. */
 static void provoke(bench_t *b, const char *fault)
 {
     char request[128];
@@ -94,7 +94,7 @@ static void a_code_without_a_name(void **state)
     close_bench(&b);
 }
 
-/* The counter of emergencies begins again with the slave. */
+/* The slave's counter of emergencies restarts at zero. */
 static void a_restart(void **state)
 {
     bench_t b;
@@ -179,13 +179,13 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"Without a chain or memory for events the request is refused", nothing_is_recorded, NULL, NULL, NULL},
-        {"Changes of AL states and emergencies are events with words, in order, for each twin", states_and_emergencies,
-         NULL, NULL, NULL},
-        {"An AL status code without a name is shown as a number", a_code_without_a_name, NULL, NULL, NULL},
-        {"A slave that restarts loses no emergency", a_restart, NULL, NULL, NULL},
-        {"The last 256 events are kept, and a reply has at most 8", many_events, NULL, NULL, NULL},
-        {"A request for events with a wrong number is refused", refused, NULL, NULL, NULL},
-        {"Each class of emergencies has its words (CiA 301)", words, NULL, NULL, NULL},
+        {"Changes of AL states and emergencies are events, in order, with texts", states_and_emergencies, NULL, NULL,
+         NULL},
+        {"An AL status code without a name is written as a number", a_code_without_a_name, NULL, NULL, NULL},
+        {"The emergency after a restart of the slave is an event", a_restart, NULL, NULL, NULL},
+        {"The last 256 events are kept, and a reply has at most 8 events", many_events, NULL, NULL, NULL},
+        {"A request for events after an invalid number is refused", refused, NULL, NULL, NULL},
+        {"Each class of emergencies has a text (CiA 301)", words, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

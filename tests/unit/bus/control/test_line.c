@@ -66,7 +66,7 @@ static void full_lines(void **state)
     }
 }
 
-/* Texts of users are UTF-8; any other byte becomes '?', as does a control character that is no ASCII. */
+/* Texts of users are UTF-8; '?' replaces other bytes, DEL and the control characters beyond ASCII. */
 static void characters(void **state)
 {
     static const struct {
@@ -90,7 +90,7 @@ static void characters(void **state)
     }
 }
 
-/* A long text of characters of two, three and four bytes is cut between two of them. */
+/* Long texts of characters of two, three and four bytes. */
 static void whole_characters(void **state)
 {
     static const char *const fillers[] = {"\xC3\xBC", "\xE2\x82\xAC", "\xF0\x9F\x99\x82"};
@@ -112,10 +112,10 @@ static void whole_characters(void **state)
     }
 }
 
-/* The longest value that has room, and the next longer one; a space is no control character. */
+/* The longest value that fits, and the next longer one; a space is not escaped. */
 static void exact_room(void **state)
 {
-    enum { MOST = ECT_LINE_ROOM - 9 }; /* {"p": and }, line feed, and the room that is kept for a quote */
+    enum { MOST = ECT_LINE_ROOM - 9 }; /* without {"p": and }, line feed, and the room reserved for a quote */
     static char text[ECT_LINE_ROOM];
     ect_line_t line;
     (void)state;
@@ -127,7 +127,7 @@ static void exact_room(void **state)
         ect_line_end(&line);
         assert_int_equal(line.length, length <= MOST ? length + 7 : 3);
     }
-    for (size_t length = MOST - 8; length <= MOST - 4; length++) { /* a text needs nine more, and one with a quote */
+    for (size_t length = MOST - 8; length <= MOST - 4; length++) { /* with a further member of six characters */
         memset(text, '7', length);
         text[length] = 0;
         ect_line_begin(&line);
@@ -138,7 +138,7 @@ static void exact_room(void **state)
     }
     memset(text, 'x', sizeof text - 1);
     ect_line_begin(&line);
-    ect_line_string(&line, "a", text); /* is cut where an escape might have no room */
+    ect_line_string(&line, "a", text); /* truncated so that an escape would fit */
     ect_line_end(&line);
     assert_int_equal(line.length, ECT_LINE_ROOM - 6);
     ect_line_begin(&line);
@@ -150,11 +150,11 @@ static void exact_room(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"members of every kind, with escapes", members, NULL, NULL, NULL},
-        {"a text that does not fit is cut, and the line is complete", full_lines, NULL, NULL, NULL},
-        {"a text of UTF-8 is written unchanged, any other byte as '?'", characters, NULL, NULL, NULL},
-        {"a text is cut between two characters of UTF-8", whole_characters, NULL, NULL, NULL},
-        {"the longest member that fits is written, a longer one is omitted", exact_room, NULL, NULL, NULL},
+        {"A line contains members of every kind, with escapes", members, NULL, NULL, NULL},
+        {"A text that does not fit is truncated, and the line is complete", full_lines, NULL, NULL, NULL},
+        {"A text of UTF-8 is written unchanged, any other byte as '?'", characters, NULL, NULL, NULL},
+        {"A text is truncated between two characters of UTF-8", whole_characters, NULL, NULL, NULL},
+        {"The longest member that fits is written, a longer one is omitted", exact_room, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Requests to the object dictionary of a twin (bus/control/objects.h), without a socket and by it. */
+/* Requests to the object dictionary of a twin (bus/control/objects.h), without and with a socket. */
 #include "bus/control/objects.h"
 
 #include <setjmp.h>
@@ -21,7 +21,7 @@ typedef struct row {
     const char *request, *want;
 } row_t;
 
-/* Carries a request out. @return the line, or the reason of a refusal */
+/* Executes a request. @return the line, or the reason of a refusal */
 static const char *answer(wire_t *w, const char *text, bool write)
 {
     static ect_line_t line;
@@ -45,7 +45,7 @@ static testdev_t *open_device(wire_t *w)
     return ect_chain_slave(w->chain, 0)->config.instance;
 }
 
-/* Writes, then reads the entry. */
+/* Each row writes an entry, then reads the entry. */
 static void written_values(void **state)
 {
     static const struct {
@@ -76,13 +76,13 @@ static void written_values(void **state)
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         unsigned int written = device->written;
         assert_string_equal(answer(&w, rows[i].write, true), "");
-        assert_int_equal(device->written, written + 1); /* the device has been called, as by a master */
+        assert_int_equal(device->written, written + 1); /* the device was called, as for a master */
         assert_string_equal(answer(&w, rows[i].read, false), rows[i].want);
     }
     wire_close(&w);
 }
 
-/* A number has a value if its bytes are those of its type; JSON has neither inf nor nan. */
+/* A number has a value if the type has this number of bytes; JSON has neither inf nor nan. */
 static void values_of_each_type(void **state)
 {
     static const struct {
@@ -201,7 +201,7 @@ static void refused_writes(void **state)
     wire_close(&w);
 }
 
-/* An upload of 1000 bytes takes several mails. */
+/* The master's upload of 1000 bytes requires several mails. */
 static void a_transfer_of_the_master(void **state)
 {
     static const uint8_t begin[] = {0x00, 0x20, 0x40, 0x02, 0x20, 0, 0, 0, 0, 0};
@@ -250,7 +250,7 @@ static void by_the_socket(void **state)
     close_bench(&b);
 }
 
-/* Eight entries a reply, each once, in order, to the end. */
+/* All entries of all objects, without a socket. */
 static void the_whole_list(void **state)
 {
     ect_object_place_t place = {0};
@@ -284,16 +284,15 @@ static void no_dictionary(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"A written value is read back, in each type", written_values, NULL, NULL, NULL},
-        {"The bytes of each type have the value of their line", values_of_each_type, NULL, NULL, NULL},
-        {"A long value is shown in part, with its size", long_values, NULL, NULL, NULL},
-        {"A read that is refused has the words of its abort code", refused_reads, NULL, NULL, NULL},
-        {"A write that is refused has the words of its abort code, and changes nothing", refused_writes, NULL, NULL,
-         NULL},
-        {"A transfer of the master is not disturbed", a_transfer_of_the_master, NULL, NULL, NULL},
-        {"The list has each entry once, in order", the_whole_list, NULL, NULL, NULL},
+        {"A written value of each type is read back", written_values, NULL, NULL, NULL},
+        {"The bytes of each type are written as a value of the type", values_of_each_type, NULL, NULL, NULL},
+        {"A reply contains the first part of a long value, and its size", long_values, NULL, NULL, NULL},
+        {"A refused read has the text of its abort code", refused_reads, NULL, NULL, NULL},
+        {"A refused write has the text of its abort code, and changes no value", refused_writes, NULL, NULL, NULL},
+        {"During a transfer of the master, read and write are refused", a_transfer_of_the_master, NULL, NULL, NULL},
+        {"The list contains each entry once, in order", the_whole_list, NULL, NULL, NULL},
         {"A device without SDO has no dictionary", no_dictionary, NULL, NULL, NULL},
-        {"List, read and write by the control socket", by_the_socket, NULL, NULL, NULL},
+        {"The control socket lists, reads and writes objects", by_the_socket, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -34,7 +34,7 @@ static void open_with_report(bench_t *b, size_t count, ect_stats_t *stats)
     ect_control_report(b->control, on_report, NULL);
 }
 
-/* Sends a line and serves it. @return what the client has received since the last call; valid until the next */
+/* Sends a line and serves it. @return the text received since the last call; valid until the next call */
 static const char *say(bench_t *b, int fd, const char *line)
 {
     static char got[ROOM];
@@ -44,7 +44,7 @@ static const char *say(bench_t *b, int fd, const char *line)
     return got;
 }
 
-/* Lets time pass, and takes due steps as the exchange does. @return what the client has received */
+/* Advances the time, and begins due steps as the exchange does. @return the text that the client has received */
 static const char *pass(bench_t *b, int fd, uint64_t ns)
 {
     b->wire.now_ns += ns;
@@ -103,7 +103,7 @@ static void refused_requests(void **state)
     open_with_report(&b, 2, &stats);
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
         expect_part(&b, rows[i].request, rows[i].part);
-    assert_int_equal(reported.count, 0); /* none of them has run */
+    assert_int_equal(reported.count, 0); /* no plant has started */
     assert_true(ect_control_step_due(b.control) == ECT_NEVER);
     close_bench(&b);
 }
@@ -177,7 +177,7 @@ static void a_late_plant_is_reported_once_and_counted(void **state)
     assert_string_equal(pass(&b, fd, MS), "");
     assert_int_equal(reported.count, 1);
     assert_string_equal(reported.text, "plant 'tank' is late: its signals keep their last values");
-    assert_string_equal(pass(&b, fd, 3 * MS), ""); /* the twins have not run either: each period counts */
+    assert_string_equal(pass(&b, fd, 3 * MS), ""); /* the twins have not run meanwhile: each period counts */
     expect_stats(&b, "\"steps\":1,\"late\":4,\"refused\":0,");
     b.wire.now_ns += MS / 2;
     assert_string_equal(say(&b, fd, "{\"op\":\"step\",\"values\":[1,2]}\n"), "");
@@ -185,7 +185,8 @@ static void a_late_plant_is_reported_once_and_counted(void **state)
     expect_stats(&b, "\"longest_us\":4500}");
     assert_non_null(strstr(pass(&b, fd, MS / 2), "\"step\":2,\"time\":0.005000,"));
     assert_string_equal(say(&b, fd, "{\"op\":\"step\",\"values\":[1,2]}\n"), "");
-    assert_non_null(strstr(pass(&b, fd, 10 * MS), "\"step\":3,\"time\":0.015000,")); /* late twins, not a late plant */
+    assert_non_null(
+        strstr(pass(&b, fd, 10 * MS), "\"step\":3,\"time\":0.015000,")); /* the twins are late, not the plant */
     expect_stats(&b, "\"steps\":3,\"late\":4,");
     assert_int_equal(reported.count, 1);
     close(fd);
@@ -204,7 +205,7 @@ static void a_plant_that_ends_leaves_its_values(void **state)
     assert_string_equal(say(&b, fd, "{\"op\":\"step\",\"values\":[1,2]}\n"), "");
     expect_part(&b, PLANT, "a plant with this name is connected");
     close(fd);
-    fd = connect_client(&b); /* before the twins have noticed the end */
+    fd = connect_client(&b); /* before the twins have detected the end */
     set_nonblocking(fd);
     assert_string_equal(say(&b, fd, PLANT), OK);
     assert_int_equal(reported.count, 1);
@@ -256,8 +257,7 @@ static void limits_of_plants_and_signals(void **state)
     expect_part(&b, PLANT, "four plants are connected, which is the limit");
     close(fds[1]);
     serve(&b);
-    const int fd =
-        start_plant(&b, "{\"op\":\"plant\",\"name\":\"many\"}\n"); /* in the place of the one that has ended */
+    const int fd = start_plant(&b, "{\"op\":\"plant\",\"name\":\"many\"}\n"); /* replaces the plant that has ended */
     for (unsigned int writes = 0; writes < 2; writes++) {
         size_t used = (size_t)snprintf(request, sizeof request, "{\"op\":\"plant\",\"%s\":[\"data1\"",
                                        writes ? "writes" : "reads");
@@ -273,7 +273,7 @@ static void limits_of_plants_and_signals(void **state)
     assert_string_equal(say(&b, fd, "{\"op\":\"plant\",\"period_us\":2000000000}\n"), OK);
     const char *got = pass(&b, fd, 0);
     assert_int_equal(count_of(got, "{\"values\":[0,"), ECT_OUTSIDE_VALUES / ECT_OUTSIDE_VALUES_IN_LINE - 1);
-    assert_int_equal(count_of(got, "0,") + count_of(got, "0]"), 1 + ECT_OUTSIDE_VALUES); /* the time too */
+    assert_int_equal(count_of(got, "0,") + count_of(got, "0]"), 1 + ECT_OUTSIDE_VALUES); /* and the time of the step */
     for (unsigned int i = 0; i < ECT_OUTSIDE_PLANTS; i++) {
         if (i != 1)
             close(fds[i]);
@@ -374,7 +374,7 @@ static void values_of_a_plant_that_fit_are_rounded_and_limited(void **state)
     "{\"op\":\"plant\",\"name\":\"cam\",\"reads\":[\"scene\"],\"writes\":[\"data1\",\"judgement\"],"                   \
     "\"on\":\"exposures\",\"timeout_us\":4000}\n"
 
-/* A measurement begins, and the devices run. @return what the client receives */
+/* Begins a measurement, and polls the devices. @return the text that the client receives */
 static const char *trigger(bench_t *b, int fd)
 {
     expect_answer(b, "{\"op\":\"set\",\"name\":\"trigger\",\"value\":1}\n", OK);
@@ -435,7 +435,7 @@ static void the_next_change_ends_a_step(void **state)
         assert_non_null(strstr(say(&b, fd, ""), text));
     }
     assert_string_equal(say(&b, fd, "{\"op\":\"step\",\"step\":1,\"values\":[1]}\n"),
-                        ""); /* of the first one: dropped */
+                        ""); /* the reply to the first step is dropped */
     expect_part(&b, "{\"op\":\"get\",\"pattern\":\"data2\"}\n", "\"value\":0}");
     assert_string_equal(say(&b, fd, "{\"op\":\"step\",\"step\":2,\"values\":[2]}\n"), "");
     expect_part(&b, "{\"op\":\"get\",\"pattern\":\"data2\"}\n", "\"value\":2}");
@@ -445,7 +445,7 @@ static void the_next_change_ends_a_step(void **state)
     close_bench(&b);
 }
 
-/* A daemon's standard input may be closed: the connection of a plant gets descriptor 0 then. */
+/* A daemon's standard input may be closed: the connection of a plant then gets descriptor 0. */
 static void a_plant_at_descriptor_0(void **state)
 {
     ect_stats_t stats = {0};
@@ -469,9 +469,9 @@ static void a_plant_at_descriptor_0(void **state)
     close_bench(&b);
 }
 
-/* --- a clock that stands still ------------------------------------------------------------------------------------ */
+/* --- a stopped clock ---------------------------------------------------------------------------------------------- */
 
-/* A plant in a thread: replies to each step, or closes its connection at this one. */
+/* A plant in a thread: replies to each step before number `until`, and then closes its connection. */
 typedef struct replies {
     int fd;
     unsigned int until;
@@ -555,7 +555,7 @@ static void a_plant_without_a_reply_is_given_up(void **state)
     assert_null(ect_outside_due(&all, &other, UINT64_MAX - 1));
     expect_answer(&b, "{\"op\":\"set\",\"name\":\"data1\",\"value\":2}\n", OK);
     assert_ptr_equal(ect_outside_due(&all, &other, b.wire.now_ns), plant);
-    ect_outside_skip(&all, plant, b.wire.now_ns); /* the change has no step any more */
+    ect_outside_skip(&all, plant, b.wire.now_ns); /* the change has no further step */
     assert_null(ect_outside_due(&all, &other, UINT64_MAX - 1));
     ect_outsides_clear(&all);
     close_bench(&b);
@@ -564,32 +564,33 @@ static void a_plant_without_a_reply_is_given_up(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"A request of a plant that does not fit is refused in one line, before it runs", refused_requests, NULL, NULL,
+        {"An invalid request of a plant is refused in one line, before the plant starts", refused_requests, NULL, NULL,
          NULL},
-        {"A plant gets its values of one time in each period; a reply sets all of its values but null",
+        {"A plant gets the values of one time in each period; a reply sets all values except null",
          values_of_a_step_come_together, NULL, NULL, NULL},
-        {"A reply with a value that is refused changes no signal, and is counted", refused_replies_change_nothing, NULL,
-         NULL, NULL},
-        {"Periods without a reply are counted and reported once; the signals keep their values",
+        {"A reply with a refused value changes no signal, and is counted", refused_replies_change_nothing, NULL, NULL,
+         NULL},
+        {"Periods without a reply are counted; the first is reported; the signals keep their values",
          a_late_plant_is_reported_once_and_counted, NULL, NULL, NULL},
-        {"A plant that ends is reported once; its signals and counters remain, its name is free again",
+        {"The end of a plant is reported once; signals and counters remain, and the name is free",
          a_plant_that_ends_leaves_its_values, NULL, NULL, NULL},
         {"A plant whose client does not read is late", a_client_that_does_not_read_is_late, NULL, NULL, NULL},
-        {"Four plants are connected, each reads and sets 128 signals; one more is refused",
-         limits_of_plants_and_signals, NULL, NULL, NULL},
-        {"Without memory a plant and a reply are refused", without_memory_a_plant_is_refused, NULL, NULL, NULL},
-        {"Records get the reply of a plant as a request set for each twin",
+        {"At most four plants are connected; each reads and sets at most 128 signals", limits_of_plants_and_signals,
+         NULL, NULL, NULL},
+        {"Without memory a plant and a reply of a plant are refused", without_memory_a_plant_is_refused, NULL, NULL,
+         NULL},
+        {"An observer gets the reply of a plant as a request set for each twin",
          observers_get_replies_as_settings_of_each_twin, NULL, NULL, NULL},
-        {"With `fit`, values are rounded and limited as those of connections are, in records too",
+        {"With `fit`, values are rounded and limited like those of connections, also for observers",
          values_of_a_plant_that_fit_are_rounded_and_limited, NULL, NULL, NULL},
-        {"FZM1: with `on`, a step begins with each image input; a reply behind the timeout is dropped",
+        {"FZM1: with `on`, a step begins with each image input; a reply after the timeout is dropped",
          a_step_at_each_change_of_a_signal, NULL, NULL, NULL},
         {"With `on`, the next change ends a step without a reply", the_next_change_ends_a_step, NULL, NULL, NULL},
-        {"A virtual clock stands still until a plant has replied, and goes on when it ends",
+        {"A virtual clock stops until a plant replies or ends",
          a_virtual_clock_waits_for_a_plant_and_not_for_one_that_has_ended, NULL, NULL, NULL},
-        {"A plant whose connection has descriptor 0 gets its steps, and ends", a_plant_at_descriptor_0, NULL, NULL,
-         NULL},
-        {"A plant that never replies is late, and the clock does not wait for it again",
+        {"A plant whose connection has descriptor 0 gets its steps, and its end closes the descriptor",
+         a_plant_at_descriptor_0, NULL, NULL, NULL},
+        {"A plant that never replies is late, and the clock is not stopped for it again",
          a_plant_without_a_reply_is_given_up, NULL, NULL, NULL},
     };
     if (argc > 1)

@@ -17,7 +17,7 @@
 #include "support/terminal.h"
 #include "support/testdev.h"
 
-enum { LINES = 8 /* of a reply */ };
+enum { LINES = 8 /* most lines of a reply */ };
 
 static const char *next(wire_t *w, uint32_t *place)
 {
@@ -28,7 +28,7 @@ static const char *next(wire_t *w, uint32_t *place)
     return line.text;
 }
 
-/* 8 + 8 bits and a number, in the order of the SyncManagers. */
+/* Eight bits out, eight bits in and a number, in the order of the SyncManagers. */
 static void entries_of_a_terminal(void **state)
 {
     static const char *const want[] = {
@@ -53,12 +53,12 @@ static void entries_of_a_terminal(void **state)
     }
     assert_string_equal(next(&w, &place), "");
     assert_string_equal(next(&w, &place), "");
-    place = 131330; /* behind the last entry */
+    place = 131330; /* after the last entry */
     assert_string_equal(next(&w, &place), "");
     wire_close(&w);
 }
 
-/* An empty PDO, a gap, a text, a number that is mapped in part, an entry without a name, a PDO that does not exist. */
+/* An empty PDO, a gap, a text, a partly mapped number, an entry without a name, a PDO that does not exist. */
 static const ect_entry_t values_6000[] = {
     {0, ECT_TYPE_VISIBLE_STRING, 64, ECT_ACCESS_RO | ECT_ACCESS_TXPDO, "Text", 0, ECT_OFFSET(terminal_t, out)}};
 static const ect_entry_t values_6001[] = {
@@ -237,12 +237,13 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"Entries of PDOs are listed by SyncManager, with names and values", entries_of_a_terminal, NULL, NULL, NULL},
-        {"Gaps, texts, empty and unknown PDOs are listed as they are assigned", unusual_mappings, NULL, NULL, NULL},
-        {"Process data and wires by the control socket, eight lines a reply", by_the_socket, NULL, NULL, NULL},
+        {"Gaps and texts are listed; empty and unknown PDOs have no line", unusual_mappings, NULL, NULL, NULL},
+        {"The control socket lists process data and wires, at most eight lines in a reply", by_the_socket, NULL, NULL,
+         NULL},
         {"Working counters are counted for 5 s after each request", counters, NULL, NULL, NULL},
-        {"Waves begin and end by the control socket, and are listed", waves, NULL, NULL, NULL},
-        {"A capture begins, ends and is read in pieces by the control socket", capture, NULL, NULL, NULL},
-        {"Wires of a tree are those of its junction", wires_of_a_tree, NULL, NULL, NULL},
+        {"The control socket begins, lists and ends waves", waves, NULL, NULL, NULL},
+        {"The control socket begins and ends a capture, and reads it in pieces", capture, NULL, NULL, NULL},
+        {"The wires of a tree lead to the ports of its junction", wires_of_a_tree, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Watched signals without a socket: the room of the recorded changes, and the budget of a round (bus/control/watch.h).
- */
+/* Watched signals without a socket: the buffer of recorded changes, and the budget of a round (bus/control/watch.h). */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -32,8 +31,8 @@ static size_t count_notes(ect_watch_t *watch)
     return count;
 }
 
-/* Every change is recorded, as long as its time, signal and value have room: a value of 16 bytes fills it exactly, one
- * of 128 bytes leaves some that is too small. */
+/* A change consists of time, signal and value. Values of 16 bytes fill the buffer exactly; values of 128 bytes leave a
+ * rest that is too small. */
 static void changes_are_recorded_while_there_is_room(void **state)
 {
     static const unsigned int sizes[] = {1, 2, 16, 100, 127, 128};
@@ -59,7 +58,7 @@ static void changes_are_recorded_while_there_is_room(void **state)
     }
 }
 
-/* A client that reads: the room is used again and again. */
+/* A client that reads: the room of sent changes is used again. */
 static void changes_that_were_sent_leave_their_room(void **state)
 {
     static const ect_signal_t signal = {.name = "bytes", .type = ECT_SIGNAL_BYTES, .maximum = 100};
@@ -80,7 +79,7 @@ static void changes_that_were_sent_leave_their_room(void **state)
     ect_watch_free(watch);
 }
 
-/* A text ends with its zero: a device may leave the rest of a longer one behind it. */
+/* A device may leave the rest of a longer text after the zero. */
 static void texts_end_with_their_zero(void **state)
 {
     static const ect_signal_t signal = {.name = "text", .type = ECT_SIGNAL_TEXT, .maximum = 7};
@@ -105,7 +104,7 @@ static void texts_end_with_their_zero(void **state)
     }
 }
 
-/* Compares with a budget. @return the signal that is reported; MOST: none */
+/* Compares with a budget. @return the reported signal; MOST: none */
 static size_t next_of(ect_watch_t *watch, unsigned int *budget)
 {
     ect_line_t line;
@@ -118,7 +117,7 @@ static size_t next_of(ect_watch_t *watch, unsigned int *budget)
     return (size_t)(digit[0] - '0');
 }
 
-/* A step of the loop compares no more signals than its budget; the next step continues behind them. */
+/* A step of the loop compares as many signals as its budget allows; the next step continues after these. */
 static void a_round_stops_at_its_budget(void **state)
 {
     static const ect_signal_t signals[MOST] = {
@@ -137,12 +136,12 @@ static void a_round_stops_at_its_budget(void **state)
     }
     assert_false(ect_watch_pending(watch));
     ect_watch_round(watch);
-    assert_int_equal(next_of(watch, &budget), MOST); /* 0 to 3 */
+    assert_int_equal(next_of(watch, &budget), MOST); /* compares signals 0 to 3 */
     assert_int_equal(budget, 0);
     values[2] = values[5] = values[9] = 1;
     assert_int_equal(next_of(watch, &budget), MOST);
     budget = 1;
-    assert_int_equal(next_of(watch, &budget), MOST); /* 4 */
+    assert_int_equal(next_of(watch, &budget), MOST); /* compares signal 4 */
     assert_int_equal(budget, 0);
     budget = 1;
     assert_int_equal(next_of(watch, &budget), 5);
@@ -159,13 +158,12 @@ static void a_round_stops_at_its_budget(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"Changes of any size are recorded until there is no room, and none after that",
+        {"Changes of any size are recorded until the buffer is full, and then lost",
          changes_are_recorded_while_there_is_room, NULL, NULL, NULL},
-        {"A change that was sent leaves its room to the next one", changes_that_were_sent_leave_their_room, NULL, NULL,
-         NULL},
-        {"A text has changed when it differs before its zero", texts_end_with_their_zero, NULL, NULL, NULL},
-        {"A round compares as many signals as its budget allows, then continues", a_round_stops_at_its_budget, NULL,
-         NULL, NULL},
+        {"A sent change makes room for the next one", changes_that_were_sent_leave_their_room, NULL, NULL, NULL},
+        {"A text has changed if it differs before its zero", texts_end_with_their_zero, NULL, NULL, NULL},
+        {"A round compares as many signals as its budget allows, and continues in the next step",
+         a_round_stops_at_its_budget, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The Modbus TCP server (bus/modbus/modbus.h): its replies byte for byte, and the bound of the work of one call.
- * No network: clients come by a local socket, and time is the test's. */
+/* The Modbus TCP server (bus/modbus/modbus.h): its replies byte for byte, and the limits of the work of one call.
+ * Clients connect by a local socket, and the test sets the time. */
 #define _GNU_SOURCE
 #include "bus/modbus/modbus.h"
 
@@ -26,10 +26,10 @@
 
 enum { ROOM = 65536, MOST_CALLS = 100000, IDLE_S = 60 };
 
-/* The system calls of one ect_modbus_server_serve: the linker leads them through here. */
+/* The system calls of one ect_modbus_server_serve(), counted by functions that the linker inserts. */
 static struct {
     unsigned int receives, accepts, waits, polls;
-    int accept_error; /* of the next ones; 0: none */
+    int accept_error; /* of the next calls of accept4(); 0: none */
 } work;
 
 ssize_t __real_recv(int fd, void *buffer, size_t size, int flags);
@@ -50,7 +50,7 @@ ssize_t __wrap_recv(int fd, void *buffer, size_t size, int flags)
 }
 
 static bool refuses_memory;
-static unsigned int memory_fails_at, allocations; /* from 1; 0: none fails */
+static unsigned int memory_fails_at, allocations; /* number of the allocation that fails, from 1; 0: none */
 static bool forms_no_reply;                       /* modbus_reply() fails */
 
 int __real_modbus_reply(void *replies, const uint8_t *request, int length, void *mapping);
@@ -69,7 +69,7 @@ void *__wrap_calloc(size_t count, size_t size)
 int __real_close(int fd);
 int __wrap_close(int fd);
 
-/* A cause that was noted before must survive this. */
+/* An error must be stored before this call, which changes errno. */
 int __wrap_close(int fd)
 {
     const int result = __real_close(fd);
@@ -99,7 +99,7 @@ int __wrap_poll(struct pollfd *fds, nfds_t count, int timeout)
     return __real_poll(fds, count, timeout);
 }
 
-/* libmodbus sleeps over requests that it does not like; here it replaces that of the C library. */
+/* Replaces the C library's function, because libmodbus sleeps after an invalid request. */
 int nanosleep(const struct timespec *wanted, struct timespec *left)
 {
     (void)wanted;
@@ -124,7 +124,7 @@ static void open_bench(bench_t *b)
     memset(&work, 0, sizeof work);
     wire_open_one(&b->wire, &ect_eclink_map7);
     int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0);
-    b->at.sun_family = AF_UNIX; /* without a name: the kernel gives it one */
+    b->at.sun_family = AF_UNIX; /* no path: the kernel chooses a name */
     assert_int_equal(bind(fd, (struct sockaddr *)&b->at, sizeof b->at.sun_family), 0);
     assert_int_equal(listen(fd, 200), 0);
     b->at_size = sizeof b->at;
@@ -146,7 +146,7 @@ static bool wants_to_be_served(const bench_t *b)
     return ect_modbus_server_due(b->server) <= b->wire.now_ns || __real_poll(&fd, 1, 0) > 0;
 }
 
-/* One call, and that it was a bounded piece of work. */
+/* Calls the server once, and checks the limits of its work. */
 static void serve_once(bench_t *b)
 {
     int accept_error = work.accept_error;
@@ -160,7 +160,7 @@ static void serve_once(bench_t *b)
     assert_int_equal(work.waits, 1);
 }
 
-/* Until nothing is left to do. @return how many calls it took */
+/* Calls the server until no work is pending. @return the number of calls */
 static unsigned int serve(bench_t *b)
 {
     unsigned int calls = 0;
@@ -188,7 +188,7 @@ static void send_request(int fd, const char *hex)
     assert_int_equal(write(fd, bytes, size), (ssize_t)size);
 }
 
-/* The bytes received, as text; "" none, "end": the connection has ended. */
+/* @return the received bytes as text; "": none; "end": the connection has ended */
 static const char *receive_reply(int fd)
 {
     static char text[3 * ECT_MODBUS_ADU * 8];
@@ -213,7 +213,7 @@ static void expect(bench_t *b, int fd, const char *what, const char *request, co
         fail_msg("%s: sent %s\n  expected %s\n  got      %s", what, request, wanted, got);
 }
 
-/* --- what it answers ---------------------------------------------------------------------------------------------- */
+/* --- replies ------------------------------------------------------------------------------------------------------ */
 
 static void answers(void **state)
 {
@@ -223,11 +223,11 @@ static void answers(void **state)
         {"two registers", "00 01 00 00 00 09 FF 10 00 0C 00 01 02 01 2C", "00 01 00 00 00 06 FF 10 00 0C 00 01"},
         {"are read", "00 02 00 00 00 06 FF 03 00 0B 00 02", "00 02 00 00 00 07 FF 03 04 00 00 01 2C"},
         {"one register", "00 03 00 00 00 06 FF 06 00 71 AB CD", "00 03 00 00 00 06 FF 06 00 71 AB CD"},
-        {"and its coils", "00 04 00 00 00 06 FF 01 07 10 00 10", "00 04 00 00 00 05 FF 01 02 CD AB"},
+        {"the coils of this register", "00 04 00 00 00 06 FF 01 07 10 00 10", "00 04 00 00 00 05 FF 01 02 CD AB"},
         {"a coil", "00 05 00 00 00 06 FF 05 07 1F 00 00", "00 05 00 00 00 06 FF 05 07 1F 00 00"},
         {"ten coils", "00 06 00 00 00 09 FF 0F 07 10 00 0A 02 00 00", "00 06 00 00 00 06 FF 0F 07 10 00 0A"},
-        {"are read, and one more", "00 07 00 00 00 06 FF 01 07 0F 00 0B", "00 07 00 00 00 05 FF 01 02 00 00"},
-        {"the register then", "00 08 00 00 00 06 FF 03 00 71 00 01", "00 08 00 00 00 05 FF 03 02 28 00"},
+        {"eleven coils are read", "00 07 00 00 00 06 FF 01 07 0F 00 0B", "00 07 00 00 00 05 FF 01 02 00 00"},
+        {"the register of these coils", "00 08 00 00 00 06 FF 03 00 71 00 01", "00 08 00 00 00 05 FF 03 02 28 00"},
         {"written before read", "00 09 00 00 00 0D FF 17 00 71 00 01 00 71 00 01 02 12 34",
          "00 09 00 00 00 05 FF 17 02 12 34"},
         {"written here, read there", "00 0A 00 00 00 0D FF 17 08 02 00 01 00 02 00 01 02 00 05",
@@ -240,7 +240,7 @@ static void answers(void **state)
         {"input data cannot be written", "00 10 00 00 00 06 FF 06 08 00 00 01", "00 10 00 00 00 03 FF 86 02"},
         {"a coil is 0000 or FF00", "00 11 00 00 00 06 FF 05 00 00 00 01", "00 11 00 00 00 03 FF 85 03"},
         {"too many registers", "00 12 00 00 00 06 FF 03 00 00 00 7E", "00 12 00 00 00 03 FF 83 03"},
-        {"read where nothing is, write all the same", "00 13 00 00 00 0D FF 17 00 72 00 01 00 71 00 01 02 FF FF",
+        {"read at no address, write at an address", "00 13 00 00 00 0D FF 17 00 72 00 01 00 71 00 01 02 FF FF",
          "00 13 00 00 00 03 FF 97 02"},
         {"nothing was written", "00 14 00 00 00 06 FF 03 00 71 00 01", "00 14 00 00 00 05 FF 03 02 12 34"},
         {"unit 0", "FF FE 00 00 00 06 00 03 00 0C 00 01", "FF FE 00 00 00 05 00 03 02 01 2C"},
@@ -321,7 +321,7 @@ static void requests(void **state)
     }
 }
 
-/* The longest that may be written: as many bytes as it takes. */
+/* The longest write of each function, with all its bytes. */
 static void longest_writes(void **state)
 {
     static const struct {
@@ -354,13 +354,13 @@ static void no_other_function(void **state)
             continue;
         snprintf(request, sizeof request, "00 %02X 00 00 00 06 01 %02X 00 00 00 01", code, code);
         snprintf(answer, sizeof answer, "00 %02X 00 00 00 03 01 %02X 01", code, code | 0x80);
-        expect(&b, fd, "a function that there is not", request, answer);
+        expect(&b, fd, "an unsupported function", request, answer);
     }
     close(fd);
     close_bench(&b);
 }
 
-/* --- how bytes come ----------------------------------------------------------------------------------------------- */
+/* --- reception ---------------------------------------------------------------------------------------------------- */
 
 #define WRITE  "00 01 00 00 00 0B FF 10 00 0C 00 02 04 01 2C 00 07"
 #define WRITES 17 /* bytes */
@@ -381,7 +381,7 @@ static void in_two_pieces(void **state)
         assert_int_equal(write(fd, request, cut), (ssize_t)cut);
         (void)serve(&b);
         assert_string_equal(receive_reply(fd), "");
-        expect(&b, other, "somebody else meanwhile", READ, VALUE);
+        expect(&b, other, "another client meanwhile", READ, VALUE);
         assert_int_equal(write(fd, request + cut, size - cut), (ssize_t)(size - cut));
         (void)serve(&b);
         const char *got = receive_reply(fd);
@@ -398,7 +398,7 @@ static void in_two_pieces(void **state)
     close_bench(&b);
 }
 
-/* Many requests at once: each call replies to one of them, in their order. */
+/* Several pending requests: each call replies to one request, in their order. */
 static void many_at_once(void **state)
 {
     bench_t b;
@@ -443,7 +443,7 @@ static void no_modbus(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         int fd = connect_client(&b);
         expect(&b, fd, rows[i].what, rows[i].bytes, "end");
-        expect(&b, other, "somebody else goes on", READ, VALUE);
+        expect(&b, other, "another client continues", READ, VALUE);
         close(fd);
     }
     close(other);
@@ -464,7 +464,7 @@ static void longest_request(void **state)
     close_bench(&b);
 }
 
-/* --- who is served ------------------------------------------------------------------------------------------------ */
+/* --- clients ------------------------------------------------------------------------------------------------------ */
 
 enum { MANY = 100, SERVED = 4 };
 
@@ -528,7 +528,7 @@ static void idle_clients_are_closed(void **state)
     close_bench(&b);
 }
 
-/* A client that sends requests and reads nothing is no longer received from, and does not wake the loop. */
+/* No further request of such a client is received, and its requests do not wake the loop. */
 static void client_that_does_not_read(void **state)
 {
     uint8_t request[16], bytes[4096];
@@ -551,15 +551,14 @@ static void client_that_does_not_read(void **state)
     expect(&b, other, "somebody else", READ, VALUE);
     for (ssize_t got; (got = __real_recv(fd, bytes, sizeof bytes, 0)) > 0; (void)serve(&b))
         received += (size_t)got;
-    assert_int_equal(received, sent * (9 + 66)); /* each of them, whole */
-    expect(&b, fd, "it is itself again", READ, VALUE);
+    assert_int_equal(received, sent * (9 + 66)); /* complete replies to all requests */
+    expect(&b, fd, "the client after reading", READ, VALUE);
     close(fd);
     close(other);
     close_bench(&b);
 }
 
-/* A client that does not read its replies is closed after 60 s without a request; the next one in its place is served.
- */
+/* The pending requests of such a client are not received, so its time without a request begins. */
 static void place_of_a_client_that_did_not_read(void **state)
 {
     uint8_t request[16];
@@ -580,7 +579,7 @@ static void place_of_a_client_that_did_not_read(void **state)
     (void)serve(&b);
     assert_true(ect_modbus_server_due(b.server) == ECT_NEVER);
     int next = connect_client(&b);
-    expect(&b, next, "in its place", READ, VALUE);
+    expect(&b, next, "the next client", READ, VALUE);
     close(next);
     close(fd);
     close_bench(&b);
@@ -629,7 +628,7 @@ static void no_descriptor_left(void **state)
     close_bench(&b);
 }
 
-/* The client has gone before it was accepted, or a signal has come: nothing is wrong with the server. */
+/* After the end of the pending client, or a signal, the server need not wait. */
 static void nobody_to_accept(void **state)
 {
     static const int errors[] = {EAGAIN, EINTR, ECONNABORTED};
@@ -667,7 +666,7 @@ static void closed_before_the_reply(void **state)
     close_bench(&b);
 }
 
-/* Its microcontroller stops: requests are lost, and after its restart it replies to the next one. */
+/* While the microcontroller is stopped, requests are lost; afterwards the unit replies again. */
 static void a_unit_that_hangs(void **state)
 {
     const ect_fault_t hang = {.kind = ECT_FAULT_HANG, .slave = 1}, resume = {.kind = ECT_FAULT_RESUME, .slave = 1};
@@ -678,18 +677,18 @@ static void a_unit_that_hangs(void **state)
     int fd = connect_client(&b);
     (void)serve(&b);
     ect_chain_fault(b.wire.chain, &hang, b.wire.now_ns);
-    expect(&b, fd, "it hangs", READ, "");
+    expect(&b, fd, "the unit hangs", READ, "");
     int late = connect_client(&b);
     (void)serve(&b);
     assert_string_equal(receive_reply(late), "end");
     close(late);
     ect_chain_fault(b.wire.chain, &resume, b.wire.now_ns);
-    expect(&b, fd, "it runs again", READ, VALUE);
+    expect(&b, fd, "the unit runs again", READ, VALUE);
     close(fd);
     close_bench(&b);
 }
 
-/* --- where it listens --------------------------------------------------------------------------------------------- */
+/* --- addresses ---------------------------------------------------------------------------------------------------- */
 
 static void no_address(void **state)
 {
@@ -706,7 +705,7 @@ static void no_address(void **state)
     }
 }
 
-/* A port of the system's choice: the address in the reply of ect_modbus_server_address, and a connection there. */
+/* Port 0: the system chooses a port, which ect_modbus_server_address() returns. */
 static void listens(void **state)
 {
     static const struct {
@@ -754,7 +753,7 @@ static void listens_at_descriptor_0(void **state)
     assert_false(left);
 }
 
-/* All descriptors of a server are closed with it. */
+/* A server with a listening socket, and one without. */
 static void closes_its_descriptors(void **state)
 {
     char message[ECT_MODBUS_MESSAGE] = "";
@@ -770,7 +769,7 @@ static void closes_its_descriptors(void **state)
     }
 }
 
-/* Each cause has its cure in the message, and its number in errno. */
+/* The message has cause and cure, errno the number of the cause. */
 static void cannot_listen(void **state)
 {
     char message[ECT_MODBUS_MESSAGE] = "", where[64], want[ECT_MODBUS_MESSAGE];
@@ -795,8 +794,7 @@ static void cannot_listen(void **state)
     ect_modbus_server_close(NULL);
 }
 
-/* --- a record ------------------------------------------------------------------------------------------------------
- */
+/* --- records ------------------------------------------------------------------------------------------------------ */
 
 enum { OBSERVED_MOST = 16 };
 
@@ -818,7 +816,7 @@ static void observe(void *ctx, const uint8_t *request, size_t length, const uint
     o->one[o->count++].reply_length = reply_length;
 }
 
-/* A client notices nothing; another unit that gets the same requests gives the same replies. */
+/* The replies to the client are unchanged. */
 static void observed_and_repeated(void **state)
 {
     static const char *const requests[][2] = {
@@ -859,7 +857,7 @@ static void observed_and_repeated(void **state)
     close_bench(&b);
 }
 
-/* The client of a request that libmodbus does not reply to is closed, observed or not. */
+/* modbus_reply() fails, without and with an observer. */
 static void closed_without_a_reply(void **state)
 {
     static observed_t o;
@@ -884,7 +882,7 @@ static void closed_without_a_reply(void **state)
     }
 }
 
-/* Bytes of a record may be anything. */
+/* A record may contain any bytes. */
 static void no_request_to_repeat(void **state)
 {
     static const char *const rows[] = {"",
@@ -903,7 +901,7 @@ static void no_request_to_repeat(void **state)
     ect_modbus_server_t *server = ect_modbus_server_new(message);
     assert_non_null(server);
     assert_int_equal(ect_modbus_server_request(server, w.chain, w.now_ns, request, sizeof request, reply), 0);
-    ect_store_be16(request + 4, ECT_MODBUS_ADU + 1 - 6); /* one byte more than a request has */
+    ect_store_be16(request + 4, ECT_MODBUS_ADU + 1 - 6); /* one byte longer than the longest request */
     assert_int_equal(ect_modbus_server_request(server, w.chain, w.now_ns, request, ECT_MODBUS_ADU + 1, reply), 0);
     ect_store_be16(request + 4, ECT_MODBUS_ADU - 6);
     request[7] = 100; /* no such function */
@@ -918,7 +916,7 @@ static void no_request_to_repeat(void **state)
     wire_close(&w);
 }
 
-/* A daemon's standard input may be closed: a client gets descriptor 0 then. */
+/* A daemon's standard input may be closed: a client then gets descriptor 0. */
 static void serve_at_descriptor_0(bool idle)
 {
     bench_t b;
@@ -931,7 +929,7 @@ static void serve_at_descriptor_0(bool idle)
     expect(&b, fd, "descriptor 0", "00 01 00 00 00 06 FF 03 00 0B 00 01", "00 01 00 00 00 05 FF 03 02 00 00");
     int other = connect_client(&b);
     (void)serve(&b);
-    expect(&b, other, "another one", "00 02 00 00 00 06 FF 03 00 0B 00 01", "00 02 00 00 00 05 FF 03 02 00 00");
+    expect(&b, other, "another client", "00 02 00 00 00 06 FF 03 00 0B 00 01", "00 02 00 00 00 05 FF 03 02 00 00");
     expect(&b, fd, "descriptor 0", "00 03 00 00 00 06 FF 03 00 0B 00 01", "00 03 00 00 00 05 FF 03 02 00 00");
     close(other);
     (void)serve(&b);
@@ -966,12 +964,12 @@ static void without_memory(void **state)
     refuses_memory = false;
     assert_null(server);
     assert_string_equal(message, "not enough memory");
-    assert_int_equal(fcntl(fd, F_GETFD), -1); /* it belonged to the server */
+    assert_int_equal(fcntl(fd, F_GETFD), -1); /* closed by the server */
     refuses_memory = true;
     server = ect_modbus_server_new(message);
     refuses_memory = false;
     assert_null(server);
-    for (memory_fails_at = 1; memory_fails_at <= 3; memory_fails_at++) { /* the server, and each of its two tables */
+    for (memory_fails_at = 1; memory_fails_at <= 3; memory_fails_at++) { /* the server and its two tables */
         allocations = 0;
         server = ect_modbus_server_new(message);
         if (server)
@@ -980,7 +978,7 @@ static void without_memory(void **state)
     memory_fails_at = 0;
 }
 
-/* A file is nothing that can be waited for. */
+/* epoll_ctl() refuses a file. */
 static void no_socket(void **state)
 {
     char message[ECT_MODBUS_MESSAGE] = "";
@@ -999,7 +997,7 @@ static void descriptor_0(void **state)
     serve_at_descriptor_0(true);
 }
 
-/* Cases close descriptor 0: without a standard input it would be that of a bench. */
+/* Opens descriptor 0, which cases close, so that it belongs to no bench. */
 static void hold_descriptor_0(void)
 {
     if (fcntl(STDIN_FILENO, F_GETFD) < 0 && open("/dev/null", O_RDONLY) != STDIN_FILENO)
@@ -1015,37 +1013,39 @@ int main(int argc, char **argv)
         TEST("ECL-070 ECL-071: requests and replies, byte for byte; transaction and unit identifiers are returned",
              answers),
         TEST("ECL-070: each request addresses its range; malformed requests get exception 3", requests),
-        TEST("ECL-070: the longest writes", longest_writes),
-        TEST("ECL-070: all other functions are exception 1", no_other_function),
-        TEST("Attack: a request in two pieces, cut anywhere, or byte by byte, is answered; meanwhile others are",
+        TEST("ECL-070: the longest write of each function is accepted", longest_writes),
+        TEST("ECL-070: all other functions get exception 1", no_other_function),
+        TEST("Attack: a request in two pieces or byte by byte gets its reply; meanwhile others are served",
              in_two_pieces),
         TEST("Attack: successive requests get their replies in order, one in each call", many_at_once),
-        TEST("Attack: bytes that are no Modbus TCP end their connection, and no other", no_modbus),
-        TEST("Attack: the longest request that there can be", longest_request),
-        TEST("ECL-070: four of 100 connections are served, the others closed at once; a free place is used again",
+        TEST("Attack: bytes that are no Modbus TCP end their connection and no other", no_modbus),
+        TEST("Attack: the longest possible request gets a reply", longest_request),
+        TEST("ECL-070: four of 100 connections are served, the others closed at once; after an end another is served",
              a_hundred),
         TEST("Attack: a connection without a whole request for 60 s is closed", idle_clients_are_closed),
-        TEST("Attack: a client that does not read its replies waits until it does, and loses none",
+        TEST("Attack: a client that does not read its replies delays only itself, and loses no reply",
              client_that_does_not_read),
-        TEST("Attack: the place of a client that did not read its replies for 60 s is free, and the next one is served",
+        TEST("Attack: a client that does not read its replies for 60 s is closed, and the next client is served",
              place_of_a_client_that_did_not_read),
         TEST("Attack: three clients that flood do not delay the fourth", no_client_waits_for_long),
         TEST("Attack: without free descriptors the server retries after a second", no_descriptor_left),
         TEST("An accept without a client is repeated at the next connection", nobody_to_accept),
-        TEST("Attack: closed before the reply", closed_before_the_reply),
-        TEST("a record gets each request and its reply; repeated to another unit they give the same replies",
+        TEST("Attack: a client that is closed before its replies has no effect on others", closed_before_the_reply),
+        TEST("An observer gets each request and its reply; another unit gives the same replies to these requests",
              observed_and_repeated),
-        TEST("A client is closed whose request libmodbus does not reply to, observed or not", closed_without_a_reply),
-        TEST("bytes of a record that are no request have no reply", no_request_to_repeat),
-        TEST("A server listens with descriptor 0 as with any other", listens_at_descriptor_0),
-        TEST("The descriptors of a server are closed with it", closes_its_descriptors),
-        TEST("Without memory there is no server, and its socket is closed", without_memory),
+        TEST("A client is closed if libmodbus does not reply to its request, with and without an observer",
+             closed_without_a_reply),
+        TEST("Bytes of a record that are no request get no reply", no_request_to_repeat),
+        TEST("A server listens at descriptor 0", listens_at_descriptor_0),
+        TEST("The descriptors of a server are closed with the server", closes_its_descriptors),
+        TEST("Without memory no server is made, and its socket is closed", without_memory),
         TEST("A descriptor that is no socket is refused with the reason, and closed", no_socket),
         TEST("A client whose descriptor is 0 is served, and closed with the server", descriptor_0),
-        TEST("A unit that hangs does not reply", a_unit_that_hangs),
-        TEST("--modbus: a wrong address gets a line", no_address),
-        TEST("PORT, ADDRESS:PORT and [ADDRESS]:PORT are listened at, and the port that was free is reported", listens),
-        TEST("a port that is taken and an address of another machine are refused with cause and cure", cannot_listen),
+        TEST("A unit that hangs does not reply, and replies again when it runs", a_unit_that_hangs),
+        TEST("--modbus: a wrong address is refused with a line", no_address),
+        TEST("A server listens at PORT, ADDRESS:PORT and [ADDRESS]:PORT, and returns the port that the system chooses",
+             listens),
+        TEST("A port in use and an address of another machine are refused with cause and cure", cannot_listen),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -15,7 +15,7 @@
 
 enum { MOST = 16 };
 
-/* Each request lies at the end of a page, and no page follows: a byte more must not be read. */
+/* Each request lies at the end of a page without a following page, so a read beyond its end is an error. */
 static void requests_cut_at_every_byte(void **state)
 {
     static const struct {
@@ -56,7 +56,7 @@ static void requests_cut_at_every_byte(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"A request of each function is taken with its own length, and no byte behind it is read",
+        {"A request of each function is accepted only with its own length, and no byte after it is read",
          requests_cut_at_every_byte, NULL, NULL, NULL},
     };
     if (argc > 1)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The EEPROM of a twin in a file: the writes of a master are kept (bus/storage/eeprom.h). */
+/* The EEPROM of a twin in a file, which keeps the writes of a master (bus/storage/eeprom.h). */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
@@ -23,7 +23,7 @@ static char folder[] = "/tmp/ectwin-eeprom-XXXXXX";
 static char path[64];
 static char message[ECT_EEPROM_MESSAGE];
 
-/* Another process's step between the open of the file and its lock; NULL: none. */
+/* A step of another process between the open and the lock of the file; NULL: none. */
 static void (*meanwhile)(void);
 
 int __real_flock(int fd, int operation);
@@ -61,7 +61,7 @@ static int remove_file(void **state)
     return 0;
 }
 
-/* A factory's content, with a right check value. */
+/* Makes factory content, with a correct check value. */
 static void factory(uint8_t image[SIZE], uint8_t seed)
 {
     for (unsigned int i = 0; i < SIZE; i++)
@@ -86,7 +86,7 @@ static void survives(void **state)
     ect_eeprom_t *eeprom = must_open(made);
     assert_memory_equal(ect_eeprom_image(eeprom), made, SIZE);
     memcpy(image, made, SIZE);
-    ect_eeprom_write(eeprom, image, SIZE); /* nothing has changed */
+    ect_eeprom_write(eeprom, image, SIZE); /* no change */
     image[8] = 0x34;
     image[SIZE - 1] = 0x77;
     ect_eeprom_write(eeprom, image, SIZE);
@@ -99,13 +99,13 @@ static void survives(void **state)
     ect_eeprom_close(eeprom);
 }
 
-/* Another process has written other bytes to the file: they show the range that a write changes. */
+/* Marks in the file show the range that a write changes. */
 static void only_the_changed_range_is_written(void **state)
 {
     enum { HEADER = 16 };
     static const struct {
         const char *title;
-        int first, last; /* changed; -1: none */
+        int first, last; /* changed bytes; -1: none */
     } cases[] = {{"nothing", -1, -1},
                  {"the first byte", 0, 0},
                  {"the last byte", SIZE - 1, SIZE - 1},
@@ -139,7 +139,7 @@ static void only_the_changed_range_is_written(void **state)
     }
 }
 
-/* A word of the factory's that is another one now is the newer wish; the master's others stay. */
+/* A changed word of the factory content is newer than the master's; the master's other words are kept. */
 static void newer_factory(void **state)
 {
     uint8_t made[SIZE], image[SIZE];
@@ -147,15 +147,15 @@ static void newer_factory(void **state)
     factory(made, 3);
     ect_eeprom_t *eeprom = must_open(made);
     memcpy(image, made, SIZE);
-    image[8] = 0x01;  /* by the master: alias */
-    image[20] = 0x02; /* by the master, and soon by the factory */
+    image[8] = 0x01;  /* written by the master: alias */
+    image[20] = 0x02; /* written by the master; changed in the next factory content */
     image[ECT_SII_CHECKED_BYTES] = ect_crc_sii(image);
     ect_eeprom_write(eeprom, image, SIZE);
     ect_eeprom_close(eeprom);
     made[2] = 0xA0;
     made[20] = 0xA1;
     made[30] = 0xA2;
-    made[33] = 0xA3; /* one byte of a word: the word is new */
+    made[33] = 0xA3; /* one changed byte makes the word new */
     made[SIZE - 1] = 0xA4;
     made[ECT_SII_CHECKED_BYTES] = ect_crc_sii(made);
     for (unsigned int time = 0; time < 2; time++) {
@@ -187,7 +187,7 @@ static void bad_checksum_stays_bad(void **state)
     ect_eeprom_close(eeprom);
 }
 
-/* A full disk, or a kill, while the file is made or replaced. */
+/* A full disk, or a kill, during the creation or the replacement of the file. */
 static void cut_off_first_start(void **state)
 {
     uint8_t made[SIZE], image[SIZE];
@@ -207,13 +207,13 @@ static void cut_off_first_start(void **state)
     image[8] = 1;
     ect_eeprom_write(eeprom, image, SIZE);
     ect_eeprom_close(eeprom);
-    made[2] = 0xA0; /* the factory's content changes, and the disk is full */
+    made[2] = 0xA0; /* changed factory content, and a full disk */
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
     eeprom = ect_eeprom_open(path, made, SIZE, message);
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
     assert_null(eeprom);
     snprintf(other, sizeof other, "%s.new", path);
-    int fd = open(other, O_WRONLY | O_CREAT, 0600); /* left by a kill */
+    int fd = open(other, O_WRONLY | O_CREAT, 0600); /* as by a kill */
     assert_int_equal(write(fd, "half", 4), 4);
     close(fd);
     eeprom = must_open(made);
@@ -241,7 +241,7 @@ static void refused(void **state)
     content[8] = SIZE;
     static const struct {
         const char *what;
-        size_t length, change; /* a byte that is changed; SIZE_MAX none */
+        size_t length, change; /* changed byte; SIZE_MAX: none */
     } files[] = {
         {"too short", ROOM - 1, SIZE_MAX}, {"too long", ROOM + 1, SIZE_MAX}, {"another kind", ROOM, 3},
         {"another size", ROOM, 8},         {"a byte", 1, SIZE_MAX},
@@ -272,7 +272,7 @@ static void refused(void **state)
     ect_eeprom_close(eeprom);
 }
 
-/* Another user of a shared folder may put a link in the place of the temporary file. */
+/* Another user of a shared folder may create a link with the name of the temporary file. */
 static void link_as_temporary_file(void **state)
 {
     uint8_t made[SIZE];
@@ -310,7 +310,7 @@ static void hide(void)
     assert_int_equal(unlink(path), 0);
 }
 
-/* A file that another twin replaces before it is locked is that twin's. */
+/* A file that another twin replaces before the lock belongs to that twin. */
 static void replaced_before_the_lock(void **state)
 {
     static const struct {
@@ -331,7 +331,7 @@ static void replaced_before_the_lock(void **state)
     }
 }
 
-/* As a master does it: by the registers of the chip, over a power cycle of the chain and of the process. */
+/* The master writes by the registers of the chip; chain and process then have a power cycle. */
 static void written_by_a_master(void **state)
 {
     (void)state;
@@ -365,7 +365,7 @@ static void written_by_a_master(void **state)
     free(made);
 }
 
-/* A daemon's standard input may be closed: the file gets descriptor 0 then. */
+/* A daemon's standard input may be closed: the file then gets descriptor 0. */
 static void descriptor_0(void **state)
 {
     uint8_t made[SIZE];
@@ -386,7 +386,7 @@ static void descriptor_0(void **state)
     assert_false(left);
 }
 
-/* Whatever the user's umask is: no other user reads or changes it. */
+/* Even with umask 0 no other user can read or change the file. */
 static void own_file(void **state)
 {
     uint8_t image[SIZE];
@@ -406,16 +406,21 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         EEPROM_TEST("EEPROM file: written words are kept", survives),
         EEPROM_TEST("EEPROM file: only the changed range is written", only_the_changed_range_is_written),
-        EEPROM_TEST("EEPROM file: a newer factory's words win, the master's others stay, the check value is right",
-                    newer_factory),
-        EEPROM_TEST("EEPROM file: a wrong check value stays as the master wrote it", bad_checksum_stays_bad),
-        EEPROM_TEST("EEPROM file: a start that was cut off, or met a full disk, is made good", cut_off_first_start),
-        EEPROM_TEST("EEPROM file: closed with its descriptor, also where that is 0", descriptor_0),
-        EEPROM_TEST("EEPROM file: a foreign file is refused and unchanged", refused),
-        EEPROM_TEST("EEPROM file: a link as temporary file is refused, and its aim unchanged", link_as_temporary_file),
-        EEPROM_TEST("EEPROM file: a file that is replaced before it is locked is refused", replaced_before_the_lock),
-        EEPROM_TEST("EEPROM file: only its user reads or writes it", own_file),
-        EEPROM_TEST("CF-065: words written by a master outlast power cycle and process", written_by_a_master),
+        EEPROM_TEST(
+            "EEPROM file: changed words of the factory content replace the master's; the check value is correct",
+            newer_factory),
+        EEPROM_TEST("EEPROM file: a wrong check value of the master is kept", bad_checksum_stays_bad),
+        EEPROM_TEST("EEPROM file: after an interrupted start, and after one with a full disk, the next start succeeds",
+                    cut_off_first_start),
+        EEPROM_TEST("EEPROM file: its descriptor is closed, also descriptor 0", descriptor_0),
+        EEPROM_TEST("EEPROM file: a foreign file is refused and not changed", refused),
+        EEPROM_TEST("EEPROM file: a link in place of the temporary file is refused, and its target not changed",
+                    link_as_temporary_file),
+        EEPROM_TEST("EEPROM file: a file that is replaced or removed before the lock is refused",
+                    replaced_before_the_lock),
+        EEPROM_TEST("EEPROM file: only the user of the twin can read or write the file", own_file),
+        EEPROM_TEST("CF-065: words written by a master are kept over a power cycle and a restart of the process",
+                    written_by_a_master),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The files of a twin: what of a folder a master gets at, and what not. */
+/* The files of a twin: names that a master can and cannot open (files.h). */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
@@ -18,7 +18,7 @@ static char folder[64], outside[64];
 static ect_files_t *files;
 static const ect_foe_t *foe;
 
-/* The next call of this kind fails with an error of the disk; 0: none. */
+/* The error of the next call of each kind; 0: none. */
 static struct {
     int openat_error, pread_error, pwrite_error, renameat_error;
 } disk;
@@ -53,7 +53,8 @@ int __wrap_openat(int folder_fd, const char *path, int flags, ...)
 
 ssize_t __wrap_pread(int fd, void *bytes, size_t length, off_t at)
 {
-    return fails(&disk.pread_error) ? -1 : __real_pread(fd, bytes, length > 2 ? 2 : length, at); /* in pieces */
+    return fails(&disk.pread_error) ? -1
+                                    : __real_pread(fd, bytes, length > 2 ? 2 : length, at); /* in pieces of 2 bytes */
 }
 
 ssize_t __wrap_pwrite(int fd, const void *bytes, size_t length, off_t at)
@@ -134,7 +135,7 @@ static int tear_down(void **state)
         (void)unlink(in(names[i]));
     (void)rmdir(in("sub"));
     (void)unlink(outside);
-    return rmdir(folder); /* fails if something was left behind */
+    return rmdir(folder); /* fails if a file remains */
 }
 
 static char said[100]; /* text of the reply to the last open */
@@ -243,12 +244,13 @@ static void too_large(void **state)
 {
     (void)state;
     assert_int_equal(open_name("new", 3, true), ECT_FOE_OK);
-    assert_int_equal(write_piece(ECT_FILES_MOST - 4, "1234", false), ECT_FOE_OK); /* a hole: no disk is filled */
+    assert_int_equal(write_piece(ECT_FILES_MOST - 4, "1234", false),
+                     ECT_FOE_OK); /* a hole, which needs no space on the disk */
     assert_int_equal(write_piece(ECT_FILES_MOST - 3, "1234", false), ECT_FOE_DISK_FULL);
     expect_content(in("new"), "nothing");
 }
 
-/* Another master, or a user, acts meanwhile. */
+/* During a transfer, a user replaces the incomplete file by a link. */
 static void meanwhile(void **state)
 {
     (void)state;
@@ -256,7 +258,7 @@ static void meanwhile(void **state)
     assert_int_equal(write_piece(0, "good", false), ECT_FOE_OK);
     assert_int_equal(unlink(in(".new.part")), 0);
     assert_int_equal(symlink(outside, in(".new.part")), 0);
-    assert_int_equal(write_piece(4, "bye", true), ECT_FOE_OK); /* the link gets the name: its target is unchanged */
+    assert_int_equal(write_piece(4, "bye", true), ECT_FOE_OK); /* renames the link; its target is unchanged */
     foe->close(foe, NULL, true);
     expect_content(outside, "not yours");
     assert_int_equal(open_name("new", 3, false), ECT_FOE_ACCESS);
@@ -268,7 +270,7 @@ static void meanwhile(void **state)
     expect_content(outside, "not yours");
 }
 
-/* A file that comes up under the name of the incomplete one stays when the complete one is closed. */
+/* A user's new file with the name of the incomplete file is not removed by the close of the complete file. */
 static void complete_before_its_close(void **state)
 {
     (void)state;
@@ -281,7 +283,7 @@ static void complete_before_its_close(void **state)
     assert_int_equal(unlink(in(".new.part")), 0);
 }
 
-/* The descriptor that is given next. */
+/* @return the next free descriptor */
 static int next_descriptor(void)
 {
     const int fd = open("/dev/null", O_RDONLY);
@@ -289,7 +291,7 @@ static int next_descriptor(void)
     return fd;
 }
 
-/* Each error of the host has a code of FoE; after it nothing is open, and no file is incomplete. */
+/* After each error no descriptor is open, and no incomplete file exists. */
 static void errors_of_the_disk(void **state)
 {
     static const struct {
@@ -326,7 +328,7 @@ static void errors_of_the_disk(void **state)
     }
 }
 
-/* No child of a program, and no pipe, can access the open file of a master. */
+/* No child process inherits the descriptor, and opening a pipe would not block. */
 static void descriptors_of_open_files(void **state)
 {
     char message[ECT_FILES_MESSAGE];
@@ -346,7 +348,7 @@ static void descriptors_of_open_files(void **state)
     }
 }
 
-/* The memory of a transfer is behind the instance, aligned for any type. */
+/* The memory of a transfer follows the instance. */
 static void instance_with_a_transfer(void **state)
 {
     enum { ALIGNED = sizeof(max_align_t) };
@@ -411,7 +413,7 @@ static void refused_devices(void **state)
     assert_non_null(strstr(message, "' for files: Not a directory"));
 }
 
-/* All descriptors of a folder, and of a file that is open in it, are closed with it. */
+/* The folder is closed while a file is open. */
 static void closes_its_descriptors(void **state)
 {
     char message[ECT_FILES_MESSAGE];
@@ -432,7 +434,7 @@ static void closes_its_descriptors(void **state)
     assert_int_equal(after, before);
 }
 
-/* Password 0 of the twin is none: each password is right then. */
+/* A twin with password 0 accepts each password. */
 static void passwords(void **state)
 {
     static const struct {
@@ -462,7 +464,7 @@ static void passwords(void **state)
     }
 }
 
-/* The twin as a master finds it: protocol in the SII, mailboxes for BOOT, a password. */
+/* A master opens a file in BOOT, with a correct and a wrong password. */
 static void over_the_wire(void **state)
 {
     char message[ECT_FILES_MESSAGE];
@@ -491,20 +493,20 @@ int main(void)
 {
 #define TEST(title, function) {title, function, set_up, tear_down, NULL}
     const struct CMUnitTest tests[] = {
-        TEST("Attack: names that lead out of the folder, or to what is no file, are refused", names),
-        TEST("Files: a written file replaces the previous one when it is complete", whole_files_only),
-        TEST("Attack: a wrong password opens no file, and without one each is right", passwords),
-        TEST("Files: they are read piece by piece", read_pieces),
-        TEST("Attack: an endless file fills no disk", too_large),
-        TEST("Attack: links that come up meanwhile are not followed", meanwhile),
+        TEST("Attack: names that lead out of the folder or name no regular file are refused", names),
+        TEST("Files: a written file replaces the previous file when it is complete", whole_files_only),
+        TEST("Attack: a wrong password opens no file; a twin without a password accepts each", passwords),
+        TEST("Files: a file is read in pieces", read_pieces),
+        TEST("Attack: a file of more than 64 MiB is refused", too_large),
+        TEST("Attack: links that are created during a transfer are not followed", meanwhile),
         TEST("Files: a complete file has its name before it is closed", complete_before_its_close),
-        TEST("Files: errors of the disk have codes of FoE, and leave nothing open", errors_of_the_disk),
-        TEST("Files: no child process gets a descriptor of the folder or a file", descriptors_of_open_files),
-        TEST("Files: the memory of a transfer is aligned, behind the instance", instance_with_a_transfer),
-        TEST("Files: a device has at most 16 protocols of its own besides FoE", most_protocols_of_a_device),
+        TEST("Files: each error of the disk has an error code of FoE", errors_of_the_disk),
+        TEST("Files: no child process inherits a descriptor of the folder or of a file", descriptors_of_open_files),
+        TEST("Files: the memory of a transfer follows the instance, aligned for any type", instance_with_a_transfer),
+        TEST("Files: a device has at most 16 protocols besides FoE", most_protocols_of_a_device),
         TEST("Files: a device without a mailbox, or with files of its own, is refused with a line", refused_devices),
-        TEST("Files: the descriptors of a folder are closed with it", closes_its_descriptors),
-        TEST("Files: a twin offers them in every state, BOOT included, with the right password", over_the_wire),
+        TEST("Files: with a folder, its descriptors and those of its open files are closed", closes_its_descriptors),
+        TEST("Files: a file is read in BOOT, with the correct password", over_the_wire),
     };
     return cmocka_run_group_tests_name("files", tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Saved records of a twin on a PC, and files that other programs change (memory.h). */
+/* The saved records of a twin on a PC, also after changes of the files by other programs (memory.h). */
 #define _GNU_SOURCE
 #include "bus/storage/memory.h"
 
@@ -25,12 +25,12 @@
 
 static char work[64];
 
-/* A disk that reads in pieces, and synchronises at the time that the test sets. */
+/* A disk that reads in pieces, and ends a synchronisation at the time set by the test. */
 static struct {
-    size_t piece;   /* bytes of one read at most; 0: all */
-    off_t bad_from; /* reads from here on fail; 0: none does */
-    bool slow;      /* the calls of aio are those of the test */
-    int state;      /* of the synchronisation: EINPROGRESS, 0, or the error of its end */
+    size_t piece;   /* most bytes of a read; 0: no limit */
+    off_t bad_from; /* reads from this offset on fail; 0: none fails */
+    bool slow;      /* the functions of aio are replaced */
+    int state;      /* of the synchronisation: EINPROGRESS; 0 or an error when it has ended */
     int end;        /* state after the first wait */
     unsigned int begun, waits, ended;
 } disk;
@@ -117,7 +117,7 @@ static void expect_refused(const char *path, const char *why)
         fail_msg("%s: expected a refusal with '%s', got '%s'", path, why, memory ? "none" : message);
 }
 
-/* @return whether it was saved */
+/* @return whether the record was saved */
 static bool save(const ect_memory_t *memory, const void *data, uint32_t size)
 {
     ect_record_t newest, record;
@@ -201,7 +201,7 @@ static void longest_path(void **state)
     assert_int_equal(size_of("long.1"), ECT_MEMORY_BANK + 32);
 }
 
-/* Both ends of a bank, in memory and in the file behind its header. */
+/* Both ends of a bank, in memory and in the file. */
 static void ends_of_a_bank(void **state)
 {
     static const struct {
@@ -235,7 +235,7 @@ static void foreign_files(void **state)
     enum { FAR = 2 * ECT_MEMORY_BANK };
     (void)state;
     static const struct {
-        off_t first, step; /* of the bytes that are not 0 */
+        off_t first, step; /* of the bytes other than 0 */
     } patterns[] = {{0, FAR}, {31, FAR}, {32, FAR}, {33, FAR}, {33, 2}, {ECT_MEMORY_BANK + 31, FAR}};
     static const size_t sizes[] = {1, 100, ECT_MEMORY_BANK, ECT_MEMORY_BANK + 32, ECT_MEMORY_BANK + 33};
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
@@ -244,7 +244,7 @@ static void foreign_files(void **state)
         assert_int_equal(size_of("foreign.0"), sizes[i]);
         assert_int_equal(size_of("foreign.1"), -1);
     }
-    for (size_t i = 0; i < sizeof patterns / sizeof patterns[0]; i++) { /* not the remains of an interrupted start */
+    for (size_t i = 0; i < sizeof patterns / sizeof patterns[0]; i++) { /* unlike the file of an interrupted start */
         write_file("foreign.0", "", 0, ECT_MEMORY_BANK + 32);
         for (off_t at = patterns[i].first; at < ECT_MEMORY_BANK + 32; at += patterns[i].step)
             overwrite("foreign.0", at, "x");
@@ -291,7 +291,7 @@ static void one_twin_each(void **state)
     ect_memory_close(memory);
 }
 
-/* A mapping of a file that is cut ends the process; what is kept of it does not change. */
+/* An access to the mapping of a truncated file would end the process (SIGBUS). */
 static void cut_while_it_runs(void **state)
 {
     (void)state;
@@ -316,7 +316,7 @@ static void deleted_while_it_runs(void **state)
     ect_memory_close(memory);
 }
 
-/* The newest record is in the bank that the second save went to. */
+/* The second of two saves is damaged, so the record of the first save is used. */
 static void damaged(void **state)
 {
     char message[ECT_MEMORY_MESSAGE], other[64];
@@ -339,7 +339,7 @@ static void damaged(void **state)
         snprintf(other, sizeof other, "kept as 'damaged.%u.damaged", bank);
         assert_non_null(strstr(message, "has no complete record"));
         assert_non_null(strstr(message, other));
-        expect_saved(memory, "one"); /* the record before */
+        expect_saved(memory, "one"); /* the previous record */
         ect_memory_close(memory);
         snprintf(other, sizeof other, "damaged.%u.damaged1", bank);
         assert_int_equal(size_of(other), ECT_MEMORY_BANK + 32);
@@ -350,10 +350,10 @@ static void damaged(void **state)
     assert_true(size_of("damaged.0.damaged10") < 0 && size_of("damaged.1.damaged10") < 0);
     const int after = open("/dev/null", O_RDONLY);
     (void)close(after);
-    assert_int_equal(after, before); /* no descriptor is left open */
+    assert_int_equal(after, before); /* all descriptors are closed */
 }
 
-/* The descriptor that is given next. */
+/* @return the next free descriptor */
 static int next_descriptor(void)
 {
     const int fd = open("/dev/null", O_RDONLY);
@@ -374,7 +374,7 @@ static void save_twice_and_damage(const char *path)
     overwrite(name, 32 + ECT_RECORD_HEADER, "XXX");
 }
 
-/* The report has the name of each file, and of the folder only where the file is. */
+/* The report names each file with its folder, and the new name without the folder. */
 static void reports_of_damage(void **state)
 {
     static const struct {
@@ -403,7 +403,7 @@ static void reports_of_damage(void **state)
     }
 }
 
-/* A damaged file that cannot be renamed is left unchanged, and named. */
+/* The longest file name leaves no room for the suffix .damaged1. */
 static void damage_that_stays(void **state)
 {
     enum { LONGEST = 255 - 2 }; /* of a file's name, without ".0" */
@@ -441,11 +441,11 @@ static void longest_path_of_a_damaged_file(void **state)
     assert_true(size_of("far-away.0.damaged1") > 0 || size_of("far-away.1.damaged1") > 0);
 }
 
-/* A power failure leaves a record with wrong data only if it is the older one. */
+/* A power failure can leave wrong data only in the older record. */
 static void age_of_a_record_without_data(void **state)
 {
     static const struct {
-        uint32_t newer; /* than the record in the other bank */
+        uint32_t newer; /* sequence number, relative to the record in the other bank */
         bool damaged;
     } rows[] = {{UINT32_MAX, false}, {0, true}, {1, true}, {INT32_MAX, true}, {0x80000000u, false}};
     (void)state;
@@ -472,7 +472,7 @@ static void age_of_a_record_without_data(void **state)
     }
 }
 
-/* A file is read whole, also from a disk that gives it in pieces. */
+/* Each read returns at most a piece of the file. */
 static void read_in_pieces(void **state)
 {
     static const size_t pieces[] = {4096, ECT_MEMORY_BANK - 1};
@@ -498,7 +498,7 @@ static void read_in_pieces(void **state)
     }
 }
 
-/* The part that the disk cannot read may have a record. */
+/* The unreadable part may contain a record. */
 static void unreadable(void **state)
 {
     (void)state;
@@ -515,7 +515,7 @@ static void unreadable(void **state)
     assert_int_equal(unlink("bad.1"), 0);
 }
 
-/* A daemon's standard input may be closed: the first file gets descriptor 0 then. */
+/* A daemon's standard input may be closed: the first file then gets descriptor 0. */
 static void descriptor_0(void **state)
 {
     (void)state;
@@ -527,7 +527,7 @@ static void descriptor_0(void **state)
     ect_memory_close(memory);
     const bool left = fcntl(STDIN_FILENO, F_GETFD) >= 0;
     memory = must_open("zero");
-    expect_saved(memory, "three"); /* each file has one of the last two */
+    expect_saved(memory, "three"); /* each file has one of the last two records */
     ect_memory_close(memory);
     if (input >= 0) {
         (void)dup2(input, STDIN_FILENO);
@@ -539,7 +539,7 @@ static void descriptor_0(void **state)
 
 static void closes_its_descriptors(void **state)
 {
-    static const char *const paths[] = {"shut", "./shut", "/tmp/../dev/null/no"}; /* made, found, refused */
+    static const char *const paths[] = {"shut", "./shut", "/tmp/../dev/null/no"}; /* created, found, refused */
     (void)state;
     for (size_t i = 0; i < sizeof paths / sizeof paths[0]; i++) {
         char message[ECT_MEMORY_MESSAGE];
@@ -549,7 +549,7 @@ static void closes_its_descriptors(void **state)
     }
 }
 
-/* A save asks for the end of a synchronisation and does not wait; the close of a memory does. */
+/* A save need not wait for the synchronisation; the close of a memory waits. */
 static void slow_disk(void **state)
 {
     static const struct {
@@ -582,7 +582,7 @@ static void slow_disk(void **state)
     }
 }
 
-/* A record that was begun and put, but not sealed: the process was killed. */
+/* Leaves a record without a commit, as by a kill. */
 static void leave_unfinished(const char *path, const char *text)
 {
     ect_record_t newest, record;
@@ -610,7 +610,7 @@ static void cut_off_saves(void **state)
     assert_true(size_of("killed.0.damaged1") < 0 && size_of("killed.1.damaged1") < 0);
 }
 
-/* After a power failure the header before may still be there, with data that belong to the record after. */
+/* After a power failure the older bank may have the previous header with data of the next record. */
 static void cut_off_by_power(void **state)
 {
     ect_record_t newest;
@@ -626,7 +626,7 @@ static void cut_off_by_power(void **state)
     ect_memory_close(memory);
 }
 
-/* A full disk, or a kill between the calls that make a file, leaves one without content. */
+/* A full disk, or a kill during the creation of a file, leaves a file without content. */
 static void cut_off_first_start(void **state)
 {
     struct rlimit before, small;
@@ -649,7 +649,7 @@ static void cut_off_first_start(void **state)
     ect_memory_close(must_open("full"));
 }
 
-/* A length beyond the bank, all ones, text: no header that is read as one. */
+/* All ones, a length beyond the bank, text. */
 static void damaged_headers(void **state)
 {
     static const char *const headers[] = {"\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff",
@@ -710,7 +710,7 @@ static void observed(void **state)
     ect_memory_close(m);
 }
 
-/* The results that were, and those that are to be. */
+/* The results of the flushes, and their replacement. */
 typedef struct flushes {
     int results[8];
     unsigned int count;
@@ -750,7 +750,7 @@ static void replaced_flushes(void **state)
     }
 }
 
-/* Whatever the user's umask is: no other user reads or changes it. */
+/* Even with umask 0 no other user can read or change the files. */
 static void own_file(void **state)
 {
     static const char *const files[] = {"own.0", "own.1"};
@@ -768,38 +768,44 @@ static void own_file(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        {"A saved record is read at the next start", keeps, NULL, NULL, NULL},
-        {"Without a path it lasts as long as the process", without_files, NULL, NULL, NULL},
+        {"A saved record is read back at the next start", keeps, NULL, NULL, NULL},
+        {"Without a path a record lasts as long as the process", without_files, NULL, NULL, NULL},
         {"A path has at most 511 characters", longest_path, NULL, NULL, NULL},
-        {"The first and the last byte of a bank are in the file behind its header", ends_of_a_bank, NULL, NULL, NULL},
-        {"Attack: a file that no twin has made is refused and not changed", foreign_files, NULL, NULL, NULL},
-        {"Attack: links, pipes and folders are refused", links_and_devices, NULL, NULL, NULL},
-        {"Only their user reads or writes the files", own_file, NULL, NULL, NULL},
-        {"A second twin on the same files is refused", one_twin_each, NULL, NULL, NULL},
-        {"Attack: a file that is cut while it runs: no crash, the next save fails", cut_while_it_runs, NULL, NULL,
+        {"The bytes of a bank follow the header of its file, from the first to the last", ends_of_a_bank, NULL, NULL,
          NULL},
-        {"A file that is deleted while it runs: the next save fails", deleted_while_it_runs, NULL, NULL, NULL},
+        {"Attack: a file that is not a twin's record is refused and not changed", foreign_files, NULL, NULL, NULL},
+        {"Attack: links, pipes and folders are refused", links_and_devices, NULL, NULL, NULL},
+        {"Only the user of the twin can read or write the files", own_file, NULL, NULL, NULL},
+        {"A second twin with the same files is refused", one_twin_each, NULL, NULL, NULL},
+        {"Attack: after a file of a running twin is truncated, the next save fails", cut_while_it_runs, NULL, NULL,
+         NULL},
+        {"After a file of a running twin is deleted, the next save fails", deleted_while_it_runs, NULL, NULL, NULL},
         {"A damaged record is reported and kept under another name, nine times at most; the previous record is used",
          damaged, NULL, NULL, NULL},
-        {"A save that was cut off is ordinary: the record before is used, twenty times", cut_off_saves, NULL, NULL,
-         NULL},
-        {"A save that a power failure cut off is ordinary too", cut_off_by_power, NULL, NULL, NULL},
-        {"A first start that was cut off, or met a full disk, is made good", cut_off_first_start, NULL, NULL, NULL},
-        {"Attack: headers that make no sense", damaged_headers, NULL, NULL, NULL},
-        {"A report of damage names each file, and where it is kept", reports_of_damage, NULL, NULL, NULL},
-        {"A damaged file that cannot be renamed is refused with its name", damage_that_stays, NULL, NULL, NULL},
-        {"A damaged file with the longest path is kept aside", longest_path_of_a_damaged_file, NULL, NULL, NULL},
-        {"A record without its data is ordinary if it is older than the other one", age_of_a_record_without_data, NULL,
+        {"After an interrupted save the previous record is used, without a report, twenty times", cut_off_saves, NULL,
          NULL, NULL},
-        {"A file is read whole from a disk that gives it in pieces", read_in_pieces, NULL, NULL, NULL},
-        {"A file that the disk cannot read is refused, and stays", unreadable, NULL, NULL, NULL},
-        {"Descriptor 0 is one as any other", descriptor_0, NULL, NULL, NULL},
+        {"After a save that a power failure has interrupted, the newest complete record is used, without a report",
+         cut_off_by_power, NULL, NULL, NULL},
+        {"After an interrupted first start, and after one with a full disk, the next start succeeds",
+         cut_off_first_start, NULL, NULL, NULL},
+        {"Attack: a file with an impossible header is reported, and the twin can save again", damaged_headers, NULL,
+         NULL, NULL},
+        {"A report of damage names each file, and its new name", reports_of_damage, NULL, NULL, NULL},
+        {"A damaged file that cannot be renamed is refused with its name, and not changed", damage_that_stays, NULL,
+         NULL, NULL},
+        {"A damaged file with the longest path is renamed", longest_path_of_a_damaged_file, NULL, NULL, NULL},
+        {"A record with wrong data is reported only if it is newer than the other record", age_of_a_record_without_data,
+         NULL, NULL, NULL},
+        {"A file is read completely from a disk that reads in pieces", read_in_pieces, NULL, NULL, NULL},
+        {"A file that the disk cannot read is refused and not changed", unreadable, NULL, NULL, NULL},
+        {"With the standard input closed, a file has descriptor 0, which is closed with the memory", descriptor_0, NULL,
+         NULL, NULL},
         {"All descriptors are closed with the memory", closes_its_descriptors, NULL, NULL, NULL},
-        {"A flush waits for a slow disk if it shall, the close of a memory always", slow_disk, NULL, NULL, NULL},
-        {"An observer gets its number once a save", observed, NULL, NULL, NULL},
-        {"A replay gives each flush the result that it had in the run, with files and without", replaced_flushes, NULL,
-         NULL, NULL},
-        {"A record fills the bank to its last byte, and no further", largest_record, NULL, NULL, NULL},
+        {"A flush waits for a slow disk on request, the close of a memory always", slow_disk, NULL, NULL, NULL},
+        {"An observer gets its number once for each save", observed, NULL, NULL, NULL},
+        {"A function replaces the result of each flush, with files and without", replaced_flushes, NULL, NULL, NULL},
+        {"The longest record fills the bank to its last byte; a longer one is refused", largest_record, NULL, NULL,
+         NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
