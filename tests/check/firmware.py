@@ -177,7 +177,8 @@ def tables(sizes, stacks):
             flash, ram = size["text"] + size["data"], size["data"] + size["bss"] + size["stack"]
             lines.append(f"| {name} | {size['text']} | {size['data']} | {size['bss']} | {size['stack']} | {flash} | {ram} |\n")
     text, deep = services()
-    lines.append("\n## The slave stack, and the cost of each service\n\nCortex-M4; no data, no bss: memory is the caller's.\n\n"
+    lines.append("\n## The slave stack, and the cost of each service\n\n"
+                 "The sizes are for a Cortex-M4. The stack has neither data nor bss, because the caller provides the memory.\n\n"
                  "| | text | limit |\n|---|--:|--:|\n")
     lines += [f"| {name} | {size} | {limit} |\n" for name, size, limit in text]
     lines.append("\n| stack, without the device's functions and the port's | bytes | limit |\n|---|--:|--:|\n")
