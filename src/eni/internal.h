@@ -40,7 +40,7 @@ const ect_eni_command_t *ect_eni_read_inits(ect_esi_xml_t *xml, const xmlNode *p
 /** Reads one InitCmd of CoE. */
 void ect_eni_read_coe(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_coe_t *command);
 
-/** Reads one InitCmd of AoE, EoE or SoE; `mail` has its protocol. @return false: it contains no mail of the protocol */
+/** Reads one InitCmd of AoE, EoE, FoE or SoE; `mail` has its protocol. @return false: without a mail of the protocol */
 bool ect_eni_read_mail(ect_esi_xml_t *xml, const xmlNode *node, ect_eni_mail_t *mail);
 
 /** Reads a `<Slave>`. */

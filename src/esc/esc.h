@@ -132,32 +132,32 @@ typedef struct ect_esc {
     bool lose_al_event;
     uint8_t reloaded[16]; /**< words that a PDI that emulates the EEPROM has delivered so far */
     bool alias_loaded;
-    uint64_t pdi_ns;          /**< last access of the PDI; UINT64_MAX: its watchdog is not running */
-    uint64_t loops_revert_ns; /**< end of temporary loop settings; UINT64_MAX: there are none */
+    uint64_t pdi_ns;          /**< last access of the PDI; UINT64_MAX: its watchdog does not run */
+    uint64_t loops_revert_ns; /**< end of temporary loop settings; UINT64_MAX: none */
     bool al_control_locked;
     bool al_control_written; /**< by the present frame */
     bool sii_valid;
-    bool pdi_late;         /**< its watchdog has expired */
-    uint8_t per_frame;     /**< work that is due when this frame ends, or the next one begins */
+    bool pdi_late;         /**< the watchdog of the PDI has expired */
+    uint8_t per_frame;     /**< work that is due at the end of this frame or the beginning of the next one */
     uint8_t reset_step[2]; /**< by side: progress of its reset sequence */
-    bool reset_moved[2];   /**< by side: this frame, or access, has advanced it */
-    uint8_t held_ports;    /**< bit n: auto-close port n has lost its link and waits to be opened */
+    bool reset_moved[2];   /**< by side: this frame or access has advanced the reset sequence */
+    uint8_t held_ports;    /**< bit n: auto-close port n has lost its link, and stays closed until it is opened */
     uint8_t next_port[4];  /**< by port of arrival: the port by which a frame leaves */
     uint32_t port_changes;
     uint8_t kept_loops;  /**< loop settings that apply again after temporary ones */
     uint8_t err_code;    /**< code of the ERR LED, unless the register overrides it */
     uint8_t fmmu_reads;  /* bit n: FMMU n is active and maps reads */
-    uint8_t fmmu_writes; /* likewise, writes */
-    bool fmmus_plain;    /* all FMMUs map whole bytes, and no byte belongs to two of them */
-    bool fmmus_whole;    /* they map whole bytes, and no byte belongs to two of them in one direction */
+    uint8_t fmmu_writes; /* bit n: FMMU n is active and maps writes */
+    bool fmmus_plain;    /* all FMMUs map whole bytes, and no byte belongs to two FMMUs */
+    bool fmmus_whole;    /* all FMMUs map whole bytes, and no byte belongs to two FMMUs of one direction */
     bool sms_overlap;    /* two enabled SyncManagers share a byte: the lower number decides */
     uint8_t sm_changed;  /* bit n: the PDI has yet to read the changed activate register of SyncManager n */
     uint32_t activity;
-    uint32_t routing; /* changes with everything that affects the path of frames or data added to them, but the images
-                         of SyncManagers (route.h, cyclic.h) */
+    uint32_t routing; /* changes with each state that affects the path of frames or data added to frames, except the
+                         images of SyncManagers (route.h, cyclic.h) */
     uint32_t sii_writes;
     uint32_t resets;
-    uint8_t closing; /* bit n: the present frame has left the buffer of SyncManager n, which changes hands at its end */
+    uint8_t closing; /* bit n: the present frame has left the buffer of SyncManager n, which is exchanged at its end */
     uint8_t listed;  /* bit n: SyncManager n is in the list of postponed effects */
     uint16_t postponed_length;
     uint8_t scratch[ECT_ESC_MAX_FRAME];   /* data of the present datagram, in or out: one user at a time */
@@ -170,8 +170,8 @@ typedef struct ect_esc {
  * @param config    copied; its memory must outlive the instance
  * @param now_ns    present time
  * @return 0, or negative with nothing initialised: -1 personality missing or out of range (more than 8 FMMUs or
- *         SyncManagers, no RAM), -2 memory missing, -3 SII size odd or without content, or an EEPROM that the PDI is to
- *         emulate (sii_emulated) although there is one, or the chip cannot emulate it
+ *         SyncManagers, no RAM), -2 memory missing, -3 SII size odd or without content, or emulation of the EEPROM by
+ *         the PDI (sii_emulated) in addition to an EEPROM, or in a chip without emulation
  */
 int ect_esc_init(ect_esc_t *esc, const ect_esc_config_t *config, uint64_t now_ns);
 

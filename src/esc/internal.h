@@ -3,7 +3,7 @@
  * @file
  * Interface between the files of esc/. No file outside esc/ includes this header.
  *
- * The files from the lowest to the highest; each knows only those above it in this list (tests/check/order.py):
+ * The files from the lowest to the highest; each uses only files above it in this list (tests/check/order.py):
  *
  *   personality.c     types of chips
  *   fmmu_registers.c  registers of the FMMUs
@@ -24,7 +24,7 @@
  *   fmmu.c       logical addresses
  *   esc.c        reset, time, the PDI side
  *   route.c      properties of a controller that affect passing frames
- *   cyclic.c     the part of a controller in the exchange of process data, known in advance
+ *   cyclic.c     the part of a controller in the exchange of process data, determined in advance
  *   frame.c      datagrams: addressing, working counter
  */
 #ifndef ECT_ESC_INTERNAL_H
@@ -44,26 +44,26 @@ typedef enum ect_side { ECT_SIDE_ECAT, ECT_SIDE_PDI } ect_side_t;
 
 /** Bits of ect_esc_t::per_frame. */
 enum {
-    ECT_FRAME_END_SII = 0x01, /**< EEPROM write enable lasts for one frame */
-    ECT_FRAME_BEGINS = 0x02,  /**< other write enables do too, and an interrupted reset sequence is void */
-    ECT_FRAME_END_MII = 0x08, /**< write enable of PHYs too */
+    ECT_FRAME_END_SII = 0x01, /**< the EEPROM write enable, valid for one frame, is set */
+    ECT_FRAME_BEGINS = 0x02,  /**< another write enable is set, or a reset sequence is not complete */
+    ECT_FRAME_END_MII = 0x08, /**< the write enable of PHYs is set */
     ECT_FRAME_COMMITS = 0x04, /**< writes of this frame are postponed to its end */
 };
 
 /** The master's writes to registers have two stages; every other access has one. */
 typedef enum ect_stage {
     ECT_STAGE_PASSING, /**< the datagram passes: RAM changes, register writes are postponed */
-    ECT_STAGE_ASKS,    /**< only determines whether registers accept a write, and changes nothing */
+    ECT_STAGE_ASKS,    /**< only determines whether registers accept a write */
     ECT_STAGE_COMMITS, /**< the frame has ended: a postponed write takes effect */
 } ect_stage_t;
 
-/** One access, as the datagram or the PDI call passes it down. */
+/** One access, by a datagram or by a PDI call. */
 typedef struct ect_access {
     ect_side_t side;
     ect_stage_t stage;
     bool write;
-    bool latches;        /**< a write by station address or broadcast: at 0x0900 it latches the receive times */
-    uint8_t *data;       /**< read: destination; write: source, only read */
+    bool latches;        /**< a write by station address or broadcast, which latches the receive times at 0x0900 */
+    uint8_t *data;       /**< read: destination; write: source, not changed */
     const uint8_t *mask; /**< bits that apply, one byte for each byte of data; NULL: all */
 } ect_access_t;
 
@@ -123,7 +123,7 @@ static inline void ect_esc_clear(ect_esc_t *esc, uint32_t al_event)
     ect_store_le32(event, ect_load_le32(event) & ~al_event);
 }
 
-/* Datagrams collect the ECAT events, so that a change of them affects passing frames. */
+/* Changes the ECAT events only if necessary: datagrams collect the events, so a change affects passing frames. */
 static inline void ect_esc_raise_ecat(ect_esc_t *esc, uint16_t ecat_event)
 {
     uint16_t events = ect_load_le16(esc->memory + ECT_REG_ECAT_EVENT);
@@ -179,7 +179,7 @@ typedef struct ect_postponed {
 
 /* Postpones a register write of the master to the end of the frame. @return false: no room, nothing is changed */
 bool ect_esc_postpone_write(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
-/* Removes SyncManager `n` from the list: the frame has begun its buffer again, which changes hands later. */
+/* Removes SyncManager `n` from the list: the frame has begun the buffer again, which is exchanged later. */
 void ect_esc_unlist(ect_esc_t *esc, unsigned int n);
 /* The entry at `*at`, initially 0, which is advanced. @return false: there is none */
 bool ect_esc_next_postponed(ect_esc_t *esc, uint16_t *at, ect_postponed_t *next);
@@ -231,8 +231,8 @@ static inline bool ect_esc_sm_enabled(const ect_esc_t *esc, unsigned int n)
 }
 void ect_esc_sm_reset(ect_esc_t *esc, unsigned int n);
 bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *access, uint16_t offset, uint16_t length);
-/* Closes the buffers of a set (bit n: SyncManager n) that a frame has left, without those that it has begun again, or
- * whose SyncManager it has restarted since. */
+/* Closes the buffers of a set (bit n: SyncManager n) that a frame has left, except buffers that the frame has begun
+ * again, or of which the frame has restarted the SyncManager. */
 void ect_esc_sm_close(ect_esc_t *esc, unsigned int set);
 /* Whether at least one byte accepts a write of the master. */
 bool ect_esc_sm_accepts(const ect_esc_t *esc, uint16_t address, uint16_t length);
@@ -287,7 +287,7 @@ bool ect_esc_mii_write_register(ect_esc_t *esc, const ect_access_t *access, uint
 void ect_esc_mii_end_of_frame(ect_esc_t *esc);
 
 /* --- protect.c -------------------------------------------------------------------------------------------------- */
-/* Takes the write enables that a write of the master contains. @return whether there was a valid one */
+/* Applies the write enables that a write of the master contains. @return whether one was valid */
 bool ect_esc_unlock(ect_esc_t *esc, uint16_t address, uint16_t length);
 /* First address that the master may write: 0 all, UINT32_MAX none. */
 uint32_t ect_esc_first_writable(const ect_esc_t *esc);
@@ -314,7 +314,7 @@ static inline bool ect_esc_guards(const ect_esc_t *esc, const ect_access_t *acce
            (esc->memory[ECT_REG_WRITE_PROTECTION] | esc->memory[ECT_REG_ESC_WRITE_PROTECTION]) != 0;
 }
 bool ect_esc_any_access(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
-/* Executes the postponed writes of a frame, and closes the buffers that it has left before the last of them. */
+/* Executes the postponed writes of a frame, and closes the buffers that the frame has left before the last write. */
 void ect_esc_commit_writes(ect_esc_t *esc);
 
 /* Executes all effects of a frame. Cyclic data close buffers and write no register. */
@@ -344,7 +344,7 @@ static inline bool ect_esc_access(ect_esc_t *esc, const ect_access_t *access, ui
 }
 
 /* --- esc.c ------------------------------------------------------------------------------------------------------ */
-/* As ect_esc_tick, but cheap while nothing is due. */
+/* As ect_esc_tick, with less cost while no event is due. */
 void ect_esc_advance(ect_esc_t *esc, uint64_t now_ns);
 /* Ends a frame or a PDI access: executes a reset if a reset sequence is complete. */
 void ect_esc_access_ends(ect_esc_t *esc);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Properties of a controller that affect passing frames, for code that passes frames through many controllers: it
- * parses a frame once, knows in advance which controllers the frame concerns, and calls only those.
+ * Properties of a controller that affect passing frames, for code that passes frames through many controllers. Such
+ * code parses a frame once, and calls only the controllers that take part in the frame, determined in advance.
  *
- * The reference is ::ect_esc_pass for one controller after the other, then ::ect_esc_end_of_frame for each of them. The
- * result is the same, provided that each controller that takes part in a datagram gets the datagram by
- * ::ect_esc_datagram, in the order of the wire.
+ * The reference is ::ect_esc_pass for each controller in the order of the wire, then ::ect_esc_end_of_frame for each.
+ * The result is the same if each controller that takes part in a datagram gets the datagram by ::ect_esc_datagram, in
+ * the order of the wire.
  */
 #ifndef ECT_ESC_ROUTE_H
 #define ECT_ESC_ROUTE_H
@@ -43,14 +43,14 @@ enum {
     ECT_DATAGRAM_LENGTH = 6,
     ECT_DATAGRAM_IRQ = 8,
     ECT_DATAGRAM_DATA = 10,
-    ECT_DATAGRAM_COUNTER = 2, /**< bytes of the working counter behind the data */
+    ECT_DATAGRAM_COUNTER = 2, /**< bytes of the working counter after the data */
 };
 
 /** Parts of a controller in a datagram with a physical address. */
 enum {
     ECT_PART_READ = 1,
     ECT_PART_WRITE = 2,
-    ECT_PART_OR = 4, /**< the data read are OR'ed into the frame: broadcast */
+    ECT_PART_OR = 4, /**< broadcast: the read data are OR'ed into the frame */
 };
 
 /** Range of logical addresses that an active FMMU maps, at least in part. */
@@ -60,17 +60,17 @@ typedef struct ect_esc_window {
     uint16_t direction; /**< ECT_PART_READ, ECT_PART_WRITE or both */
 } ect_esc_window_t;
 
-/** Properties of a controller that determine its effect on a frame, and its data that every passing frame collects. */
+/** Properties that determine a controller's effect on a frame, and the data that every passing frame collects. */
 typedef struct ect_esc_route {
     uint16_t station;   /**< configured station address */
-    uint16_t alias;     /**< second address; equal to `station` when none is enabled */
+    uint16_t alias;     /**< second address; equal to `station` if no alias is enabled */
     uint16_t events;    /**< ECAT events that the mask passes: OR'ed into each datagram */
     uint16_t al_status; /**< 0x0130 */
-    bool al_status_new; /**< written and not read since: reading it clears an event */
+    bool al_status_new; /**< written and not read since: a read clears an event */
     bool open;          /**< frames leave by port 1 */
-    bool leaves_line;   /**< frames do not simply go to port 1 and return: ::ect_esc_circulates, a junction */
+    bool leaves_line;   /**< frames do not only pass to port 1 and return: ::ect_esc_circulates, a junction */
     bool marks_source;  /**< frames get the "locally administered" bit here */
-    bool awaits_frame;  /**< the next frame has an effect here, whatever its datagrams address */
+    bool awaits_frame;  /**< the next frame has an effect here, regardless of its datagrams */
     bool takes_time;    /**< a written system time is compared with the local one (::ect_esc_take_time) */
     bool guards_writes; /**< write protection may refuse a write */
     uint8_t window_count;
@@ -89,7 +89,7 @@ static inline uint32_t ect_esc_routing(const ect_esc_t *esc)
 /**
  * Finds the first datagram of a frame.
  * @return its offset; 0: the frame is malformed, too long, not EtherCAT, or EtherCAT in UDP with a check sum, which
- * the controllers have to clear
+ * the controllers must clear
  */
 size_t ect_frame_datagrams(const uint8_t *frame, size_t length);
 
@@ -124,11 +124,11 @@ static inline bool ect_command_counts(uint8_t command)
            command == ECT_ARMW;
 }
 
-/** Starts a frame at `now_ns`; once for each controller that takes part in it, before its first datagram. */
+/** Starts a frame at `now_ns`: once for each controller that takes part, before its first datagram. */
 void ect_esc_begin_of_frame(ect_esc_t *esc, uint64_t now_ns);
 
 /**
- * Executes one datagram in a controller. Its data change; its header and working counter do not.
+ * Executes one datagram in a controller. The data of the datagram change; its header and working counter do not.
  * @param esc       the controller
  * @param datagram  from its header on
  * @param part      ECT_PART_...; ignored for commands with a logical address
@@ -138,8 +138,8 @@ unsigned int ect_esc_datagram(ect_esc_t *esc, uint8_t *datagram, unsigned int pa
 
 /**
  * Executes a datagram that writes the four bytes of the system time (0x0910), in a frame that begins at `now_ns`, in a
- * controller that uses it (ect_esc_route_t::takes_time). No passing frame shows the effect, so the call may be late, as
- * long as it precedes every other use of the controller.
+ * controller that uses the time (ect_esc_route_t::takes_time). The effect appears in no passing frame, so the call may
+ * be late, but must precede every other use of the controller.
  */
 void ect_esc_take_time(ect_esc_t *esc, uint32_t time, uint64_t now_ns);
 
@@ -147,13 +147,12 @@ void ect_esc_take_time(ect_esc_t *esc, uint32_t time, uint64_t now_ns);
 void ect_esc_postpone_time(ect_esc_t *esc, uint32_t time);
 
 /**
- * Passes a frame through the controller as ::ect_esc_process does, except that its end is still to come: writes to
- * registers and the change of buffers wait for ::ect_esc_end_of_frame. Until then the frame leaves by the ports that
- * were open when it came.
+ * Passes a frame through the controller like ::ect_esc_process, but without its end: writes to registers and the change
+ * of buffers wait for ::ect_esc_end_of_frame. Until then the frame leaves by the ports that were open at its arrival.
  */
 ect_frame_result_t ect_esc_pass(ect_esc_t *esc, uint8_t *frame, size_t length, uint64_t now_ns);
 
-/** Ends a frame: what it has written takes effect. Required for each controller that took part in it. */
+/** Ends a frame: its writes take effect. Required for each controller that took part in the frame. */
 void ect_esc_end_of_frame(ect_esc_t *esc);
 
 ECT_C_END

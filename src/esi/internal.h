@@ -137,11 +137,11 @@ typedef struct ect_build_object {
     ect_build_entry_t *entries;
     size_t count;
     bool complete;   /**< from the dictionary: sub-index 0 is among the entries */
-    uint32_t module; /**< ident of the module that brings it, 0: the device */
-    size_t first;    /**< entries of the objects before it, once they are sorted */
+    uint32_t module; /**< ident of the module that contains the object; 0: the device */
+    size_t first;    /**< number of entries of the preceding objects, after sorting */
 } ect_build_object_t;
 
-/** Distances by which the indices of a module in its place move; all 0 for the device itself. */
+/** Increments of the indices of a module at its slot; all 0 for the device itself. */
 typedef struct ect_build_steps {
     uint32_t slot_index, slot_pdo;   /**< with ECT_ESI_BY_SLOT: objects and entries; PDOs */
     uint32_t group_index, group_pdo; /**< with ECT_ESI_BY_GROUP, likewise */
@@ -290,13 +290,13 @@ ect_build_object_t *ect_build_numbers(ect_build_t *build, uint16_t index, const 
 /** Sorts objects and entries, and sets sub-index 0 of records. */
 void ect_build_sort(ect_build_t *build);
 
-/** @return the index of an object or of a PDO's entry in its place; @param moves  ECT_ESI_BY_... */
+/** @return the index of an object or of a PDO's entry at the slot. @param moves  ECT_ESI_BY_... */
 uint16_t ect_build_index(uint16_t index, uint8_t moves, const ect_build_steps_t *steps);
 
-/** @return the index of a PDO in its place */
+/** @return the index of a PDO at the slot */
 uint16_t ect_build_pdo_index(uint16_t index, uint8_t moves, const ect_build_steps_t *steps);
 
-/** build_objects.c: adds the objects of a dictionary in its place. */
+/** build_objects.c: adds the objects of a dictionary with their indices at the slot. */
 void ect_build_objects(ect_build_t *build, const ect_esi_dictionary_t *dictionary, const ect_build_steps_t *steps);
 
 /** build_objects.c. @return ECT_ACCESS_... of an entry with flags of its own and of its object */
@@ -306,8 +306,8 @@ uint16_t ect_build_access(const ect_esi_flags_t *own, const ect_esi_flags_t *obj
 void ect_build_inits(ect_build_t *build, const ect_esi_init_t *inits, size_t count, const ect_build_steps_t *steps);
 
 /**
- * build_idns.c: adds the parameters of SoE drives, and entries of the dictionary for those that telegrams may carry.
- * After ect_build_objects() of the device, before its PDOs. No effect without SoE.
+ * build_idns.c: adds the parameters of SoE drives, and entries of the dictionary for parameters that telegrams may
+ * contain. Call it after ect_build_objects() of the device, before its PDOs. No effect without SoE.
  */
 void ect_build_idns(ect_build_t *build);
 
@@ -322,7 +322,7 @@ bool ect_build_is_telegram(const ect_build_t *build, const ect_esi_pdo_t *pdo);
 uint8_t ect_build_drive_of(const ect_build_t *build, const ect_esi_pdo_t *pdo);
 
 /**
- * build_idns.c. @return the index of the entry in the dictionary that an entry of a PDO maps, in its place; 0: a gap
+ * build_idns.c. @return the index, at the slot, of the entry in the dictionary that an entry of a PDO maps; 0: a gap
  */
 uint16_t ect_build_mapped(const ect_build_t *build, const ect_build_pdo_t *pdo, const ect_esi_entry_t *entry);
 

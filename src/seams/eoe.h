@@ -9,17 +9,18 @@
  * frame numbers, the IP parameters and their results. One frame is under way in each direction.
  *
  *     typedef struct drive { ect_standard_t standard; ect_eoe_state_t eoe; ... } drive_t;
- *     static const ect_eoe_t network = {ECT_EOE_PROTOCOL, offsetof(drive_t, eoe), .received = to_stack, .fetch =
- * from_stack}; static const ect_protocol_t *const protocols[] = {&ect_protocol_sdo, &network.protocol, NULL};
+ *     static const ect_eoe_t network = {ECT_EOE_PROTOCOL, offsetof(drive_t, eoe),
+ *                                       .received = to_stack, .fetch = from_stack};
+ *     static const ect_protocol_t *const protocols[] = {&ect_protocol_sdo, &network.protocol, NULL};
  *
  * In the description, `mailbox_protocols` contains ECT_MAILBOX_EOE, and both mailboxes have at least
  * ::ECT_EOE_MAILBOX_LEAST bytes.
  *
- * A master sets the address in PREOP. It is kept until power-off; a restart of the mailbox only drops frames that are
- * not complete.
+ * A master sets the address in PREOP. The address is kept until power-off; a restart of the mailbox only drops frames
+ * that are not complete.
  *
- * Not offered: address filters (the reply is 0401h), DHCP unless the device has it (0202h), time stamps (a request for
- * one is ignored, an appended one is removed).
+ * Not offered: address filters (the reply is 0401h), DHCP in a device without it (0202h), time stamps (a request for a
+ * stamp is ignored, an appended stamp is removed).
  *
  * Context: all functions run in mainline, as those of `ect_protocol_t`, and must not block.
  *
@@ -86,8 +87,10 @@ typedef struct ect_eoe_state {
     uint8_t out[ECT_EOE_FRAME];
 } ect_eoe_state_t;
 
-/** EoE of a device. Each function gets the entry, which may be the first member of a larger constant structure, and the
- * device's instance. */
+/**
+ * EoE of a device. Each function gets the entry, which may be the first member of a larger constant structure, and the
+ * device's instance.
+ */
 typedef struct ect_eoe ect_eoe_t;
 struct ect_eoe {
     ect_protocol_t protocol; /**< ECT_EOE_PROTOCOL; the first member */
@@ -131,7 +134,7 @@ struct ect_eoe {
 
 ECT_C_BEGIN
 
-/** Whether both mailboxes of a description have room for a fragment, whatever length a master chooses. */
+/** @return whether both mailboxes of a description have room for a fragment, for any length that a master may choose */
 static inline bool ect_eoe_fits(const ect_device_t *device)
 {
     return ect_sm_shortest_mailbox(&device->sm[0]) >= ECT_EOE_MAILBOX_LEAST &&

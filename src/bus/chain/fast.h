@@ -4,11 +4,11 @@
  * The fast path of a frame through a long line of controllers: only controllers that take part in it process it.
  * Internal to bus/chain.
  *
- * A line keeps of each controller the registers that decide on the path of frames (esc/route.h). A frame is parsed
- * once. Each datagram goes, in the order of the wire, to the controllers that take part in it; the effect of all others
- * on the frame (events, working counter, auto increment) is added in one step. The result equals ::ect_esc_pass for one
- * controller after the other, then ::ect_esc_end_of_frame for all. A frame for which this is not certain is not taken:
- * the caller uses that reference path.
+ * A line stores the registers of each controller that determine the path of frames (esc/route.h). A frame is parsed
+ * once. The controllers that take part in a datagram get the datagram in the order of the wire; the effect of all other
+ * controllers on the frame (events, working counter, auto increment) is added in one step. The result equals the
+ * reference path: ::ect_esc_pass for each controller, then ::ect_esc_end_of_frame for all. A frame for which this is
+ * not certain is not taken, and the caller uses the reference path.
  *
  * Not taken are malformed EtherCAT frames, EtherCAT in UDP, read-write commands, and the frame after one that has
  * enabled writes or continued a reset sequence, because these last for one frame.
@@ -61,8 +61,9 @@ ect_fast_result_t ect_fast_pass(ect_fast_t *fast, uint8_t *frame, size_t length,
 
 /**
  * Delivers recorded system times to all controllers. Due before any access to a controller other than ::ect_fast_pass,
- * and before its time advances; the line does so itself when eight times are recorded. ::ect_fast_touched then lists
- * the controllers whose deadline may have changed. Cost: none without recorded times, else each controller with clocks.
+ * and before its time advances; when eight times are recorded, the line delivers them itself. ::ect_fast_touched then
+ * lists the controllers whose deadline may have changed. Cost: none without recorded times, else each controller with
+ * clocks.
  */
 void ect_fast_settle(ect_fast_t *fast);
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Topology: the wires between slaves, and the path of a frame over them. A line, or a tree with junctions.
+ * Topology: the wires between slaves, and the path of a frame over these wires. A line, or a tree with junctions.
  *
  * A controller passes frames from port 0 through its processing unit; the order of the ports is 0, 3, 1, 2, and 0
- * again, without closed ones (data sheet I §3). A master therefore finds the slaves of a junction behind port 3 first,
- * then behind port 1, then behind port 2.
+ * again, without closed ports (data sheet I §3). A master therefore finds the slaves of a junction in the order of the
+ * ports 3, 1, 2.
  *
  * This file uses no clock and no sockets. Context: the thread of the chain.
  */

@@ -50,11 +50,13 @@ void ect_control_close(ect_control_t *control);
  */
 void ect_control_show(ect_control_t *control, const ect_stats_t *stats, ect_scenario_t *scenario);
 
-/** Sets the datagrams that the request `counters` reads. @param datagrams  must outlive the control; NULL, the initial
- * value: the request is refused */
+/**
+ * Sets the datagrams that the request `counters` reads.
+ * @param datagrams  must outlive the control; NULL, the initial value: the request is refused
+ */
 void ect_control_count(ect_control_t *control, ect_datagrams_t *datagrams);
 
-/** The capture that clients begin and end; the caller adds frames while it is on. Valid until the control is closed. */
+/** @return the capture that clients begin and end, until ::ect_control_close; the caller adds frames while it is on */
 ect_recent_t *ect_control_recent(ect_control_t *control);
 
 /** Sets the contents of `about`. @param about  must outlive the control; NULL, the initial value: `about` is refused */
@@ -67,31 +69,30 @@ void ect_control_describe(ect_control_t *control, const ect_about_t *about);
 void ect_control_follow(ect_control_t *control, ect_chain_t *chain);
 
 /**
- * Sets a function that gets each request that changes the chain (`set`, `fault`), before its execution.
+ * Sets a function that gets each request that changes the chain (bus/control/change.h), before its execution.
  * @param changes  `request` is the line without its end, `length` bytes; NULL: none
  */
 void ect_control_observe(ect_control_t *control, void (*changes)(void *ctx, const char *request, size_t length),
                          void *ctx);
 
-/** Path of the socket, valid until it is closed. */
+/** @return the path of the socket, valid until ::ect_control_close */
 const char *ect_control_path(const ect_control_t *control);
 
-/** A descriptor that is readable when ::ect_control_serve has work. */
+/** @return a descriptor that is readable when ::ect_control_serve has work */
 int ect_control_fd(const ect_control_t *control);
 
-/** The time of the next ::ect_control_serve without a readable descriptor: 0 now; ECT_NEVER. */
+/** @return the time at which ::ect_control_serve has work without a readable descriptor: 0: now; ECT_NEVER: none */
 uint64_t ect_control_due(const ect_control_t *control);
 
 /** Does one bounded piece of work. Cost: at most four system calls and one step of a client (client.h). */
 void ect_control_serve(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns);
 
-/** Time of the next request with a time ("at"); ECT_NEVER: none. */
+/** @return the time of the next request with a time ("at"); ECT_NEVER: none */
 uint64_t ect_control_planned(const ect_control_t *control);
 
 /**
  * Executes the requests that are due. Call it before the devices run. A refusal is reported to `refused` of the
- * scenario
- * (::ect_control_show).
+ * scenario of ::ect_control_show.
  */
 void ect_control_act(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns);
 
@@ -102,14 +103,12 @@ void ect_control_act(ect_control_t *control, ect_chain_t *chain, uint64_t now_ns
  */
 void ect_control_record(ect_control_t *control, const ect_chain_t *chain, uint64_t now_ns);
 
-/* --- plants outside this process (outside.h) ------------------------------------------------------------------------
- */
+/* --- plants outside this process (outside.h) ---------------------------------------------------------------------- */
 
 /** Sets a function that gets a line for the user when a plant is late or has ended, once each; NULL: none. */
 void ect_control_report(ect_control_t *control, void (*report)(void *ctx, const char *text), void *ctx);
 
-/** Allows plants to stop a virtual clock during their steps; ::ect_control_step then waits for these plants.
- */
+/** Allows plants to stop a virtual clock during their steps; ::ect_control_step then waits for these plants. */
 void ect_control_let_wait(ect_control_t *control);
 
 /** Waits until a plant with a name has been started, at most 20 s. @return false: not started in this time */

@@ -7,7 +7,7 @@
  * present request of one client and replies to it; the next call serves the next client. The server stores at most one
  * request of each client; further bytes wait in the socket, where TCP's flow control stops the client. A client that
  * does not read its replies is not served meanwhile. The device sets the number of connections. A further connection is
- * closed at once; so is a connection without a request during the device's timeout, or with bytes that are not Modbus
+ * closed at once, as is a connection without a request during the device's timeout, or with bytes that are not Modbus
  * TCP.
  *
  * Every unit identifier gets a reply, because the IP address alone selects the server (MODBUS Messaging on TCP/IP

@@ -13,7 +13,7 @@
 ECT_C_BEGIN
 
 /**
- * Limits every thread of the process, for good, to the system calls of a running twin; all others fail with ENOSYS.
+ * Permanently limits every thread of the process to the system calls of a running twin; all others fail with ENOSYS.
  * @param children  true: also those that signal and await other processes
  * @param files     true: also those that open files for writing and rename them
  * @param client    true: also those that find local stream sockets and connect to them

@@ -50,9 +50,9 @@ int ect_udp_open(ect_udp_t *port, const char *where, char *message);
 void ect_udp_close(ect_udp_t *port);
 
 /**
- * Receives a datagram as an Ethernet frame; does not wait. A payload shorter than ECT_UDP_LEAST, longer than
- * ECT_UDP_MOST or shorter than its EtherCAT header defines is discarded; so is a datagram whose age exceeds the limit
- * of ::ect_packet_receive.
+ * Receives a datagram as an Ethernet frame; does not wait. Discarded are payloads shorter than ECT_UDP_LEAST, longer
+ * than ECT_UDP_MOST or shorter than their EtherCAT headers define, and datagrams whose age exceeds the limit of
+ * ::ect_packet_receive.
  * @param[out] frame  at least ECT_UDP_HEADERS + ECT_UDP_MOST bytes
  * @param[out] time  unchanged without a frame
  * @return length of the frame · ECT_PACKET_NONE · ECT_PACKET_STALE · ECT_UDP_REFUSED · ECT_PACKET_GONE (errno)
@@ -64,7 +64,7 @@ bool ect_udp_carries(const uint8_t *frame, size_t length);
 
 /**
  * Sends a frame of ::ect_udp_receive, processed by the chain, to the sender of its datagram. A frame with a damaged
- * IPv4 header is lost, as a damaged datagram would be; so is a frame that finds the socket's buffer full.
+ * IPv4 header is lost, as a damaged datagram would be. A frame is also lost if the socket's buffer is full.
  */
 void ect_udp_send(const ect_udp_t *port, const uint8_t *frame, size_t length);
 
