@@ -137,7 +137,7 @@ int command_ps(int argc, char **argv)
 {
     static const struct argp_option options[] = {
         {"json", 'j', NULL, 0,
-         "Print a line of JSON a twin: name, devices, iface, slaves, pid, namespace, state, socket", 0},
+         "Print a line of JSON for each process: devices, iface, slaves, AL states, pid, namespace, socket, name", 0},
         {0}};
     static const struct argp argp = {
         .options = options,

@@ -50,7 +50,7 @@ bool ect_scenario_read(ect_scenario_t *s, const char *line, char *message)
     if (!ect_step_read(text, s->names, &step.plan, message))
         return false;
     if (s->step_count == ECT_SCENARIO_STEPS) {
-        snprintf(message, ECT_FAULT_MESSAGE, "a script has at most %d faults", ECT_SCENARIO_STEPS);
+        snprintf(message, ECT_FAULT_MESSAGE, "a script has at most %d steps", ECT_SCENARIO_STEPS);
         return false;
     }
     snprintf(step.text, sizeof step.text, "%.*s", (int)sizeof step.text - 1, text);

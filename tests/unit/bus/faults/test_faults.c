@@ -900,7 +900,7 @@ static void script_limits(void **state)
         read_line(r, "at 1s off");
     assert_int_equal(r->s.steps_left, ECT_SCENARIO_STEPS);
     assert_false(ect_scenario_read(&r->s, "at 1s off", r->message));
-    assert_string_equal(r->message, "a script has at most 256 faults");
+    assert_string_equal(r->message, "a script has at most 256 steps");
     assert_int_equal(r->s.steps_left, ECT_SCENARIO_STEPS);
     assert_int_equal(r->s.step_count, ECT_SCENARIO_STEPS);
     assert_true(ect_scenario_read(&r->s, "# still a comment", r->message));
