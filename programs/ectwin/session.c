@@ -10,6 +10,7 @@
 
 #include "bus/chain/catalogue.h"
 #include "bus/net/rights.h"
+#include "bus/pages.h"
 #include "commands.h"
 
 /* nohup's SIG_IGN for SIGHUP is kept. A shell's SIG_IGN for SIGINT of background jobs is not: SIGINT ends the run. */
@@ -274,11 +275,19 @@ void session_drop_rights(session_t *s, bool children)
         fprintf(stderr, "%s: %s\n", s->who, message);
 }
 
+static void make_huge(void *ctx, void *at, size_t size)
+{
+    (void)ctx;
+    ect_pages_make_huge(at, size);
+}
+
 int session_power_on(session_t *s)
 {
     int status = twin_args_power_on(s->twins, s->who, ect_packet_now(), &s->runner.exchange.chain);
-    if (status == EXIT_CLEAN)
-        status = twin_args_trace(s->twins, s->who, &s->runner.exchange.trace);
+    if (status != EXIT_CLEAN)
+        return status;
+    ect_chain_memory(s->runner.exchange.chain, make_huge, NULL);
+    status = twin_args_trace(s->twins, s->who, &s->runner.exchange.trace);
     if (status == EXIT_CLEAN)
         status = load_into_kernel(s);
     return status == EXIT_CLEAN ? run_before_others(s) : status;

@@ -37,6 +37,7 @@ struct ect_chain {
     uint64_t fast_frame_ns;     /* time of the last frame on the fast path, through the first `fast_reach` twins */
     size_t fast_reach;
     uint8_t *pool; /* memory of all ESCs and buffers in one block: the system allocates pages at the first write */
+    size_t pool_size;
     ect_twin_snapshot_t *kept; /* one for each twin; NULL: none yet */
     const ect_names_t *names;  /* NULL: none */
     const ect_plant_t *shown;  /* signals of the bus; NULL: none */
@@ -49,10 +50,10 @@ struct ect_chain {
 
 static bool make_pool(ect_chain_t *chain, const ect_twin_config_t *twins)
 {
-    size_t size = 1;
+    chain->pool_size = 1;
     for (size_t i = 0; i < chain->cabling.count; i++)
-        size += ect_twin_pool_size(&twins[i]);
-    chain->pool = calloc(1, size);
+        chain->pool_size += ect_twin_pool_size(&twins[i]);
+    chain->pool = calloc(1, chain->pool_size);
     return chain->pool != NULL;
 }
 
@@ -178,6 +179,15 @@ void ect_chain_free(ect_chain_t *chain)
     free(chain->pool);
     free(chain->twins);
     free(chain);
+}
+
+void ect_chain_memory(const ect_chain_t *chain, void (*block)(void *ctx, void *at, size_t size), void *ctx)
+{
+    size_t size;
+    void *routes = ect_fast_memory(chain->fast, &size);
+    block(ctx, routes, size);
+    block(ctx, chain->twins, chain->cabling.count * sizeof *chain->twins);
+    block(ctx, chain->pool, chain->pool_size);
 }
 
 static void restarted(ect_chain_t *chain, size_t i)

@@ -84,10 +84,15 @@ struct ect_fast {
     controller_t controllers[];
 };
 
+static size_t size_of(size_t count)
+{
+    return sizeof(ect_fast_t) + count * sizeof(controller_t);
+}
+
 ect_fast_t *ect_fast_new(size_t count)
 {
     ECT_ASSERT(count >= 1 && count <= UINT16_MAX);
-    ect_fast_t *f = calloc(1, sizeof *f + count * sizeof f->controllers[0]);
+    ect_fast_t *f = calloc(1, size_of(count));
     if (!f)
         return NULL;
     f->count = count;
@@ -110,6 +115,12 @@ void ect_fast_free(ect_fast_t *fast)
     free(fast->windows);
     free(fast->touched);
     free(fast);
+}
+
+void *ect_fast_memory(ect_fast_t *fast, size_t *size)
+{
+    *size = size_of(fast->count);
+    return fast;
 }
 
 /* --- tables of the controllers' routes -----------------------------------------------------------------------------

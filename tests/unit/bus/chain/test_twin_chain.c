@@ -378,6 +378,51 @@ static void unfinished_work(void **state)
     wire_close(&w);
 }
 
+/* The blocks that ect_chain_memory has named. */
+typedef struct blocks {
+    size_t count;
+    struct {
+        const uint8_t *at;
+        size_t size;
+    } all[8];
+} blocks_t;
+
+static void take_block(void *ctx, void *at, size_t size)
+{
+    blocks_t *blocks = ctx;
+    assert_in_range(blocks->count, 0, sizeof blocks->all / sizeof blocks->all[0] - 1);
+    blocks->all[blocks->count].at = at;
+    blocks->all[blocks->count++].size = size;
+}
+
+static void large_blocks(void **state)
+{
+    enum { TWINS = 50 };
+    ect_twin_config_t twins[TWINS];
+    wire_t w;
+    blocks_t blocks = {0};
+    size_t of_twins = 0;
+    (void)state;
+    for (size_t n = 0; n < TWINS; n++)
+        twins[n] = ect_twin_default(&testdev, NULL);
+    wire_open_twins(&w, twins, TWINS);
+    ect_chain_memory(w.chain, take_block, &blocks);
+    assert_int_equal(blocks.count, 3);
+    for (size_t b = 0; b < blocks.count; b++) {
+        uint8_t sum = 0;
+        for (size_t i = 0; i < blocks.all[b].size; i++)
+            sum ^= blocks.all[b].at[i]; /* AddressSanitizer ends the test outside a block */
+        (void)sum;
+        for (size_t n = 0; n < TWINS; n++)
+            of_twins += (const uint8_t *)ect_chain_esc(w.chain, n) >= blocks.all[b].at &&
+                        (const uint8_t *)(ect_chain_esc(w.chain, n) + 1) <= blocks.all[b].at + blocks.all[b].size;
+        if (b == 2)
+            assert_true(ect_chain_esc(w.chain, 0)->config.memory == blocks.all[b].at);
+    }
+    assert_int_equal(of_twins, TWINS);
+    wire_close(&w);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -401,6 +446,7 @@ int main(int argc, char **argv)
         {"the poll returns the time at which the link lamps stop flickering", lamps_deadline, NULL, NULL, NULL},
         {"a device's buffer is zero each time it is powered on", buffer_at_power_on, NULL, NULL, NULL},
         {"a chain is unfinished while the plant of one of its twins reports work", unfinished_work, NULL, NULL, NULL},
+        {"the large blocks of a chain contain each ESC, its RAM, and the routes", large_blocks, NULL, NULL, NULL},
         {"CF-057: every device has a name and a product code of its own", catalogue_names, NULL, NULL, NULL},
         {"a program's own devices follow those of this tree in the catalogue", catalogue_grows, NULL, NULL, NULL},
     };
