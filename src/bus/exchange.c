@@ -142,11 +142,13 @@ static uint64_t send_with_others(ect_exchange_t *x, ect_end_t end, const uint8_t
 static void reply_with(ect_exchange_t *x, ect_end_t out, const uint8_t *frame, size_t length,
                        const ect_frame_effects_t *effects, const ect_packet_time_t *time)
 {
+    const unsigned int copies = effects->twice ? 2 : 1;
     if (effects->after_next) {
-        if (!ect_late_add(&x->behind[out], frame, length, time->now_ns + ECT_WIRES_BEHIND_NS))
-            x->stats.dropped++;
+        for (unsigned int n = 0; n < copies; n++)
+            x->stats.dropped += !ect_late_add(&x->behind[out], frame, length, time->now_ns + ECT_WIRES_BEHIND_NS);
     } else if (effects->delay_us > 0 || x->late[out].first) {
-        keep(x, out, frame, length, time->now_ns + 1000ull * effects->delay_us);
+        for (unsigned int n = 0; n < copies; n++)
+            keep(x, out, frame, length, time->now_ns + 1000ull * effects->delay_us);
     } else {
         uint64_t sent_ns = send_with_others(x, out, frame, length, effects->twice);
         x->answered_ns = sent_ns != 0 ? sent_ns : now(x);

@@ -270,6 +270,7 @@ static void orders(void **state)
         {{"reorder frame 1", NULL}, 2, "<2<1", 2, 1},
         {{"reorder frame 1", "reorder frame 2"}, 3, "<3<1<2", 3, 1},
         {{"reorder frame 1", "duplicate frame 2"}, 2, "<2<2<1", 2, 1},
+        {{"reorder frame 1", "duplicate frame 1"}, 2, "<2<1<1", 3, 1},
         {{"reorder frame 1", "drop frame 1 wire 1"}, 2, "<2", 1, 1},
         {{"reorder frame 2", NULL}, 4, "<1<3<2<4", 4, 3},
         {{"reorder frame 1 wire 2", NULL}, 3, "<2<1<3", 3, 2},
@@ -303,6 +304,30 @@ static void behind_none(void **state)
     (void)run_at(r, r->clock_ns + 1);
     expect_log(r, "<1");
     assert_int_equal(r->x.stats.answered, 1);
+}
+
+static void late_and_twice(void **state)
+{
+    static const struct {
+        const char *faults[2], *log;
+    } rows[] = {
+        {{"delay 1000us frame 1", "duplicate frame 1"}, "<1<1<2"},
+        {{"delay 1000us frame 1", "duplicate frame 2"}, "<1<2<2"},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        assert_int_equal(setup(state), 0);
+        rig_t *r = *state;
+        set_fault(r, rows[i].faults[0]);
+        set_fault(r, rows[i].faults[1]);
+        pass(r, ECT_END_IN, 1);
+        pass(r, ECT_END_IN, 2);
+        expect_log(r, "");
+        (void)run_at(r, r->clock_ns + 1 * MS);
+        expect_log(r, rows[i].log);
+        assert_int_equal(r->x.stats.delayed, 3);
+        assert_int_equal(r->x.stats.answered, 3);
+        teardown(state);
+    }
 }
 
 static void late_order(void **state)
@@ -963,6 +988,7 @@ int main(int argc, char **argv)
         TABLE("replies behind the next one and on a wire leave in their order", orders),
         TEST("a reply that waits for the next one leaves after 10 ms", behind_none),
         TEST("a late reply leaves when it is due; later replies do not overtake it", late_order),
+        TABLE("a duplicated reply that is delayed, or waits behind a delayed one, leaves twice", late_and_twice),
         TEST("late replies of one end do not delay those of the other", late_at_both_ends),
         TABLE("replies beyond the limit of kept ones are counted as dropped", most),
         TEST("a frame that a wire delays leaves when it is due", kept_on_a_wire),
