@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Broadcast reads into a wire, and their replies.  usage: frames.py IFACE COUNT PAUSE_MS [SECONDS]
+"""Broadcast reads into a wire, and their replies.  usage: frames.py IFACE COUNT PAUSE_MS [SECONDS [RUNS]]
 
 Sends COUNT frames, at least PAUSE_MS apart, each with its number as index, and listens until all are back or none comes
 for SECONDS (default 5) after the last one. A machine that stands still for longer loses no frame: all are sent, and the
 socket is read before the end. Prints a line for each reply: number, working counter, milliseconds since it
-was sent."""
+was sent. With RUNS it does all of that so often, after a line "run" each time."""
 import select
 import socket
 import struct
@@ -19,11 +19,7 @@ def frame(number):
     return b"\xff" * 6 + b"\x01" * 6 + struct.pack(">H", ETHERTYPE) + struct.pack("<H", 0x1000 | len(datagram)) + datagram
 
 
-def main():
-    iface, count, pause = sys.argv[1], int(sys.argv[2]), float(sys.argv[3]) / 1000
-    patience = float(sys.argv[4]) if len(sys.argv) > 4 else 5
-    wire = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(ETHERTYPE))
-    wire.bind((iface, ETHERTYPE))
+def run(wire, count, pause, patience):
     sent, back = [], 0
     while back < count:
         if len(sent) < count and (not sent or time.monotonic() >= sent[-1] + pause):
@@ -42,6 +38,17 @@ def main():
         number, counter = answer[17], struct.unpack_from("<H", answer, 27)[0]
         print(number, counter, int(1000 * (time.monotonic() - sent[number])))
         back += 1
+
+
+def main():
+    iface, count, pause = sys.argv[1], int(sys.argv[2]), float(sys.argv[3]) / 1000
+    patience = float(sys.argv[4]) if len(sys.argv) > 4 else 5
+    for _ in range(int(sys.argv[5]) if len(sys.argv) > 5 else 1):
+        if len(sys.argv) > 5:
+            print("run")
+        with socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(ETHERTYPE)) as wire:
+            wire.bind((iface, ETHERTYPE))
+            run(wire, count, pause, patience)
 
 
 main()
