@@ -522,6 +522,117 @@ static void a_value_that_the_slave_did_not_give_is_no_fact(void **state)
     ect_facts_free(&f);
 }
 
+/* Objects come in any order: an assignment may precede its PDO, and be the first object. */
+static void an_assignment_may_precede_its_pdo(void **state)
+{
+    static const char json[] = "{\"objects\": [{\"index\": 7187, \"entries\": [{\"subindex\": 0, \"value\": \"01\"},"
+                               "{\"subindex\": 1, \"value\": \"001a\"}]},"
+                               "{\"index\": 6656, \"entries\": [{\"subindex\": 0, \"value\": \"00\"}]},"
+                               "{\"index\": 6657, \"entries\": [{\"subindex\": 0, \"value\": \"00\"}]}]}";
+    ect_facts_t f = {.source = "slave"};
+    (void)state;
+    assert_true(ect_facts_of_dictionary(&f, json));
+    size_t assigned = 0;
+    for (size_t i = 0; i < f.count; i++)
+        assigned += f.list[i].kind == ECT_FACT_PDO_SM && f.list[i].index == 0x1A00;
+    assert_int_equal(assigned, 1);
+    assert_string_equal(text_of(&f, ECT_FACT_PDO_SM, 0x1A00, 0), "3");
+    assert_string_equal(text_of(&f, ECT_FACT_PDO_SM, 0x1A01, 0), "none");
+    ect_facts_free(&f);
+}
+
+/* Sub-index 255 is the last one. */
+static void a_pdo_and_an_assignment_have_at_most_255_elements(void **state)
+{
+    static const struct {
+        const char *count;
+        bool has_255;
+    } rows[] = {{"fe00", false}, {"ff00", true}, {"0001", true}, {"ffffffff", true}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        static char json[40000];
+        ect_facts_t f = {.source = "slave"};
+        size_t used = 0;
+        for (unsigned int object = 0; object < 2; object++) {
+            used += (size_t)snprintf(
+                json + used, sizeof json - used, "%s{\"index\": %u, \"entries\": [{\"subindex\": 0, \"value\": \"%s\"}",
+                object == 0 ? "{\"objects\": [" : ", ", object == 0 ? 0x1A00 : 0x1C12, rows[i].count);
+            for (unsigned int n = 1; n <= 256; n++)
+                used += (size_t)snprintf(json + used, sizeof json - used, ", {\"subindex\": %u, \"value\": \"%02x16\"}",
+                                         n, n & 0xFF);
+            used += (size_t)snprintf(json + used, sizeof json - used, "]}");
+        }
+        (void)snprintf(json + used, sizeof json - used, "]}");
+        assert_true(ect_facts_of_dictionary(&f, json));
+        const char *const last = rows[i].has_255 ? "255 bits of padding" : "none";
+        assert_string_equal(text_of(&f, ECT_FACT_PDO_ENTRY, 0x1A00, 254), "254 bits of padding");
+        assert_string_equal(text_of(&f, ECT_FACT_PDO_ENTRY, 0x1A00, 255), last);
+        assert_string_equal(text_of(&f, ECT_FACT_PDO_ENTRY, 0x1A00, 256), "none");
+        assert_string_equal(text_of(&f, ECT_FACT_PDO_SM, 0x16FE, 0), "2");
+        assert_string_equal(text_of(&f, ECT_FACT_PDO_SM, 0x16FF, 0), rows[i].has_255 ? "2" : "none");
+        assert_string_equal(text_of(&f, ECT_FACT_PDO_SM, 0x1600, 0), "none"); /* element 256 */
+        ect_facts_free(&f);
+    }
+}
+
+static void limits_of_a_dictionary_have_the_sign_of_their_type(void **state)
+{
+    static const struct {
+        unsigned int type;
+        const char *minimum, *maximum, *limits;
+    } rows[] = {
+        {ECT_TYPE_BOOLEAN, "00", "ff", "0 to 255"},
+        {ECT_TYPE_INTEGER8, "80", "7f", "-128 to 127"},
+        {ECT_TYPE_INTEGER16, "0080", "ff7f", "-32768 to 32767"},
+        {ECT_TYPE_INTEGER32, "00000080", "ffffff7f", "-2147483648 to 2147483647"},
+        {ECT_TYPE_UNSIGNED8, "00", "ff", "0 to 255"},
+        {ECT_TYPE_UNSIGNED32, "01000000", "ffffffff", "1 to 4294967295"},
+        {ECT_TYPE_INTEGER64, "feffffffffffffff", "0100000000000000", "-2 to 1"},
+        {ECT_TYPE_INTEGER64 + 1, "fe", "ff", "254 to 255"},
+        {ECT_TYPE_INTEGER64 - 1, "fe", "ff", "254 to 255"},
+        {ECT_TYPE_INTEGER64, "0100000000000000ff", "0200000000000000ff", "1 to 2"}, /* a ninth byte has no place */
+        {ECT_TYPE_UNSIGNED8, "00", "", "none"},
+        {ECT_TYPE_UNSIGNED8, "", "ff", "none"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char json[300];
+        ect_facts_t f = {.source = "slave"};
+        (void)snprintf(json, sizeof json,
+                       "{\"described\": true, \"objects\": [{\"index\": 8192, \"entries\": [{\"subindex\": 0,"
+                       " \"type\": %u, \"minimum\": \"%s\", \"maximum\": \"%s\"}]}]}",
+                       rows[i].type, rows[i].minimum, rows[i].maximum);
+        assert_true(ect_facts_of_dictionary(&f, json));
+        const char *limits = text_of(&f, ECT_FACT_ENTRY_LIMITS, 0x2000, 0);
+        if (strcmp(limits, rows[i].limits) != 0)
+            fail_msg("row %zu: expected %s, got %s", i, rows[i].limits, limits);
+        ect_facts_free(&f);
+    }
+}
+
+static void a_number_of_a_dictionary_has_32_bits(void **state)
+{
+    static const struct {
+        const char *bits, *length;
+    } rows[] = {{"1", "1 bits"},          {"4294967295", "4294967295 bits"},
+                {"4294967296", "0 bits"}, {"-1", "0 bits"},
+                {"1e99", "0 bits"},       {"\"8\"", "0 bits"},
+                {"null", "0 bits"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char json[200];
+        ect_facts_t f = {.source = "slave"};
+        (void)snprintf(json, sizeof json,
+                       "{\"described\": true, \"objects\": [{\"index\": 8192, \"entries\": [{\"bits\": %s}]}]}",
+                       rows[i].bits);
+        assert_true(ect_facts_of_dictionary(&f, json));
+        const char *length = text_of(&f, ECT_FACT_ENTRY, 0x2000, 0);
+        if (strcmp(length, rows[i].length) != 0)
+            fail_msg("%s: expected %s, got %s", rows[i].bits, rows[i].length, length);
+        ect_facts_free(&f);
+    }
+}
+
 /* Texts that users and slaves may have written. */
 static void any_dictionary_is_read_or_refused(void **state)
 {
@@ -919,6 +1030,227 @@ static void a_category_beyond_the_image_is_none(void **state)
     }
 }
 
+/* Names in General are optional; ports of an unknown kind keep their place. */
+static void a_description_has_the_texts_of_its_device(void **state)
+{
+    static const struct {
+        const char *full_name, *physics, *name, *ports;
+    } rows[] = {{NULL, NULL, "\"ectwin test device\"", "none"},
+                {"Gauge", "", "\"Gauge\"", "none"},
+                {"Gauge", "Y", "\"Gauge\"", "\"Y\""},
+                {"Gauge", "YXKH", "\"Gauge\"", "\"Y KH\""},
+                {"Gauge", "KKKKY", "\"Gauge\"", "\"KKKK\""}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_device_t device = testdev;
+        ect_facts_t f = {.source = "description"};
+        device.full_name = rows[i].full_name;
+        device.physics = rows[i].physics;
+        ect_facts_of_device(&f, &device);
+        assert_string_equal(text_of(&f, ECT_FACT_TYPE, 0, 0), "\"ectwin test device\"");
+        assert_string_equal(text_of(&f, ECT_FACT_NAME, 0, 0), rows[i].name);
+        assert_string_equal(text_of(&f, ECT_FACT_PORTS, 0, 0), rows[i].ports);
+        ect_facts_free(&f);
+    }
+}
+
+static void a_description_has_a_fact_of_each_part_of_an_entry(void **state)
+{
+    static const uint64_t initial = UINT64_C(0x0807060504030201);
+    static const char text[] = "text";
+    static const struct {
+        ect_entry_t entry;
+        ect_detail_t detail;
+        const char *length, *type, *access, *name, *value, *limits, *unit;
+    } rows[] = {
+        {{0, ECT_TYPE_UNSIGNED16, 16, ECT_ACCESS_RO, "Speed", 0x0201, NULL},
+         {.unit = 0x2D, .minimum = -1, .maximum = 5},
+         "16 bits",
+         "0x0006",
+         "R.PREOP R.SAFEOP R.OP",
+         "\"Speed\"",
+         "01 02",
+         "-1 to 5",
+         "0x002D"},
+        {{0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_WO | ECT_ACCESS_COMMAND, NULL, 3, NULL},
+         {.minimum = 4, .maximum = 4},
+         "8 bits",
+         "0x0005",
+         "W.PREOP W.SAFEOP W.OP",
+         "none",
+         "03",
+         "none",
+         "none"},
+        {{0, ECT_TYPE_UNSIGNED64, 64, ECT_ACCESS_RO, "Long", 0x11, NULL},
+         {.initial = &initial},
+         "64 bits",
+         "0x001B",
+         "R.PREOP R.SAFEOP R.OP",
+         "\"Long\"",
+         "01 02 03 04 05 06 07 08",
+         "none",
+         "none"},
+        {{0, ECT_TYPE_OCTET_STRING, 72, ECT_ACCESS_RO, "Nine", 0x11, NULL},
+         {.unit = 1},
+         "72 bits",
+         "0x000A",
+         "R.PREOP R.SAFEOP R.OP",
+         "\"Nine\"",
+         "none",
+         "none",
+         "0x0001"},
+        {{0, ECT_TYPE_VISIBLE_STRING, 32, ECT_ACCESS_RO, "Text", 0, NULL},
+         {.initial = text},
+         "32 bits",
+         "0x0009",
+         "R.PREOP R.SAFEOP R.OP",
+         "\"Text\"",
+         "none",
+         "none",
+         "none"},
+        {{0, ECT_TYPE_BIT1 + 2, 3, ECT_ACCESS_RO, "Bits", 5, NULL},
+         {.unit = 0},
+         "3 bits",
+         "0x0032",
+         "R.PREOP R.SAFEOP R.OP",
+         "\"Bits\"",
+         "05",
+         "none",
+         "none"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_object_t object = {
+            .index = 0x2000, .object_code = ECT_OBJECT_VAR, .name = "Object", .entries = &rows[i].entry};
+        ect_detail_t detail = rows[i].detail;
+        ect_device_t device = testdev;
+        ect_facts_t f = {.source = "description"};
+        detail.index = 0x2000;
+        device.objects = &object;
+        device.object_count = 1;
+        device.details = &detail;
+        device.detail_count = 1;
+        ect_facts_of_device(&f, &device);
+        assert_string_equal(text_of(&f, ECT_FACT_OBJECT, 0x2000, 0), "code 7");
+        assert_string_equal(text_of(&f, ECT_FACT_OBJECT_NAME, 0x2000, 0), "\"Object\"");
+        assert_string_equal(text_of(&f, ECT_FACT_ENTRY, 0x2000, 0), rows[i].length);
+        assert_string_equal(text_of(&f, ECT_FACT_ENTRY_TYPE, 0x2000, 0), rows[i].type);
+        assert_string_equal(text_of(&f, ECT_FACT_ENTRY_ACCESS, 0x2000, 0), rows[i].access);
+        assert_string_equal(text_of(&f, ECT_FACT_ENTRY_NAME, 0x2000, 0), rows[i].name);
+        assert_string_equal(text_of(&f, ECT_FACT_ENTRY_DEFAULT, 0x2000, 0), rows[i].value);
+        assert_string_equal(text_of(&f, ECT_FACT_ENTRY_LIMITS, 0x2000, 0), rows[i].limits);
+        assert_string_equal(text_of(&f, ECT_FACT_ENTRY_UNIT, 0x2000, 0), rows[i].unit);
+        ect_facts_free(&f);
+    }
+}
+
+/* A device may use the first objects of a longer list; its dictionary is one of CoE. */
+static void a_description_has_the_objects_that_it_counts(void **state)
+{
+    static const struct {
+        uint16_t count;
+        uint8_t protocols;
+        const char *number, *pdo, *object_of_pdo;
+    } rows[] = {{0, ECT_MAILBOX_COE, "none", "none", "none"},
+                {1, ECT_MAILBOX_COE, "code 7", "none", "none"},
+                {2, ECT_MAILBOX_COE, "code 7", "inputs", "code 9"},
+                {2, ECT_MAILBOX_FOE, "none", "inputs", "none"}};
+    static const ect_entry_t number = {.data_type = ECT_TYPE_UNSIGNED16, .bit_length = 16, .access = ECT_ACCESS_RO};
+    static const ect_entry_t count = {.data_type = ECT_TYPE_UNSIGNED8, .bit_length = 8, .access = ECT_ACCESS_RO};
+    static const ect_object_t objects[] = {
+        {.index = 0x1009, .object_code = ECT_OBJECT_VAR, .entries = &number},
+        {.index = 0x1A00, .object_code = ECT_OBJECT_RECORD, .entries = &count},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_device_t device = testdev;
+        ect_facts_t f = {.source = "description"};
+        device.objects = objects;
+        device.object_count = rows[i].count;
+        device.mailbox_protocols = rows[i].protocols;
+        ect_facts_of_device(&f, &device);
+        assert_string_equal(text_of(&f, ECT_FACT_OBJECT, 0x1009, 0), rows[i].number);
+        assert_string_equal(text_of(&f, ECT_FACT_PDO, 0x1A00, 0), rows[i].pdo);
+        assert_string_equal(text_of(&f, ECT_FACT_OBJECT, 0x1A00, 0), rows[i].object_of_pdo);
+        ect_facts_free(&f);
+    }
+}
+
+static void a_pdo_of_a_description_has_at_most_255_elements(void **state)
+{
+    static const struct {
+        uint32_t count;
+        unsigned int facts;
+    } rows[] = {{0, 0}, {1, 1}, {254, 254}, {255, 255}, {256, 255}, {UINT32_MAX, 255}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_entry_t entries[256];
+        const ect_object_t pdo = {
+            .index = 0x1A00, .object_code = ECT_OBJECT_RECORD, .max_subindex = 255, .last = 255, .entries = entries};
+        ect_device_t device = testdev;
+        ect_facts_t f = {.source = "description"};
+        for (unsigned int n = 0; n < 256; n++)
+            entries[n] = (ect_entry_t){.subindex = (uint16_t)n,
+                                       .data_type = ECT_TYPE_UNSIGNED32,
+                                       .bit_length = 32,
+                                       .access = ECT_ACCESS_RO,
+                                       .value = n == 0 ? rows[i].count : n};
+        device.objects = &pdo;
+        device.object_count = 1;
+        ect_facts_of_device(&f, &device);
+        unsigned int count = 0;
+        for (size_t n = 0; n < f.count; n++)
+            count += f.list[n].kind == ECT_FACT_PDO_ENTRY;
+        assert_int_equal(count, rows[i].facts);
+        if (count > 0) {
+            char last[40];
+            (void)snprintf(last, sizeof last, "%u bits of padding", count);
+            assert_string_equal(text_of(&f, ECT_FACT_PDO_ENTRY, 0x1A00, count), last);
+        }
+        ect_facts_free(&f);
+    }
+}
+
+/* Bytes after the last whole element have no facts of their own: the category counts them. */
+static void a_category_counts_the_bytes_after_its_last_element(void **state)
+{
+    static const struct {
+        uint16_t type, words;
+        const char *text;
+    } rows[] = {{ECT_SII_SYNCM, 0, "there"},
+                {ECT_SII_SYNCM, 3, "there, with 6 bytes at its end"},
+                {ECT_SII_SYNCM, 4, "there"},
+                {ECT_SII_SYNCM, 5, "there, with 2 bytes at its end"},
+                {ECT_SII_SYNCM, 12, "there"},
+                {ECT_SII_SYNCM, 28, "there"},
+                {ECT_SII_DC, 0, "there"},
+                {ECT_SII_DC, 4, "there, with 8 bytes at its end"},
+                {ECT_SII_DC, 11, "there, with 22 bytes at its end"},
+                {ECT_SII_DC, 12, "there"},
+                {ECT_SII_DC, 13, "there, with 2 bytes at its end"},
+                {ECT_SII_DC, 24, "there"},
+                {ECT_SII_STRINGS, 5, "there"},
+                {ECT_SII_GENERAL, 5, "there"},
+                {ECT_SII_FMMU, 5, "there"},
+                {ECT_SII_TXPDO, 5, "there"},
+                {ECT_SII_RXPDO, 5, "there"},
+                {0x0800, 2, "4 bytes, sum 4B95F515"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t image[ECT_SII_CATEGORIES + 80] = {0};
+        ect_facts_t f = {.source = "image"};
+        ect_store_le16(image + ECT_SII_CATEGORIES, rows[i].type);
+        ect_store_le16(image + ECT_SII_CATEGORIES + 2, rows[i].words);
+        ect_store_le16(image + ECT_SII_CATEGORIES + 4 + 2 * (size_t)rows[i].words, ECT_SII_END);
+        ect_facts_of_sii(&f, image, sizeof image);
+        const char *text = text_of(&f, ECT_FACT_CATEGORY, rows[i].type, 0);
+        if (strcmp(text, rows[i].text) != 0)
+            fail_msg("category %u of %u words: expected %s, got %s", rows[i].type, rows[i].words, rows[i].text, text);
+        assert_string_equal(text_of(&f, ECT_FACT_CATEGORY, ECT_SII_END, 0), "the end");
+        ect_facts_free(&f);
+    }
+}
+
 static void objects_with_facts_elsewhere_are_known(void **state)
 {
     (void)state;
@@ -949,6 +1281,10 @@ int main(void)
         cmocka_unit_test(without_an_assignment_the_sync_managers_of_pdos_are_unknown),
         cmocka_unit_test(elements_beyond_the_count_of_a_pdo_and_of_an_assignment_are_none),
         cmocka_unit_test(a_value_that_the_slave_did_not_give_is_no_fact),
+        cmocka_unit_test(an_assignment_may_precede_its_pdo),
+        cmocka_unit_test(a_pdo_and_an_assignment_have_at_most_255_elements),
+        cmocka_unit_test(limits_of_a_dictionary_have_the_sign_of_their_type),
+        cmocka_unit_test(a_number_of_a_dictionary_has_32_bits),
         cmocka_unit_test(any_dictionary_is_read_or_refused),
         cmocka_unit_test(an_image_has_a_fact_of_each_field),
         cmocka_unit_test(a_device_and_its_image_have_their_facts_at_the_same_places),
@@ -962,6 +1298,11 @@ int main(void)
         cmocka_unit_test(a_device_name_of_a_description_has_at_most_256_bytes),
         cmocka_unit_test(a_clock_of_an_image_may_have_no_name),
         cmocka_unit_test(a_category_beyond_the_image_is_none),
+        cmocka_unit_test(a_description_has_the_texts_of_its_device),
+        cmocka_unit_test(a_description_has_a_fact_of_each_part_of_an_entry),
+        cmocka_unit_test(a_description_has_the_objects_that_it_counts),
+        cmocka_unit_test(a_pdo_of_a_description_has_at_most_255_elements),
+        cmocka_unit_test(a_category_counts_the_bytes_after_its_last_element),
         cmocka_unit_test(objects_with_facts_elsewhere_are_known),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
