@@ -644,6 +644,57 @@ static void values_at_the_end_of_their_range_are_taken(void **state)
     }
 }
 
+/* Areas start at multiples of 128 bytes; process data have three buffers. */
+static void areas_of_the_standard_layout_follow_each_other(void **state)
+{
+    static const struct {
+        const char *yaml;
+        unsigned int count;
+        uint16_t starts[4];
+    } rows[] = {
+        {DEVICE("mailbox: {size: 127}\n"), 4, {0x1000, 0x1080, 0x1100, 0x1100}},
+        {DEVICE("mailbox: {size: 128}\n"), 4, {0x1000, 0x1080, 0x1100, 0x1100}},
+        {DEVICE("mailbox: {size: 129}\n"), 4, {0x1000, 0x1100, 0x1200, 0x1200}},
+        {DEVICE("outputs: [gap 255, gap 81]\n"), 4, {0x1000, 0x1080, 0x1100, 0x1180}}, /* 42 bytes */
+        {DEVICE("outputs: [gap 255, gap 82]\n"), 4, {0x1000, 0x1080, 0x1100, 0x1200}}, /* 43 bytes */
+        {DEVICE("mailbox: none\noutputs: [gap 1]\n"), 1, {0x1000}},
+        {DEVICE("mailbox: none\noutputs: [gap 1]\ninputs: [gap 1]\n"), 2, {0x1000, 0x1080}},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        made_t m = try_text(rows[i].yaml);
+        assert_non_null(m.model);
+        assert_int_equal(m.model->sm_count, rows[i].count);
+        for (unsigned int n = 0; n < rows[i].count; n++) {
+            if (m.model->sms[n].start != rows[i].starts[n])
+                fail_msg("row %zu, SM%u: expected 0x%04X, got 0x%04X", i, n, rows[i].starts[n],
+                         (unsigned int)m.model->sms[n].start);
+        }
+        drop(&m);
+    }
+}
+
+/* 60 KB are three buffers of 20480 bytes: 642 times 255 bits, and 130 bits. */
+static void the_standard_layout_ends_with_the_RAM(void **state)
+{
+    static const char refusal[] =
+        P(1, "mailboxes and process data need more than the 60 KB of a controller: use fewer");
+    enum { GAPS = 642, GAPS_OF_PDO = 214 };
+    (void)state;
+    for (unsigned int last = 130; last <= 131; last++) {
+        char *yaml = malloc(GAPS * 10 + TEXT);
+        assert_non_null(yaml);
+        char *at = yaml + sprintf(yaml, DEVICE("mailbox: none\ninputs:\n  - {entries: [gap %u]}\n"), last);
+        for (unsigned int n = 0; n < GAPS; n++)
+            at += sprintf(at, "%sgap 255%s", n % GAPS_OF_PDO == 0 ? "  - {entries: [" : ", ",
+                          n % GAPS_OF_PDO == GAPS_OF_PDO - 1 ? "]}\n" : "");
+        made_t m = try_text(yaml);
+        assert_int_equal(strcmp(m.why, refusal) == 0, last == 131);
+        free(yaml);
+        drop(&m);
+    }
+}
+
 /* A list with `count` times an element. */
 static char *repeated(const char *begin, const char *element, unsigned int count, const char *end)
 {
@@ -749,6 +800,8 @@ int main(void)
         cmocka_unit_test(a_twin_of_the_esi_file_is_the_same_device),
         cmocka_unit_test(a_wrong_file_is_refused_with_its_line_and_a_cure),
         cmocka_unit_test(values_at_the_end_of_their_range_are_taken),
+        cmocka_unit_test(areas_of_the_standard_layout_follow_each_other),
+        cmocka_unit_test(the_standard_layout_ends_with_the_RAM),
         cmocka_unit_test(lists_that_are_too_long_are_refused),
         cmocka_unit_test(a_device_that_no_controller_can_be_is_refused),
         cmocka_unit_test(a_small_file_cannot_become_a_large_device),

@@ -289,6 +289,9 @@ static void a_wrong_rack_is_refused_with_its_line_and_a_cure(void **state)
         {MODULES("  1:\n    name: A\n    objects:\n      0x6000: {name: X, type: UINT}\n      0x6010: {name: Y, type: "
                  "UINT}\n"),
          P(12, "6000 is 6010 in slot 2, as one of slot 1: choose another, or change 'slot-increments'")},
+        {DEVICE("slots: [{modules: [1]}, {modules: [2]}]\nmodules:\n  1: {name: A, " OBJECT(
+             "0x6010") "}\n  2: {name: B, " OBJECT("0x6000") "}\n"),
+         P(9, "6000 is 6010 in slot 2, as one of slot 1: choose another, or change 'slot-increments'")},
         {MODULES("  1:\n    name: A\n    " OBJECT("0x6000") "\nslot-increments: {objects: 0}\n"),
          P(11, "6000 is 6000 in slot 2, as one of slot 1: choose another")},
         {MODULES("  1:\n    name: A\n    " OBJECT("0xFFF0") "\n"),

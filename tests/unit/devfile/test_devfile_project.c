@@ -150,13 +150,15 @@ static void a_text_is_as_long_as_its_size_or_its_value(void **state)
     }
 }
 
-static void the_lowest_index_and_the_most_items_are_taken(void **state)
+static void the_lowest_index_and_the_fewest_and_most_items_are_taken(void **state)
 {
     enum { ROOM = 20000 };
     char *json = malloc(ROOM);
     assert_non_null(json);
     (void)state;
-    for (unsigned int count = 255; count <= 256; count++) {
+    static const unsigned int counts[] = {2, 255, 256};
+    for (size_t n = 0; n < sizeof counts / sizeof counts[0]; n++) {
+        const unsigned int count = counts[n];
         char *at = json + sprintf(json, "%s",
                                   FORM("") "\"od\": {\"sdo\": {\"0FFF\": 5, \"1002\": {\"otype\": \"ARRAY\", "
                                            "\"dtype\": \"UNSIGNED8\", \"name\": \"Row\", \"items\": [{}");
@@ -165,9 +167,9 @@ static void the_lowest_index_and_the_most_items_are_taken(void **state)
         (void)sprintf(at, "]}}}}");
         made_t m = try_text(json);
         if (count <= 255) {
-            m = whole("most items", m);
-            assert_int_equal(entry_of(&m, 0x1002, 0)->value, 254);
-            assert_non_null(entry_of(&m, 0x1002, 254));
+            m = whole("items", m);
+            assert_int_equal(entry_of(&m, 0x1002, 0)->value, count - 1);
+            assert_non_null(entry_of(&m, 0x1002, (uint8_t)(count - 1)));
         } else {
             assert_null(m.twin);
             assert_non_null(strstr(m.why, "'items' takes 2 to 255 of them"));
@@ -235,6 +237,32 @@ static void each_object_of_process_data_is_a_pdo(void **state)
     drop(&m);
 }
 
+/* A BOOLEAN is a bit in an array, and the lowest bit of a byte elsewhere. */
+static void a_boolean_fills_a_byte_of_process_data_except_in_an_array(void **state)
+{
+#define SHAPE(otype, items)                                                                                            \
+    "\"txpdo\": {\"6000\": {\"otype\": \"" otype "\", \"dtype\": \"BOOLEAN\", \"name\": \"Flag\"" items "}}"
+#define ITEM(name) "{\"name\": \"" name "\", \"dtype\": \"BOOLEAN\"}"
+    static const struct {
+        const char *od;
+        uint32_t elements[5];
+    } rows[] = {
+        {SHAPE("VAR", ""), {2, 0x60000001, 7}},
+        {SHAPE("ARRAY", ", \"items\": [{}, " ITEM("a") ", " ITEM("b") "]"), {2, 0x60000101, 0x60000201}},
+        {SHAPE("RECORD", ", \"items\": [{}, " ITEM("a") ", " ITEM("b") "]"), {4, 0x60000101, 7, 0x60000201, 7}},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char json[2000];
+        (void)snprintf(json, sizeof json, PROJECT("%s"), rows[i].od);
+        made_t m = try_text(json);
+        assert_non_null(m.twin);
+        for (unsigned int n = 0; n <= rows[i].elements[0]; n++)
+            assert_int_equal(ect_od_element(object_of(&m, 0x1A00), n), rows[i].elements[n]);
+        drop(&m);
+    }
+}
+
 static void a_wrong_project_is_refused_with_its_line(void **state)
 {
     static const struct {
@@ -277,9 +305,10 @@ int main(void)
         cmocka_unit_test(the_chip_determines_the_first_words_of_the_eeprom),
         cmocka_unit_test(each_box_of_the_form_is_one_feature),
         cmocka_unit_test(a_text_is_as_long_as_its_size_or_its_value),
-        cmocka_unit_test(the_lowest_index_and_the_most_items_are_taken),
+        cmocka_unit_test(the_lowest_index_and_the_fewest_and_most_items_are_taken),
         cmocka_unit_test(fields_that_the_form_lacks_have_defaults),
         cmocka_unit_test(each_object_of_process_data_is_a_pdo),
+        cmocka_unit_test(a_boolean_fills_a_byte_of_process_data_except_in_an_array),
         cmocka_unit_test(a_wrong_project_is_refused_with_its_line),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
