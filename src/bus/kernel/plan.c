@@ -2,24 +2,25 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "wire/assert.h"
+
 /* A frame in memory. */
 typedef struct frame {
     unsigned char *bytes;
     size_t length;
 } frame_t;
 
+/* A frame that is not shorter than its plan contains each place of the plan's steps. */
 static int load(const frame_t *frame, size_t at, void *to, size_t length)
 {
-    if (at + length > frame->length)
-        return -1;
+    ECT_ASSERT(at + length <= frame->length);
     memcpy(to, frame->bytes + at, length);
     return 0;
 }
 
 static int store(const frame_t *frame, size_t at, const void *from, size_t length)
 {
-    if (at + length > frame->length)
-        return -1;
+    ECT_ASSERT(at + length <= frame->length);
     memcpy(frame->bytes + at, from, length);
     return 0;
 }
@@ -33,7 +34,6 @@ static int store(const frame_t *frame, size_t at, const void *from, size_t lengt
 #include "bus/kernel/steps.h"
 #include "esc/cyclic.h"
 #include "esc/route.h"
-#include "wire/assert.h"
 #include "wire/registers.h"
 
 /* A plan in the making. */
@@ -172,7 +172,6 @@ static bool plan_frame(maker_t *m, ect_plan_sample_t *sample)
     m->sample = sample;
     m->frame = sample->frame;
     m->image = 0;
-    m->plan->step_count = 0;
     sample->base_count = 0;
     sample->clock = NULL;
     m->plan->source_bits = m->steady.marks_source ? 0x02 : 0;

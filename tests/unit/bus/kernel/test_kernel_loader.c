@@ -218,6 +218,7 @@ int __wrap_ioctl(int fd, unsigned long request, ...)
 
 int __wrap_close(int fd)
 {
+    assert_int_not_equal(fd, 0); /* standard input: no link, no socket */
     fake.closed_sockets += fd == SOCKET_FD;
     fake.closed_links += fd == LINK_FD;
     return fd == SOCKET_FD || fd == LINK_FD ? 0 : __real_close(fd);

@@ -234,6 +234,23 @@ static void too_long(rig_t *r)
     r->w.frame_length = ECT_PLAN_FRAME + 1;
 }
 
+/* Only slave 0 takes part, with its SyncManager of outputs alone. */
+static void outputs_of_one(rig_t *r)
+{
+    wire_build(&r->w, LWR, 0x100, 0, zeros, 3);
+}
+
+/* Only the FMMU of inputs maps these addresses, so that no slave takes part. */
+static void write_to_inputs(rig_t *r)
+{
+    wire_build(&r->w, LWR, 0x109, 0, zeros, 3);
+}
+
+static void read_of_outputs(rig_t *r)
+{
+    wire_build(&r->w, LRD, 0x106, 0, zeros, 3);
+}
+
 /* --- changes ------------------------------------------------------------------------------------------------------ */
 
 static void fmmu_moves(rig_t *r)
@@ -273,6 +290,11 @@ static void sm_has_events(rig_t *r)
 {
     wire_set_sm(&r->w, 0, 2, OUTPUTS, 0, 0x74);
     wire_set_sm(&r->w, 0, 2, OUTPUTS, 3, 0x74);
+}
+
+static void output_fmmu_of_bits(rig_t *r)
+{
+    wire_set_fmmu(&r->w, 1, FMMU_OUT, 0x106, 3, 1, 7, OUTPUTS, 0, 2);
 }
 
 static void sm_reaches_into_another(rig_t *r)
@@ -469,6 +491,8 @@ static void no_plan(void **state)
         {"an FMMU maps bits", build_cyclic, fmmu_of_bits, false},
         {"an FMMU reads outputs", build_cyclic, fmmu_reads_outputs, false},
         {"outputs and inputs have the same logical addresses", build_cyclic, fmmus_share_addresses, true},
+        {"an FMMU of inputs maps bits, and the frame writes", write_to_inputs, fmmu_of_bits, true},
+        {"an FMMU of outputs maps bits, and the frame reads", read_of_outputs, output_fmmu_of_bits, true},
         {"a SyncManager is off", build_cyclic, sm_is_off, false},
         {"a SyncManager has no image yet", build_cyclic, sm_restarts, false},
         {"a SyncManager has ECAT events", build_cyclic, sm_has_events, false},
@@ -506,34 +530,38 @@ static void renewed_plans(void **state)
         const char *title;
         void (*change)(rig_t *r);
         bool plan, renewed;
+        void (*frame)(rig_t *r); /* NULL: process data, AL status, system time */
     } rows[] = {
-        {"nothing", no_change, true, true},
-        {"other inputs", new_inputs, true, true},
-        {"an offset of the clock", clock_is_set, true, true},
-        {"an FMMU maps other bytes", fmmu_moves, false, false},
-        {"an FMMU is of other addresses", fmmus_share_addresses, true, false},
-        {"a SyncManager is off", sm_is_off, false, false},
-        {"a SyncManager has restarted with other flags", sm_has_events, false, false},
-        {"a SyncManager has no image yet", sm_restarts, false, false},
-        {"a SyncManager has its first image again", sm_restarts_and_runs, true, false},
-        {"the slave has locked a SyncManager", sm_is_locked, false, false},
-        {"an AL status is new", status_is_new, false, false},
-        {"an AL status is another", status_is_another, true, false},
-        {"the reference clock is fast", clock_is_trimmed, false, false},
-        {"the address of the clock occurs twice", address_is_taken, false, false},
-        {"the clock has another address", address_is_gone, false, false},
-        {"the second slave is cut off", second_is_cut_off, true, false},
-        {"writes are protected", writes_are_protected, false, false},
-        {"an access of the PDI has failed", pdi_access_fails, true, true},
-        {"an event will be lost", event_is_lost, true, true},
-        {"an EEPROM is busy", eeprom_is_busy, true, true},
-        {"a slave has lost its power for a moment", slave_restarts, false, false},
+        {"nothing", no_change, true, true, NULL},
+        {"other inputs", new_inputs, true, true, NULL},
+        {"an offset of the clock", clock_is_set, true, true, NULL},
+        {"an FMMU maps other bytes", fmmu_moves, false, false, NULL},
+        {"an FMMU is of other addresses", fmmus_share_addresses, true, false, NULL},
+        {"a SyncManager is off", sm_is_off, false, false, NULL},
+        {"a SyncManager has restarted with other flags", sm_has_events, false, false, NULL},
+        {"a SyncManager has no image yet", sm_restarts, false, false, NULL},
+        {"a SyncManager has its first image again", sm_restarts_and_runs, true, false, NULL},
+        {"the slave has locked a SyncManager", sm_is_locked, false, false, NULL},
+        {"an AL status is new", status_is_new, false, false, NULL},
+        {"an AL status is another", status_is_another, true, false, NULL},
+        {"the reference clock is fast", clock_is_trimmed, false, false, NULL},
+        {"the address of the clock occurs twice", address_is_taken, false, false, NULL},
+        {"the clock has another address", address_is_gone, false, false, NULL},
+        {"the second slave is cut off", second_is_cut_off, true, false, NULL},
+        {"writes are protected", writes_are_protected, false, false, NULL},
+        {"an access of the PDI has failed", pdi_access_fails, true, true, NULL},
+        {"an event will be lost", event_is_lost, true, true, NULL},
+        {"an EEPROM is busy", eeprom_is_busy, true, true, NULL},
+        {"a slave has lost its power for a moment", slave_restarts, false, false, NULL},
+        {"nothing, with outputs alone", no_change, true, true, outputs_of_one},
+        {"another slave has other inputs", new_inputs, true, true, outputs_of_one},
+        {"the slave has locked a SyncManager of outputs alone", sm_is_locked, false, false, outputs_of_one},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         static rig_t r;
         open_rig(&r);
-        build_cyclic(&r);
+        (rows[i].frame ? rows[i].frame : build_cyclic)(&r);
         assert_true(gets_plan(&r));
         ect_planner_void(&r.planner);
         rows[i].change(&r);
@@ -542,6 +570,11 @@ static void renewed_plans(void **state)
         if (got != rows[i].plan || (r.planner.renewed > before) != rows[i].renewed)
             fail_msg("%s: expected %s, %s", rows[i].title, rows[i].plan ? "a plan" : "none",
                      rows[i].renewed ? "renewed" : "made");
+        same_as_made(&r, rows[i].title);
+        const uint64_t first = r.planner.renewed;
+        (void)ect_planner_make(&r.planner, r.w.chain);
+        if ((r.planner.renewed > first) != rows[i].plan)
+            fail_msg("%s: expected that a plan without a further change is renewed", rows[i].title);
         same_as_made(&r, rows[i].title);
         wire_close(&r.w);
     }
@@ -562,6 +595,7 @@ static void many_layouts(void **state)
     }
     assert_int_equal(ect_planner_make(&r.planner, r.w.chain), LAYOUTS);
     assert_int_equal(ect_planner_make(&r.planner, r.w.chain), LAYOUTS);
+    assert_int_equal(r.planner.made, LAYOUTS);
     assert_int_equal(r.planner.renewed, LAYOUTS);
     for (unsigned int i = 0; i < 3 * ECT_PLANS; i++) { /* more than there are places */
         wire_build(&r.w, LRW, (uint16_t)(i * APART), (uint16_t)((i * APART) >> 16), data, sizeof data);
@@ -569,6 +603,103 @@ static void many_layouts(void **state)
     }
     assert_in_range(ect_planner_make(&r.planner, r.w.chain), ECT_PLANS / 2, ECT_PLANS);
     assert_true(ect_plan_reply(&table, r.w.frame, r.w.frame_length, r.w.now_ns));
+    wire_close(&r.w);
+}
+
+/* Layouts with the last first place of all: the search goes on at place 0. Beyond ECT_PLAN_PROBES of them, a new layout
+ * replaces the one in the first place. */
+static void layouts_with_one_place(void **state)
+{
+    enum { LAYOUTS = ECT_PLAN_PROBES + 1 };
+    static uint8_t frames[LAYOUTS][64];
+    static rig_t r;
+    unsigned int count = 0;
+    (void)state;
+    open_rig(&r);
+    for (unsigned int address = 0x10000; count < LAYOUTS; address++) {
+        wire_build(&r.w, LRW, (uint16_t)address, (uint16_t)(address >> 16), zeros, 6);
+        if (ect_plan_place(ect_plan_key(r.w.frame)) == ECT_PLANS - 1)
+            memcpy(frames[count++], r.w.frame, r.w.frame_length);
+    }
+    for (unsigned int n = 0; n < LAYOUTS; n++) {
+        const unsigned int plans = n < ECT_PLAN_PROBES ? n + 1 : ECT_PLAN_PROBES;
+        ect_planner_see(&r.planner, frames[n], r.w.frame_length);
+        assert_int_equal(ect_planner_make(&r.planner, r.w.chain), plans);
+        const ect_plan_t *plan = ect_plan_find(&table, frames[n]);
+        assert_ptr_equal(plan, &table.plans[(ECT_PLANS - 1 + n % ECT_PLAN_PROBES) % ECT_PLANS]);
+        for (unsigned int k = 0; k < n; k++)
+            assert_int_equal(ect_plan_find(&table, frames[k]) != NULL, k > 0 || n < ECT_PLAN_PROBES);
+    }
+    wire_close(&r.w);
+}
+
+/* The key of a plan covers the first datagram only. */
+static void frames_without_a_plan_that_have_its_key(void **state)
+{
+    static const struct {
+        const char *title;
+        uint8_t command;
+        uint16_t ado;
+        bool none; /* the plan remains that of the first frame */
+    } rows[] = {
+        {"a register of one slave", FPRD, ECT_REG_AL_STATUS, true},
+        {"another register of all", BRD, ECT_REG_DL_STATUS, true},
+        {"another register of the clock, to all", FRMW, ECT_REG_DC_OFFSET, true},
+        {"a register that all write", BWR, ECT_REG_AL_CONTROL, true},
+        {"AL status", BRD, ECT_REG_AL_STATUS, false},
+        {"the system time", FRMW, ECT_REG_DC_SYSTEM_TIME, false},
+        {"the system time by position", ARMW, ECT_REG_DC_SYSTEM_TIME, false},
+        {"no operation", NOP, 0, false},
+        {"a read of logical addresses", LRD, 0, false},
+        {"a write to logical addresses", LWR, 0, false},
+    };
+    static rig_t r;
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t first[200];
+        open_rig(&r);
+        build_cyclic(&r);
+        assert_true(gets_plan(&r));
+        const size_t length = r.w.frame_length;
+        memcpy(first, r.w.frame, length);
+        wire_build(&r.w, LRW, 0x100, 0, zeros, 6 * SLAVES);
+        wire_append(&r.w, rows[i].command, 0, rows[i].ado, zeros, 8);
+        ect_planner_see(&r.planner, r.w.frame, r.w.frame_length);
+        (void)ect_planner_make(&r.planner, r.w.chain);
+        if (ect_plan_reply(&table, first, length, r.w.now_ns) != rows[i].none)
+            fail_msg("%s: expected that it %s the plan", rows[i].title, rows[i].none ? "leaves" : "replaces");
+        wire_close(&r.w);
+    }
+}
+
+/* A plan refers to at most ECT_PLAN_BASES ESCs; with more it is not renewed. */
+static void plans_of_many(void **state)
+{
+    enum { MOST = ECT_PLAN_BASES + 1 };
+    static ect_twin_config_t twins[MOST];
+    static rig_t r;
+    (void)state;
+    for (unsigned int n = 0; n < MOST; n++)
+        twins[n] = ect_twin_default(&testdev, NULL);
+    memset(&r, 0, sizeof r);
+    memset(&table, 0, sizeof table);
+    wire_open_twins(&r.w, twins, MOST);
+    for (size_t i = 0; i < MOST; i++) {
+        wire_go(&r.w, i, 8);
+        wire_set_fmmu(&r.w, i, FMMU_OUT, (uint32_t)(0x100 + 3 * i), 3, 0, 7, OUTPUTS, 0, 2);
+    }
+    r.planner.table = &table;
+    r.w.manual_poll = true;
+    for (unsigned int count = MOST - 2; count <= MOST; count++) {
+        static const uint8_t outputs[3 * MOST];
+        wire_build(&r.w, LWR, 0x100, 0, outputs, (uint16_t)(3 * count));
+        assert_true(gets_plan(&r));
+        const uint64_t made = r.planner.made, renewed = r.planner.renewed;
+        assert_int_equal(ect_planner_make(&r.planner, r.w.chain), 1);
+        assert_int_equal(r.planner.renewed - renewed, count <= ECT_PLAN_BASES);
+        assert_int_equal(r.planner.made - made, count > ECT_PLAN_BASES);
+        same_as_made(&r, "many slaves");
+    }
     wire_close(&r.w);
 }
 
@@ -615,6 +746,11 @@ int main(void)
         {"plans that are renewed after a change equal plans that are made", renewed_plans, NULL, NULL, NULL},
         {"a thousand twins: a plan for each of 46 layouts, and new layouts when places are short", many_layouts, NULL,
          NULL, NULL},
+        {"16 layouts have plans in successive places, and a further one replaces the first", layouts_with_one_place,
+         NULL, NULL, NULL},
+        {"a frame that may not have a plan leaves the plan with the same key", frames_without_a_plan_that_have_its_key,
+         NULL, NULL, NULL},
+        {"a plan of at most 128 ESCs is renewed", plans_of_many, NULL, NULL, NULL},
         {"a plan replies to frames of its layout only", other_layouts, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("plans", tests, NULL, NULL);
