@@ -512,6 +512,68 @@ static void waits_where_it_receives(void **state)
     close_bench(&b);
 }
 
+/* Frames are waiting from the start, and none follows: after the last one the loop polls for clients at most once, then
+ * it rests. */
+static void flood_then_rest(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    for (unsigned int i = 0; n == 0 && i < FRAMES; i++)
+        send_frame(b);
+    if (b->runner.exchange.stats.frames < FRAMES)
+        return;
+    const bool polls = limit && limit->tv_sec == 0 && limit->tv_nsec == 0;
+    poll_count += polls;
+    assert_true(poll_count <= 1);
+    if (!polls)
+        (void)raise(SIGUSR1);
+}
+
+static void rests_when_no_frame_comes(void **state)
+{
+    bench_t b;
+    (void)state;
+    open_patient_bench(&b);
+    poll_count = 0;
+    run(&b, flood_then_rest);
+    assert_int_equal(b.runner.exchange.stats.answered, FRAMES);
+    close_bench(&b);
+}
+
+static void flood_and_end(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    (void)limit;
+    for (unsigned int i = 0; n == 0 && i < FRAMES; i++)
+        send_frame(b);
+    if (b->runner.exchange.stats.frames == FRAMES)
+        (void)raise(SIGUSR1);
+}
+
+/* A frame could come from another place while the loop waits in the receiving call. */
+static void waits_for_all_places_of_frames(void **state)
+{
+    static const struct {
+        const char *title;
+        bool udp, second;
+        bool waits_in_call;
+    } rows[] = {{"an interface alone", false, false, true},
+                {"EtherCAT in UDP too", true, false, false},
+                {"a second interface", false, true, false}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_udp_t udp = {.fd = -1};
+        ect_packet_t second = {.fd = -1, .tagged_fd = -1};
+        bench_t b;
+        open_patient_bench(&b);
+        b.clock_ns = ect_packet_now();
+        b.clock_step_ns = 15000;
+        b.runner.udp = rows[i].udp ? &udp : NULL;
+        b.runner.ports[ECT_END_OUT] = rows[i].second ? &second : NULL;
+        run(&b, flood_and_end);
+        if ((b.waits < FRAMES) != rows[i].waits_in_call)
+            fail_msg("%s: %u waits for all places, and %d frames", rows[i].title, b.waits, (int)FRAMES);
+        close_bench(&b);
+    }
+}
+
 /* With a client at work the loop never waits for frames alone. */
 static void flood_with_client(bench_t *b, unsigned int n, const struct timespec *limit)
 {
@@ -1200,6 +1262,9 @@ int main(int argc, char **argv)
         {"Frames in succession are awaited in the call that receives them; clients and signals are checked every half "
          "millisecond",
          waits_where_it_receives, NULL, NULL, NULL},
+        {"Frames in succession: without a further frame the loop rests", rests_when_no_frame_comes, NULL, NULL, NULL},
+        {"Frames in succession: the loop waits for one at a single place of frames alone",
+         waits_for_all_places_of_frames, NULL, NULL, NULL},
         {"Frames in succession: clients are served between them", clients_between_frames_in_a_row, NULL, NULL, NULL},
         {"--busy-poll: nothing rests, and all is served", never_rests, NULL, NULL, NULL},
         {"--in-kernel: the kernel has the turn while the loop sleeps, and its frames come first", turns, NULL, NULL,

@@ -4,6 +4,7 @@
 #define _GNU_SOURCE
 #include "bus/trace.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -378,6 +379,28 @@ static void a_trace_needs_neither_file(void **state)
     assert_true(none.capture == 0 && none.record == 0 && !none.record_is_slow);
 }
 
+static unsigned int count_of_threads(void)
+{
+    unsigned int count = 0;
+    DIR *tasks = opendir("/proc/self/task");
+    assert_non_null(tasks);
+    for (const struct dirent *entry = readdir(tasks); entry; entry = readdir(tasks))
+        count += entry->d_name[0] != '.';
+    assert_int_equal(closedir(tasks), 0);
+    return count;
+}
+
+static void a_start_begins_a_thread_for_each_file(void **state)
+{
+    rig_t *r = *state;
+    begin(r);
+    const unsigned int before = count_of_threads();
+    ect_trace_start(r->x.trace);
+    assert_int_equal(count_of_threads(), before + 2);
+    pass(r, ECT_END_IN, 1);
+    expect_items(r, ">0:1 <0:1 ");
+}
+
 static long size_of(const char *path)
 {
     FILE *file = fopen(path, "rb");
@@ -471,6 +494,7 @@ int main(int argc, char **argv)
         TEST("a change of an AL state or code is one comment", a_change_of_an_AL_state_or_code_is_one_comment),
         TEST("a twin that leaves the bus is a comment", a_twin_that_leaves_the_bus_is_a_comment),
         TEST("a trace needs neither file", a_trace_needs_neither_file),
+        TEST("a start begins a thread for the capture and one for the record", a_start_begins_a_thread_for_each_file),
         TEST("a flush writes to the capture and to the record", a_flush_writes_to_both_files),
         TEST("a record whose buffer is full ends there, with a last item",
              a_record_whose_buffer_is_full_ends_with_a_last_item),

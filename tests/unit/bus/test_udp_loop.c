@@ -15,7 +15,7 @@
 #include "bus/runner.h"
 #include "support/wire.h"
 
-enum { UDP_FD = 900, PAYLOAD = 100, QUEUE = 8, FIRST = 40001, SECOND = 40002 };
+enum { UDP_FD = 900, PAYLOAD = 100, QUEUE = 8, ORDER = 100, FIRST = 40001, SECOND = 40002 };
 
 typedef struct datagram {
     uint16_t port; /* of the master */
@@ -38,6 +38,8 @@ static struct bench {
     size_t sent_count, taken;
     datagram_t replies[QUEUE];
     size_t reply_count;
+    char order[ORDER]; /* with hosts: F: a reply, H: the hosts were served */
+    size_t ordered;
 } bench;
 
 /* --- calls -------------------------------------------------------------------------------------------------------- */
@@ -47,6 +49,23 @@ int __wrap_clock_gettime(clockid_t clock, struct timespec *time);
 int __wrap_ppoll(struct pollfd *fds, nfds_t count, const struct timespec *limit, const sigset_t *mask);
 ssize_t __wrap_recvfrom(int fd, void *data, size_t size, int flags, struct sockaddr *from, socklen_t *from_size);
 ssize_t __wrap_sendto(int fd, const void *data, size_t size, int flags, const struct sockaddr *to, socklen_t to_size);
+void __wrap_ect_hosts_serve(ect_hosts_t *hosts, ect_chain_t *chain, uint64_t now_ns);
+
+static void note(char what)
+{
+    if (!bench.runner.hosts)
+        return;
+    assert_true(bench.ordered + 1 < ORDER);
+    bench.order[bench.ordered++] = what;
+}
+
+void __wrap_ect_hosts_serve(ect_hosts_t *hosts, ect_chain_t *chain, uint64_t now_ns)
+{
+    (void)now_ns;
+    assert_ptr_equal(hosts, bench.runner.hosts);
+    assert_ptr_equal(chain, bench.wire.chain);
+    note('H');
+}
 
 int __wrap_clock_gettime(clockid_t clock, struct timespec *time)
 {
@@ -70,7 +89,8 @@ int __wrap_ppoll(struct pollfd *fds, nfds_t count, const struct timespec *limit,
     else if (!waiting)
         fail_msg("nothing wakes the loop");
     for (nfds_t i = 0; i < count; i++) {
-        bool ready = (ends && fds[i].fd == bench.runner.signal_fd) || (waiting && fds[i].fd == UDP_FD);
+        bool ready = (ends && fds[i].fd == bench.runner.signal_fd) || (waiting && fds[i].fd == UDP_FD) ||
+                     (bench.runner.hosts && fds[i].fd == ect_hosts_fd(bench.runner.hosts));
         fds[i].revents = ready ? POLLIN : 0;
     }
     return ends || waiting;
@@ -95,6 +115,7 @@ ssize_t __wrap_sendto(int fd, const void *data, size_t size, int flags, const st
     assert_true(fd == UDP_FD && to_size == sizeof(struct sockaddr_in) && bench.reply_count < QUEUE && size <= PAYLOAD);
     const struct sockaddr_in *in = (const struct sockaddr_in *)(const void *)to;
     datagram_t *d = &bench.replies[bench.reply_count++];
+    note('F');
     assert_int_equal(in->sin_addr.s_addr, htonl(INADDR_LOOPBACK));
     d->port = ntohs(in->sin_port);
     d->length = size;
@@ -279,6 +300,31 @@ static void circulating(void **state)
     close_bench();
 }
 
+/* --- hosts behind EoE --------------------------------------------------------------------------------------------- */
+
+enum { IN_A_ROW = 8, ROUNDS = 3 };
+
+static bool one_after_another(unsigned int n)
+{
+    bench.sent_count = bench.taken = bench.reply_count = 0;
+    if (n < ROUNDS * IN_A_ROW)
+        send_command(FIRST, BRD, 0, 0x0130, 0);
+    return n < ROUNDS * IN_A_ROW;
+}
+
+/* The hosts have something to serve all the time. */
+static void datagrams_first(void **state)
+{
+    (void)state;
+    open_bench();
+    bench.runner.hosts = ect_hosts_new();
+    assert_non_null(bench.runner.hosts);
+    run(one_after_another);
+    ect_hosts_close(bench.runner.hosts);
+    assert_string_equal(bench.order, "FFFFFFFFHFFFFFFFFHFFFFFFFFH");
+    close_bench();
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -286,6 +332,8 @@ int main(int argc, char **argv)
         {"Each reply goes to its own sender, also a late one", own_senders, NULL, NULL, NULL},
         {"Attack: datagrams that are no EtherCAT are counted, and get no reply", bad_datagrams, NULL, NULL, NULL},
         {"Attack: replies sent back by another program are destroyed, and reported once", circulating, NULL, NULL,
+         NULL},
+        {"Datagrams are frames: after 8 in succession the hosts behind EoE are served", datagrams_first, NULL, NULL,
          NULL},
     };
     if (argc > 1)
