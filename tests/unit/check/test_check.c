@@ -310,6 +310,7 @@ typedef struct plant_row {
     X(modbus_empty, p->modbus = &modbus_of_nothing, "Modbus: a function, its connections or its idle time is missing") \
     X(groups_missing, p->signal_groups = NULL, "signals: their groups are missing")                                    \
     X(signals_missing, g->signals = NULL, "signals: those of 'p' are missing")                                         \
+    X(one_signal_missing, (g->signals = NULL, g->signal_count = 1), "signals: those of 'p' are missing")               \
     X(prefix, g->prefix = "P", "signals: a prefix has lower case")                                                     \
     X(prefix_none, g->prefix = NULL, "signals: numbered ones need a prefix")                                           \
     X(one_without_a_prefix, (g->prefix = NULL, g->count = 1), "signals: numbered ones need a prefix")                  \

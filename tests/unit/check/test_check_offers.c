@@ -59,6 +59,9 @@ static const ect_entry_t assigns_three[] = {ECT_ENTRY_COUNT(3), ECT_ENTRY_ASSIGN
                                             ECT_ENTRY_ASSIGN(2, 0x1A01), ECT_ENTRY_ASSIGN(3, 0x1A01)};
 static const ect_entry_t assigns_a_hole[] = {ECT_ENTRY_COUNT(3), ECT_ENTRY_ASSIGN(1, 0x1A00),
                                              ECT_ENTRY_ASSIGN(3, 0x1A01)};
+/* Two elements are in use, of which the second is missing. */
+static const ect_entry_t assigns_up_to_a_hole[] = {ECT_ENTRY_COUNT(2), ECT_ENTRY_ASSIGN(1, 0x1A00),
+                                                   ECT_ENTRY_ASSIGN(3, 0x1A01)};
 
 static void entries(copy_t *c, uint16_t index, const ect_entry_t *table, uint8_t last)
 {
@@ -202,6 +205,8 @@ static void constant(copy_t *c, uint16_t index, uint8_t subindex, uint32_t value
     X(third_assigned_twice, confdev, (D.services = NULL, entries(c, 0x1C13, assigns_three, 3)),                        \
       "1C13h:3: 1A01h is assigned twice")                                                                              \
     X(an_element_missing, confdev, (D.services = NULL, entries(c, 0x1C13, assigns_a_hole, 2)),                         \
+      "1C13h: it has no element 2")                                                                                    \
+    X(the_last_element_missing, confdev, (D.services = NULL, entries(c, 0x1C13, assigns_up_to_a_hole, 2)),             \
       "1C13h: it has no element 2")                                                                                    \
     X(a_padding, confdev, ENTRY(0x1600, 1)->value = ECT_MAP(0, 0, 8), NULL)                                            \
     X(an_index_of_1, confdev, ENTRY(0x1600, 1)->value = ECT_MAP(1, 0, 8), "1600h:1: there is no 0001h:0 to map")       \
