@@ -97,13 +97,12 @@ static bool find_overlap(const uint8_t *fmmu, uint32_t logical, uint16_t length,
     return true;
 }
 
-/* Maps one direction through all FMMUs. @param[out] any  whether an FMMU maps a part of the datagram */
+/* Maps one direction through all FMMUs. @param[in,out] any  set if an FMMU maps a part of the datagram */
 static bool find_pieces(const ect_esc_t *esc, uint32_t logical, uint16_t length, bool write, ect_esc_cyclic_t *effect,
                         bool *any)
 {
     unsigned int set = write ? esc->fmmu_writes : esc->fmmu_reads;
     overlap_t o;
-    *any = false;
     while (set != 0) {
         if (!find_overlap(ect_esc_fmmu_registers(esc, ect_esc_take(&set)), logical, length, &o))
             continue;

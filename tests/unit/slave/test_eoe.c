@@ -20,7 +20,8 @@ typedef struct netdev {
     unsigned int taken_count, resets;
     bool full;
     uint16_t set_result;
-    unsigned int sets;
+    unsigned int sets, loads;
+    uint8_t set_port, load_port;
     uint16_t queue[QUEUE]; /* lengths; a frame is filled by pattern() */
     unsigned int queued, given;
     uint8_t port;
@@ -69,10 +70,20 @@ static uint16_t set(const ect_eoe_t *eoe, void *instance, uint8_t port, const ec
 {
     netdev_t *d = instance;
     (void)eoe;
-    (void)port;
     (void)address;
     d->sets++;
+    d->set_port = port;
     return d->set_result;
+}
+
+/* The address of a port ends with its number. */
+static void load(const ect_eoe_t *eoe, void *instance, uint8_t port)
+{
+    netdev_t *d = instance;
+    (void)eoe;
+    d->loads++;
+    d->load_port = port;
+    d->eoe.address = (ect_eoe_address_t){.known = ECT_EOE_HAS_IP, .ip = {192, 168, 10, port}};
 }
 
 static void reset(const ect_eoe_t *eoe, void *instance)
@@ -119,6 +130,7 @@ static int setup(void **state)
     size = 128;
     entry.dhcp = false;
     entry.ports = 0;
+    entry.load = NULL;
     open_net();
     return 0;
 }
@@ -584,6 +596,30 @@ static void settings(void **state)
     }
 }
 
+static void addresses_of_ports(void **state)
+{
+    (void)state;
+    entry.ports = 2;
+    for (uint8_t port = 0; port <= 2; port++) {
+        const uint8_t set_ip[] = {(uint8_t)(port << 4 | 2), 1, 0, 0, 2, 0, 0, 0, 4, 3, 2, 1};
+        const uint8_t set_done[] = {(uint8_t)(port << 4 | 3), 1, 0, 0}, get[] = {(uint8_t)(port << 4 | 6), 1, 0, 0};
+        const uint8_t known[] = {(uint8_t)(port << 4 | 7), 1, 0, 0, 2, 0, 0, 0, 4, 3, 2, 1};
+        const uint8_t loaded[] = {(uint8_t)(port << 4 | 7), 1, 0, 0, 2, 0, 0, 0, port, 10, 168, 192};
+        entry.load = NULL;
+        send_data(set_ip, sizeof set_ip);
+        expect_mail("EOE-039: set IP of a port", set_done, sizeof set_done);
+        assert_int_equal(net()->sets, port + 1);
+        assert_int_equal(net()->set_port, port);
+        send_data(get, sizeof get);
+        expect_mail("EOE-040: the address as it was set", known, sizeof known);
+        entry.load = load;
+        send_data(get, sizeof get);
+        expect_mail("EOE-040: the address that the device has loaded", loaded, sizeof loaded);
+        assert_int_equal(net()->loads, port + 1);
+        assert_int_equal(net()->load_port, port);
+    }
+}
+
 static void names(void **state)
 {
     static const uint8_t cut[] = {2, 1, 0, 0, 0x20, 0, 0, 0, 'd', 'r', 'i', 'v', 'e'};
@@ -692,6 +728,8 @@ int main(void)
          setup, teardown, NULL},
         {"EOE-030 EOE-031 EOE-036 EOE-040 EOE-V1 EOE-V2 EOE-V3 EOE-V4: the address in both layouts", settings, setup,
          teardown, NULL},
+        {"EOE-039 EOE-040: the device gets the port whose address is set or read", addresses_of_ports, setup, teardown,
+         NULL},
         {"EOE-034: names of 1 to 32 bytes", names, setup, teardown, NULL},
         {"EOE-032..039 EOE-V5: refusals change nothing", refusals, setup, teardown, NULL},
         {"EOE-038: replies of a master are ignored", ignored_types, setup, teardown, NULL},

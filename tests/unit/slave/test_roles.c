@@ -222,14 +222,16 @@ static void memory(void **state)
     assert_int_equal(need.runs, 4);
 }
 
-/* The first byte of each value: four runs in an image of four bytes, although no entry is shorter than four. */
+/* One of four values is mapped by its first byte alone: an image of four bytes has room for four runs of a byte,
+ * although no entry is shorter than four. */
 static void memory_of_parts(void **state)
 {
 #define PART(n)                                                                                                        \
-    ECT_ENTRY(n, UNSIGNED32, 32, ECT_ACCESS_RW, "Mapped object", ECT_MAP(0x6000, n, 8), gauge_t, mapped[n - 1])
-    static const ect_entry_t parts[] = {ECT_ENTRY(0, UNSIGNED8, 8, ECT_ACCESS_RW, "Number", 4, gauge_t, mapped_count),
-                                        PART(1), PART(2), PART(3), PART(4)};
-    static const ect_object_t mapping = ECT_RECORD(0x1A00, "Values mapping", parts);
+    ECT_ENTRY(n, UNSIGNED32, 32, ECT_ACCESS_RW, "Mapped object", ECT_MAP(0x6000, n, 32), gauge_t, mapped[n - 1])
+    static const ect_entry_t wholes[] = {ECT_ENTRY(0, UNSIGNED8, 8, ECT_ACCESS_RW, "Number", 4, gauge_t, mapped_count),
+                                         PART(1), PART(2), PART(3), PART(4)};
+    ect_entry_t entries[sizeof wholes / sizeof wholes[0]];
+    const ect_object_t mapping = ECT_RECORD(0x1A00, "Values mapping", entries);
     ect_object_t objects[32];
     ect_device_t device = gauge;
     (void)state;
@@ -238,7 +240,14 @@ static void memory_of_parts(void **state)
         objects[i] = gauge.objects[i].index == mapping.index ? mapping : gauge.objects[i];
     device.objects = objects;
     device.sm[3].maximum = 4;
-    assert_int_equal(ect_slave_memory(&device).runs, 4);
+    for (unsigned int part = 0; part <= 4; part++) {
+        memcpy(entries, wholes, sizeof entries);
+        if (part > 0)
+            entries[part].value = ECT_MAP(0x6000, part, 8);
+        const size_t runs = ect_slave_memory(&device).runs;
+        if (runs != (part > 0 ? 4 : 1))
+            fail_msg("element %u maps a byte: %zu runs", part, runs);
+    }
 }
 
 int main(void)
