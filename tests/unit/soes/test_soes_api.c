@@ -1132,6 +1132,34 @@ static void fixed_elements(void **state)
     }
 }
 
+/* The indices of mappings and assignments, and their neighbours, which all count one element here. */
+static void fixed_indices(void **state)
+{
+    static const struct {
+        uint16_t index;
+        bool fixed;
+    } rows[] = {{0x15FF, false}, {0x1600, true},  {0x17FF, true},  {0x1800, false}, {0x19FF, false}, {0x1A00, true},
+                {0x1BFF, true},  {0x1C00, false}, {0x1C11, false}, {0x1C12, true},  {0x1C13, true},  {0x1C14, false}};
+    enum { ROWS = sizeof rows / sizeof rows[0] };
+    static const ect_entry_t one = {
+        .data_type = ECT_TYPE_UNSIGNED8, .bit_length = 8, .access = ECT_ACCESS_RO, .value = 1};
+    ect_object_t objects[ROWS];
+    uint8_t data[4] = {0};
+    (void)state;
+    open_in(PREOP);
+    for (size_t n = 0; n < ROWS; n++)
+        objects[n] = (ect_object_t){.index = rows[n].index, .object_code = ECT_OBJECT_ARRAY, .entries = &one};
+    const ect_od_t before = ect_soes.slave.od;
+    ect_soes.slave.od = (ect_od_t){.objects = objects, .count = ROWS};
+    for (size_t n = 0; n < ROWS; n++) {
+        assert_int_equal(COE_maxSub(rows[n].index), 1);
+        const uint32_t abort = ESC_download_pre_objecthandler(rows[n].index, 1, data, 4, 0);
+        if (abort != (rows[n].fixed ? ABORT_SUBINDEX0_NOT_ZERO : 0))
+            fail_msg("%04Xh: got the abort code %08X", rows[n].index, abort);
+    }
+    ect_soes.slave.od = before;
+}
+
 /* --- the description ---------------------------------------------------------------------------------------------- */
 
 static void described(void **state)
@@ -1464,6 +1492,7 @@ int main(int argc, char **argv)
         T("registers, by SOES's functions", registers),
         T("each function of a register reads or writes its address and length", accesses),
         T("elements of mapping and assignment are fixed while they count", fixed_elements),
+        T("the indices of mappings and assignments alone have fixed elements", fixed_indices),
         T("the description is made of the options and of the object list", described),
         T("a permanent event is served 16 times in succession", staying_event),
         T_HOOKS("a transfer ends with the state that it was in", reset_transfer),
