@@ -21,6 +21,8 @@ static struct kernel {
     ssize_t length;        /* -1: none, errno is `error` */
     int error;
     bool stale;
+    uint32_t sender; /* its address; 0: SENDER and SENDER_PORT */
+    uint16_t sender_port;
 } kernel;
 
 /* --- calls -------------------------------------------------------------------------------------------------------- */
@@ -74,8 +76,9 @@ int __wrap_close(int fd)
 
 ssize_t __wrap_recvfrom(int fd, void *data, size_t size, int flags, struct sockaddr *from, socklen_t *from_size)
 {
-    const struct sockaddr_in in = {
-        .sin_family = AF_INET, .sin_port = htons(SENDER_PORT), .sin_addr.s_addr = htonl(SENDER)};
+    const struct sockaddr_in in = {.sin_family = AF_INET,
+                                   .sin_port = htons(kernel.sender != 0 ? kernel.sender_port : SENDER_PORT),
+                                   .sin_addr.s_addr = htonl(kernel.sender != 0 ? kernel.sender : SENDER)};
     assert_true(is_fake(fd));
     assert_int_equal(flags, MSG_DONTWAIT | MSG_TRUNC);
     if (kernel.length < 0) {
@@ -301,6 +304,36 @@ static void headers(void **state)
     ect_udp_close(&port);
 }
 
+/* The sum before its carries is 2475Dh and the port: with ports B8A1h and B8A2h the first carry causes a second one. */
+static void carries_of_the_sum(void **state)
+{
+    static const uint16_t ports[] = {0, 0xB8A0, 0xB8A1, 0xB8A2, 0xB8A3, 0xFFFF};
+    ect_udp_t port;
+    (void)state;
+    open_port(&port);
+    put_datagram(32, 30);
+    kernel.sender = 0xFA09C807;
+    for (size_t i = 0; i < sizeof ports / sizeof ports[0]; i++) {
+        uint8_t frame[FRAME];
+        ect_packet_time_t time;
+        uint32_t sum = 0;
+        kernel.sender_port = ports[i];
+        const size_t length = (size_t)ect_udp_receive(&port, frame, &time);
+        for (unsigned int at = 14; at < 34; at += 2)
+            sum += ect_load_be16(frame + at);
+        assert_int_equal(sum % 0xFFFF, 0);
+        ect_udp_send(&port, frame, length);
+    }
+    EXPECT_LOG("replies", "sendto fa09c807:0\n32 bytes, as received\n"
+                          "sendto fa09c807:47264\n32 bytes, as received\n"
+                          "sendto fa09c807:47265\n32 bytes, as received\n"
+                          "sendto fa09c807:47266\n32 bytes, as received\n"
+                          "sendto fa09c807:47267\n32 bytes, as received\n"
+                          "sendto fa09c807:65535\n32 bytes, as received\n");
+    kernel.sender = 0;
+    ect_udp_close(&port);
+}
+
 static void replies(void **state)
 {
     uint8_t frame[FRAME];
@@ -352,6 +385,8 @@ int main(int argc, char **argv)
          NULL},
         {"No datagram is no failure", failures, NULL, NULL, NULL},
         {"A datagram becomes the frame that would carry it", headers, NULL, NULL, NULL},
+        {"The check sum of the IPv4 header is right with each carry, and the reply returns", carries_of_the_sum, NULL,
+         NULL, NULL},
         {"A reply goes to the sender of its datagram", replies, NULL, NULL, NULL},
         {"Attack: a frame whose way back was damaged is lost", damaged, NULL, NULL, NULL},
     };
