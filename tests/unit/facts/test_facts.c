@@ -186,8 +186,16 @@ static void helpers_write_facts_as_texts(void **state)
     assert_string_equal(text_of(&f, ECT_FACT_FMMU, 4, 0), "role 9");
     assert_string_equal(text_of(&f, ECT_FACT_FMMU, 5, 0), "none"); /* unused ones at the end are not there */
     assert_true(f.complete[ECT_FACT_FMMU]);
-    ect_facts_add_protocols(&f, ECT_MAILBOX_COE | ECT_MAILBOX_FOE | 0x100, 0x41);
-    assert_string_equal(text_of(&f, ECT_FACT_PROTOCOLS, 0, 0), "CoE FoE bits 0x100");
+    static const char *const sms[] = {"unused", "mailbox to the slave", "mailbox from the slave", "outputs", "inputs",
+                                      "role 5"};
+    for (unsigned int type = 0; type < sizeof sms / sizeof sms[0]; type++) {
+        ect_facts_add_sm(&f, type + 2, type);
+        assert_string_equal(text_of(&f, ECT_FACT_SM, type + 2, 0), sms[type]);
+    }
+    ect_facts_add_access(&f, 0x2000, 3, ECT_ACCESS_SETTING | 0x400);
+    assert_string_equal(text_of(&f, ECT_FACT_ENTRY_ACCESS, 0x2000, 3), "setting bits 0x400");
+    ect_facts_add_protocols(&f, ECT_MAILBOX_COE | ECT_MAILBOX_FOE | 0x140, 0x41);
+    assert_string_equal(text_of(&f, ECT_FACT_PROTOCOLS, 0, 0), "CoE FoE bits 0x140");
     assert_string_equal(text_of(&f, ECT_FACT_COE, 0, 0), "SDO bits 0x40");
     ect_facts_add_mailbox(&f, ECT_FACT_MAILBOX_OUT, 0x1000, 128);
     ect_facts_add_mailbox(&f, ECT_FACT_MAILBOX_IN, 0, 0);
@@ -835,13 +843,17 @@ static void an_image_with_coe_has_all_pdos_or_none(void **state)
 
 static void an_image_shorter_than_its_header_is_one_fact(void **state)
 {
-    static const uint8_t image[ECT_SII_CATEGORIES - 1];
-    ect_facts_t f = {.source = "image"};
+    static const uint8_t image[ECT_SII_CATEGORIES];
+    ect_facts_t f = {.source = "image"}, whole = {.source = "image"};
     (void)state;
-    ect_facts_of_sii(&f, image, sizeof image);
+    ect_facts_of_sii(&f, image, sizeof image - 1);
     assert_int_equal(f.count, 1);
     assert_string_equal(text_of(&f, ECT_FACT_EEPROM_SIZE, 0, 0), "127 bytes, less than its header");
     ect_facts_free(&f);
+    ect_facts_of_sii(&whole, image, sizeof image);
+    assert_string_equal(text_of(&whole, ECT_FACT_EEPROM_SIZE, 0, 0), "128 bytes");
+    assert_string_equal(text_of(&whole, ECT_FACT_VENDOR, 0, 0), "0x00000000");
+    ect_facts_free(&whole);
 }
 
 static void a_pdo_of_an_image_may_be_fixed_and_mandatory(void **state)
