@@ -4,6 +4,7 @@
 #include "support/control_bench.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <string.h>
@@ -17,6 +18,25 @@ static struct {
     unsigned int count;
     char text[ECT_OUTSIDE_MESSAGE];
 } reported;
+
+/* Waits for work of clients, which then pass without time. */
+static struct {
+    bool fake;
+    int result;
+    unsigned int count;
+} waits;
+
+int __real_poll(struct pollfd *fds, nfds_t count, int ms);
+int __wrap_poll(struct pollfd *fds, nfds_t count, int ms);
+
+int __wrap_poll(struct pollfd *fds, nfds_t count, int ms)
+{
+    if (!waits.fake)
+        return __real_poll(fds, count, ms);
+    assert_int_equal(ms, 100);
+    waits.count++;
+    return waits.result;
+}
 
 static void on_report(void *ctx, const char *text)
 {
@@ -561,6 +581,41 @@ static void a_plant_without_a_reply_is_given_up(void **state)
     close_bench(&b);
 }
 
+/* A step of a plant without a reply, and a wait for a plant that does not connect, on a machine without other work, and
+ * on one whose clients always have work. */
+static void a_wait_for_a_plant_has_an_end(void **state)
+{
+    static const struct {
+        int result; /* of each wait */
+        unsigned int reply, connection;
+    } rows[] = {{0, 100, 200}, {1, 100000, 100000}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_stats_t stats = {0};
+        bench_t b;
+        open_with_report(&b, 1, &stats);
+        ect_control_let_wait(b.control);
+        const int fd =
+            start_plant(&b, "{\"op\":\"plant\",\"name\":\"tank\",\"reads\":[\"data1\"],\"writes\":[\"data2\"],"
+                            "\"period_us\":1000,\"wait\":true}\n");
+        waits.fake = true;
+        waits.result = rows[i].result;
+        waits.count = 0;
+        assert_true(ect_control_step(b.control, b.wire.chain, b.wire.now_ns + MS));
+        assert_int_equal(waits.count, rows[i].reply);
+        assert_string_equal(reported.text, "plant 'tank' is late: its signals keep their last values");
+        waits.count = 0;
+        assert_false(ect_control_await_plant(b.control, b.wire.chain, "pump", b.wire.now_ns));
+        assert_int_equal(waits.count, rows[i].connection);
+        waits.count = 0;
+        assert_true(ect_control_await_plant(b.control, b.wire.chain, "tank", b.wire.now_ns));
+        assert_int_equal(waits.count, 0);
+        waits.fake = false;
+        close(fd);
+        close_bench(&b);
+    }
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -592,6 +647,8 @@ int main(int argc, char **argv)
          a_plant_at_descriptor_0, NULL, NULL, NULL},
         {"A plant that never replies is late, and the clock is not stopped for it again",
          a_plant_without_a_reply_is_given_up, NULL, NULL, NULL},
+        {"A clock waits 10 s for a reply and 20 s for a plant, or for 100000 pieces of other work",
+         a_wait_for_a_plant_has_an_end, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
