@@ -192,7 +192,7 @@ static bool value_good(const place_t *p)
 {
     const ect_entry_t *e = p->entry;
     unsigned int bits = e->bit_length;
-    if (e->value == 0 || bits >= 32)
+    if (bits >= 32)
         return true;
     bool fits = e->value >> bits == 0;
     bool negative = is_signed_type(e->data_type) && e->value >> (bits - 1) == UINT32_MAX >> (bits - 1);
