@@ -138,6 +138,8 @@ static void a_text_is_as_long_as_its_size_or_its_value(void **state)
         {STRING(", \"value\": \"abc\", \"size\": 0, \"access\": \"RW\""), 24, ECT_ACCESS_RW},
         {STRING(", \"value\": \"abc\", \"size\": 7, \"access\": \"RWpre\""), 56, ECT_ACCESS_RW_PREOP},
         {STRING(", \"size\": 12, \"access\": \"WO\""), 96, ECT_ACCESS_WO},
+        {STRING(", \"access\": \"W\""), 8, ECT_ACCESS_RO},
+        {STRING(", \"access\": \"R\""), 8, ECT_ACCESS_RO},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
