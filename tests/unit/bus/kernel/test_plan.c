@@ -672,6 +672,25 @@ static void frames_without_a_plan_that_have_its_key(void **state)
     }
 }
 
+/* The layout before, with the same key, had the time of a clock. */
+static void no_clock_is_left_over(void **state)
+{
+    static rig_t r;
+    (void)state;
+    open_rig(&r);
+    build_cyclic(&r);
+    assert_true(gets_plan(&r));
+    wire_build(&r.w, LRW, 0x100, 0, zeros, 6 * SLAVES);
+    wire_append(&r.w, BRD, 0, ECT_REG_AL_STATUS, zeros, 2);
+    ect_planner_see(&r.planner, r.w.frame, r.w.frame_length);
+    assert_int_equal(ect_planner_make(&r.planner, r.w.chain), 1);
+    clock_is_trimmed(&r);
+    const uint64_t renewed = r.planner.renewed;
+    assert_int_equal(ect_planner_make(&r.planner, r.w.chain), 1);
+    assert_int_equal(r.planner.renewed, renewed + 1);
+    wire_close(&r.w);
+}
+
 /* A plan refers to at most ECT_PLAN_BASES ESCs; with more it is not renewed. */
 static void plans_of_many(void **state)
 {
@@ -750,6 +769,8 @@ int main(void)
          NULL, NULL, NULL},
         {"a frame that may not have a plan leaves the plan with the same key", frames_without_a_plan_that_have_its_key,
          NULL, NULL, NULL},
+        {"a plan without a time is renewed whatever the clock of an earlier layout does", no_clock_is_left_over, NULL,
+         NULL, NULL},
         {"a plan of at most 128 ESCs is renewed", plans_of_many, NULL, NULL, NULL},
         {"a plan replies to frames of its layout only", other_layouts, NULL, NULL, NULL},
     };
