@@ -641,6 +641,21 @@ static void scripted(void **state)
     expect_log(r, "<2");
 }
 
+/* A scenario of faults alone has no steps. */
+static void progress_of_steps(void **state)
+{
+    rig_t *r = *state;
+    char message[ECT_FAULT_MESSAGE];
+    ect_signal_ref_t ref;
+    set_fault(r, "drop 0%");
+    ect_exchange_start(&r->x);
+    assert_false(ect_chain_signal(r->w.chain, 0, "scenario.line", &ref));
+    assert_true(ect_scenario_read(&r->s, "at 100ms drop 0%", message));
+    ect_exchange_start(&r->x);
+    assert_true(ect_chain_signal(r->w.chain, 0, "scenario.line", &ref));
+    r->x.scenario = NULL;
+}
+
 static void begins_and_ends(void **state)
 {
     rig_t *r = *state;
@@ -1002,6 +1017,7 @@ int main(int argc, char **argv)
         TABLE("the devices run at the time of a frame or client before any later time", touched),
         TEST("a frame after a deadline: the devices run at its time, not before it", frame_after_a_deadline),
         TEST("a run returns the time of the next step of a script, and takes it when it is due", scripted),
+        TEST("the bus has signals of a scenario with steps, and none of one without", progress_of_steps),
         TEST("a start sets its time and keeps the counters; an end frees all kept frames", begins_and_ends),
     };
     if (argc > 1)

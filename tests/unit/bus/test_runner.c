@@ -44,6 +44,7 @@ struct bench {
     bool beyond_room;       /* added to the room for it */
     ssize_t result;
     size_t room;
+    unsigned int waited; /* calls that wait for a frame */
 };
 
 static bench_t *running;
@@ -83,6 +84,8 @@ ssize_t __wrap_ect_packet_receive(ect_packet_t *port, bool wait, uint8_t *frame,
 ssize_t __wrap_ect_packet_receive(ect_packet_t *port, bool wait, uint8_t *frame, size_t room, ect_packet_time_t *time)
 {
     ssize_t length = __real_ect_packet_receive(port, wait, frame, room, time);
+    if (running)
+        running->waited += wait;
     if (!running || !running->result_set)
         return length;
     running->result_set = false;
@@ -568,8 +571,11 @@ static void waits_for_all_places_of_frames(void **state)
         b.runner.udp = rows[i].udp ? &udp : NULL;
         b.runner.ports[ECT_END_OUT] = rows[i].second ? &second : NULL;
         run(&b, flood_and_end);
-        if ((b.waits < FRAMES) != rows[i].waits_in_call)
-            fail_msg("%s: %u waits for all places, and %d frames", rows[i].title, b.waits, (int)FRAMES);
+        if ((b.waits < FRAMES) != rows[i].waits_in_call || (b.waited > 0) != rows[i].waits_in_call)
+            fail_msg("%s: %u waits for all places, %u for one, and %d frames", rows[i].title, b.waits, b.waited,
+                     (int)FRAMES);
+        if (!rows[i].second) /* with it the replies leave there */
+            assert_int_equal(count_of(&b, 'F'), FRAMES);
         close_bench(&b);
     }
 }
@@ -1067,6 +1073,131 @@ static void nothing_is_left_over(void **state)
     }
 }
 
+/* --- times at which clients are due ------------------------------------------------------------------------------- */
+
+enum { DUE_NS = 7000000, LOST_IN = 3, LOST_OUT = 5 };
+
+/* With `set`, the time of each kind of clients. */
+static struct {
+    bool set;
+    uint64_t control, modbus, hosts;
+} due;
+
+uint64_t __real_ect_control_due(const ect_control_t *c);
+uint64_t __wrap_ect_control_due(const ect_control_t *c);
+uint64_t __real_ect_modbus_server_due(const ect_modbus_server_t *s);
+uint64_t __wrap_ect_modbus_server_due(const ect_modbus_server_t *s);
+uint64_t __real_ect_hosts_due(const ect_hosts_t *h);
+uint64_t __wrap_ect_hosts_due(const ect_hosts_t *h);
+unsigned int __real_ect_packet_lost(ect_packet_t *port);
+unsigned int __wrap_ect_packet_lost(ect_packet_t *port);
+
+uint64_t __wrap_ect_control_due(const ect_control_t *c)
+{
+    return due.set ? due.control : __real_ect_control_due(c);
+}
+
+uint64_t __wrap_ect_modbus_server_due(const ect_modbus_server_t *s)
+{
+    return due.set ? due.modbus : __real_ect_modbus_server_due(s);
+}
+
+uint64_t __wrap_ect_hosts_due(const ect_hosts_t *h)
+{
+    return due.set ? due.hosts : __real_ect_hosts_due(h);
+}
+
+unsigned int __wrap_ect_packet_lost(ect_packet_t *port)
+{
+    return !due.set ? __real_ect_packet_lost(port) : port == &running->port ? LOST_IN : LOST_OUT;
+}
+
+/* Time passes to the nanosecond at which a client is due. */
+static void until_a_client_is_due(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    if (n == 0) {
+        assert_true(limit && limit->tv_sec == 0);
+        assert_int_equal(limit->tv_nsec, DUE_NS);
+        b->clock_ns += DUE_NS;
+        return;
+    }
+    (void)raise(SIGUSR1);
+}
+
+static void open_server(bench_t *b)
+{
+    char message[ECT_MODBUS_MESSAGE];
+    struct sockaddr_un at = {.sun_family = AF_UNIX};
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0);
+    assert_int_equal(bind(fd, (struct sockaddr *)&at, sizeof at.sun_family), 0);
+    assert_int_equal(listen(fd, 1), 0);
+    b->runner.modbus = ect_modbus_server_at(fd, message);
+    assert_non_null(b->runner.modbus);
+}
+
+static void clients_are_due(void **state)
+{
+    static const struct {
+        uint64_t *at_ns;
+        char kind;
+        unsigned int lost; /* frames that the counters have then */
+    } rows[] = {{&due.control, 'C', LOST_IN + LOST_OUT}, {&due.modbus, 'M', 0}, {&due.hosts, 'H', 0}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_packet_t second = {.fd = -1, .tagged_fd = -1};
+        bench_t b;
+        open_bench(&b, "fzm1", 1);
+        open_server(&b);
+        b.runner.hosts = ect_hosts_new();
+        b.runner.ports[ECT_END_OUT] = &second;
+        b.clock_ns = b.wire.now_ns;
+        due.control = due.modbus = due.hosts = ECT_NEVER;
+        *rows[i].at_ns = b.clock_ns + DUE_NS;
+        due.set = true;
+        run(&b, until_a_client_is_due);
+        due.set = false;
+        assert_int_equal(b.order[0], rows[i].kind);
+        assert_int_equal(count_of(&b, b.order[0]), b.logged);
+        assert_int_equal(b.runner.exchange.stats.queue_lost, b.logged * rows[i].lost);
+        ect_hosts_close(b.runner.hosts);
+        close_bench(&b);
+    }
+}
+
+/* --- EtherCAT in UDP at an interface ------------------------------------------------------------------------------ */
+
+static void send_udp_frame(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    enum { HEADERS = 42, ETHERNET = 14 };
+    static const uint8_t headers[HEADERS] = {
+        0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x02, 0, 0, 0,  0, 1, 0x08, 0x00, 0x45, 0,    0,    60, 0,  0, 0,
+        0,    64,   17,   0,    0,    10,   0,    0, 1, 10, 0, 0, 2,    0x88, 0xA4, 0x88, 0xA4, 0,  40, 0, 0};
+    uint8_t frame[200];
+    (void)limit;
+    if (n > 0) {
+        (void)raise(SIGUSR1);
+        return;
+    }
+    wire_build(&b->wire, BRD, 0, 0x0130, "\0", 1);
+    const size_t payload = b->wire.frame_length - ETHERNET;
+    memcpy(frame, headers, HEADERS);
+    memcpy(frame + HEADERS, b->wire.frame + ETHERNET, payload);
+    assert_int_equal(__real_send(b->master, frame, HEADERS + payload, 0), (ssize_t)(HEADERS + payload));
+}
+
+static void udp_at_an_interface(void **state)
+{
+    uint8_t reply[200];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    run(&b, send_udp_frame);
+    assert_int_equal(b.runner.exchange.stats.answered, 1);
+    assert_true(recv(b.master, reply, sizeof reply, MSG_DONTWAIT) > 0);
+    assert_int_equal(ect_load_be16(reply + 12), 0x0800);
+    close_bench(&b);
+}
+
 /* --- watching ----------------------------------------------------------------------------------------------------- */
 
 static uint64_t limit_of(const struct timespec *limit)
@@ -1278,6 +1409,9 @@ int main(int argc, char **argv)
          too_long, NULL, NULL, NULL},
         {"A fault for a frame on a wire concerns no other frame, however the frame is lost before",
          nothing_is_left_over, NULL, NULL, NULL},
+        {"The loop sleeps until the nanosecond at which a kind of clients is due, and serves that kind",
+         clients_are_due, NULL, NULL, NULL},
+        {"A frame of EtherCAT in UDP at an interface has its reply there", udp_at_an_interface, NULL, NULL, NULL},
         {"Only a watch wakes the loop, every 10 ms", report_deadline, NULL, NULL, NULL},
         {"Frames that circulate are destroyed, and reported once", circulating_frames, NULL, NULL, NULL},
         {"The loop ends only when a save is over", finishes_a_save, NULL, NULL, NULL},
