@@ -79,6 +79,17 @@ static void constant(ect_entry_t *entry)
     entry->access = ECT_ACCESS_RO;
 }
 
+/* Room for so many IDNs in a list, and in the buffer for its reply. */
+static void with_room(ect_soe_idn_t *list, uint16_t idns)
+{
+    enum { MORE = 1024 };
+    list->size = (uint16_t)(2 * idns);
+    list->offset = s.device.instance_size;
+    s.soe.buffer = s.device.instance_size + MORE;
+    s.soe.buffer_size = MORE;
+    s.device.instance_size += 2 * MORE;
+}
+
 #define S(n) at(ECT_SOE_S(n))
 #define P(n) at(ECT_SOE_P(n))
 
@@ -122,6 +133,8 @@ static void constant(ect_entry_t *entry)
     X(process_constant, S(16)->offset = 0, "S-0-0016: it is a list of 16 bits with memory")                            \
     X(process_no_object, s.drives[0].at = 0x1A05, "S-0-0016: the mapping object of its process data is missing")       \
     X(process_too_long, S(16)->size = 26, "S-0-0016: the mapping object of its process data has no memory")            \
+    X(process_254, with_room(S(16), 254), "S-0-0016: the mapping object of its process data has no memory")            \
+    X(process_255, with_room(S(16), 255), "S-0-0016: the mapping object of its process data is missing, or constant")  \
     X(process_count, constant(mapping(0x1A00)), "S-0-0016: the mapping object of its process data is missing")         \
     X(process_element, constant(mapping(0x1600) + 9), "S-0-0024: the mapping object of its process data has no")       \
     X(process_other_count, S(16)->used = 2, "S-0-0016: the mapping object of its process data has another default")    \
