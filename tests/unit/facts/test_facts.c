@@ -435,6 +435,9 @@ static void a_dictionary_has_facts_of_objects_and_of_pdos(void **state)
     assert_string_equal(text_of(&f, ECT_FACT_OBJECT_NAME, 0x2000, 0), "\"Number\"");
     assert_string_equal(text_of(&f, ECT_FACT_ENTRY, 0x2000, 0), "16 bits");
     assert_string_equal(text_of(&f, ECT_FACT_ENTRY_TYPE, 0x2000, 0), "0x0003");
+    assert_string_equal(text_of(&f, ECT_FACT_ENTRY_ACCESS, 0x2000, 0), "R.PREOP R.SAFEOP R.OP W.PREOP W.SAFEOP W.OP");
+    assert_string_equal(text_of(&f, ECT_FACT_ENTRY_ACCESS, 0x1000, 0), "R.PREOP R.SAFEOP R.OP");
+    assert_string_equal(text_of(&f, ECT_FACT_ENTRY_NAME, 0x1000, 0), "\"Type\"");
     assert_string_equal(text_of(&f, ECT_FACT_ENTRY_DEFAULT, 0x2000, 0), "FB FF");
     assert_string_equal(text_of(&f, ECT_FACT_ENTRY_LIMITS, 0x2000, 0), "-1000 to 1000");
     assert_string_equal(text_of(&f, ECT_FACT_ENTRY_UNIT, 0x2000, 0), "0x000B");
