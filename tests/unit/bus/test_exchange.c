@@ -641,6 +641,31 @@ static void scripted(void **state)
     expect_log(r, "<2");
 }
 
+/* A late run plays the rows of eight times, and asks to run again at once. */
+static void late_rows(void **state)
+{
+    enum { ROWS = 20 };
+    static const char *const name = "ecat.drift";
+    static const char *const value = "5";
+    static const uint64_t due_ms[] = {9, 17};
+    rig_t *r = *state;
+    ect_table_t *table = ect_table_new(1, &name, 1);
+    for (unsigned int i = 1; i <= ROWS; i++)
+        assert_true(ect_table_add(table, i * MS, &value));
+    r->s.tables = table;
+    set_fault(r, "drop 0%");
+    (void)run_at(r, START_NS);
+    assert_true(ect_table_due(table) == MS);
+    for (unsigned int i = 0; i < 2; i++) {
+        assert_true(run_at(r, START_NS + 50 * MS) <= START_NS + 50 * MS);
+        assert_true(ect_table_due(table) == due_ms[i] * MS);
+    }
+    assert_true(run_at(r, START_NS + 50 * MS) > START_NS + 50 * MS);
+    assert_true(ect_table_due(table) == ECT_NEVER);
+    r->s.tables = NULL;
+    ect_table_free(table);
+}
+
 /* A scenario of faults alone has no steps. */
 static void progress_of_steps(void **state)
 {
@@ -1017,6 +1042,7 @@ int main(int argc, char **argv)
         TABLE("the devices run at the time of a frame or client before any later time", touched),
         TEST("a frame after a deadline: the devices run at its time, not before it", frame_after_a_deadline),
         TEST("a run returns the time of the next step of a script, and takes it when it is due", scripted),
+        TEST("a run takes eight steps at most, and asks for another run at once", late_rows),
         TEST("the bus has signals of a scenario with steps, and none of one without", progress_of_steps),
         TEST("a start sets its time and keeps the counters; an end frees all kept frames", begins_and_ends),
     };

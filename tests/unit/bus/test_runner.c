@@ -1212,6 +1212,69 @@ static bool at_rest(const bench_t *b)
     return poll(&fd, 1, 0) == 0 && ect_control_due(b->runner.exchange.control) > ect_packet_now();
 }
 
+/* A client asks for everything that the loop shows to its control socket. */
+static void ask(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    (void)limit;
+    if (n == 0) {
+        send_frame(b);
+        watcher = connect_client(b);
+        send_text(watcher, "{\"op\":\"stats\"}\n{\"op\":\"counters\"}\n{\"op\":\"events\"}\n");
+    }
+    if (n == 20)
+        (void)raise(SIGUSR1);
+}
+
+static void clients_read_the_loop(void **state)
+{
+    char answer[ROOM];
+    bench_t b;
+    (void)state;
+    open_bench(&b, "fzm1", 1);
+    run(&b, ask);
+    const ssize_t got = read(watcher, answer, sizeof answer - 1);
+    assert_true(got > 0);
+    answer[got] = 0;
+    close(watcher);
+    assert_non_null(strstr(answer, "{\"frames\":1,\"answered\":1,"));
+    if (strstr(answer, "\"ok\":false"))
+        fail_msg("%s", answer);
+    close_bench(&b);
+}
+
+/* --- the shortest wait for frames alone ----------------------------------------------------------------------------
+ */
+
+static uint64_t more_ns; /* time of the client beyond the wait of the port */
+
+static void frames_before_a_client(bench_t *b, unsigned int n, const struct timespec *limit)
+{
+    (void)limit;
+    if (n == 0) {
+        send_frame(b);
+        send_frame(b);
+        due.control = b->clock_ns + b->port.wait_ns + more_ns;
+    }
+    if (b->runner.exchange.stats.frames == 2)
+        (void)raise(SIGUSR1);
+}
+
+static void waits_if_time_is_left(void **state)
+{
+    (void)state;
+    for (more_ns = 0; more_ns < 2; more_ns++) {
+        bench_t b;
+        open_patient_bench(&b);
+        b.clock_ns = b.wire.now_ns;
+        due.control = due.modbus = due.hosts = ECT_NEVER;
+        due.set = true;
+        run(&b, frames_before_a_client);
+        due.set = false;
+        assert_int_equal(b.waited > 0, more_ns > 0);
+        close_bench(&b);
+    }
+}
+
 static unsigned int step;
 
 /* Nothing but the watcher makes the loop wake up: an FZM1 that does nothing asks for no time. */
@@ -1412,6 +1475,10 @@ int main(int argc, char **argv)
         {"The loop sleeps until the nanosecond at which a kind of clients is due, and serves that kind",
          clients_are_due, NULL, NULL, NULL},
         {"A frame of EtherCAT in UDP at an interface has its reply there", udp_at_an_interface, NULL, NULL, NULL},
+        {"The control socket has the counters, working counters and events of the loop", clients_read_the_loop, NULL,
+         NULL, NULL},
+        {"The loop waits for frames alone if more time is left than the wait may take", waits_if_time_is_left, NULL,
+         NULL, NULL},
         {"Only a watch wakes the loop, every 10 ms", report_deadline, NULL, NULL, NULL},
         {"Frames that circulate are destroyed, and reported once", circulating_frames, NULL, NULL, NULL},
         {"The loop ends only when a save is over", finishes_a_save, NULL, NULL, NULL},

@@ -287,6 +287,16 @@ static void each_effect_of_a_fault_is_a_comment_of_the_frame(void **state)
     }
 }
 
+static void a_fault_that_is_set_is_a_comment(void **state)
+{
+    rig_t *r = *state;
+    begin(r);
+    set_fault(r, "drop 50% wire 1");
+    pass(r, ECT_END_IN, 1);
+    (void)end(r);
+    expect_comment(r, "fault: drop 50% wire 1");
+}
+
 static void a_frame_has_the_comments_of_its_effects_and_no_other(void **state)
 {
     static const ect_frame_effects_t none = {.delay_us = 0}, late = {.delay_us = 1};
@@ -489,6 +499,7 @@ int main(int argc, char **argv)
         TEST("a request of a client is an item and a comment, a power cycle is one",
              a_request_of_a_client_is_an_item_and_a_comment),
         TABLE("each effect of a fault is a comment of its frame", each_effect_of_a_fault_is_a_comment_of_the_frame),
+        TEST("a fault that is set is a comment", a_fault_that_is_set_is_a_comment),
         TEST("a frame has the comments of its effects and no other",
              a_frame_has_the_comments_of_its_effects_and_no_other),
         TEST("a change of an AL state or code is one comment", a_change_of_an_AL_state_or_code_is_one_comment),

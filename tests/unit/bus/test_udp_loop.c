@@ -3,6 +3,7 @@
  * clock are the test's. */
 #define _GNU_SOURCE
 #include <arpa/inet.h>
+#include <errno.h>
 #include <poll.h>
 #include <signal.h>
 #include <string.h>
@@ -36,6 +37,7 @@ static struct bench {
     uint64_t clock_ns;
     datagram_t sent[QUEUE]; /* to the twins, in their order */
     size_t sent_count, taken;
+    int error; /* of the next reception; 0: none */
     datagram_t replies[QUEUE];
     size_t reply_count;
     char order[ORDER]; /* with hosts: F: a reply, H: the hosts were served */
@@ -81,7 +83,7 @@ int __wrap_ppoll(struct pollfd *fds, nfds_t count, const struct timespec *limit,
 {
     (void)mask;
     const bool ends = !bench.script(bench.waits++);
-    const bool waiting = bench.taken < bench.sent_count;
+    const bool waiting = bench.taken < bench.sent_count || bench.error != 0;
     if (ends)
         (void)raise(SIGUSR1);
     else if (!waiting && limit)
@@ -100,6 +102,11 @@ ssize_t __wrap_recvfrom(int fd, void *data, size_t size, int flags, struct socka
 {
     (void)flags;
     assert_int_equal(fd, UDP_FD);
+    if (bench.error != 0) {
+        errno = bench.error;
+        bench.error = 0;
+        return -1;
+    }
     const datagram_t *d = &bench.sent[bench.taken++];
     const struct sockaddr_in in = {
         .sin_family = AF_INET, .sin_port = htons(d->port), .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
@@ -277,6 +284,34 @@ static void bad_datagrams(void **state)
     close_bench();
 }
 
+/* --- no datagram -------------------------------------------------------------------------------------------------- */
+
+static bool one_after_an_error(unsigned int n)
+{
+    if (n == 1)
+        send_command(FIRST, BRD, 0, 0x0130, 0);
+    return bench.reply_count < 1 && n < 10000;
+}
+
+static void errors(void **state)
+{
+    static const struct {
+        int error, result;
+        unsigned int replies;
+    } rows[] = {{EAGAIN, 0, 1}, {EINTR, 0, 1}, {ENOTCONN, -1, 0}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        open_bench();
+        bench.error = rows[i].error;
+        bench.script = one_after_an_error;
+        bench.runs = true;
+        assert_int_equal(ect_runner_run(&bench.runner), rows[i].result);
+        bench.runs = false;
+        assert_int_equal(bench.reply_count, rows[i].replies);
+        close_bench();
+    }
+}
+
 /* --- a second program that replies -------------------------------------------------------------------------------- */
 
 static bool echo(unsigned int n)
@@ -333,6 +368,7 @@ int main(int argc, char **argv)
         {"Attack: datagrams that are no EtherCAT are counted, and get no reply", bad_datagrams, NULL, NULL, NULL},
         {"Attack: replies sent back by another program are destroyed, and reported once", circulating, NULL, NULL,
          NULL},
+        {"The loop goes on without a datagram, and ends without a socket", errors, NULL, NULL, NULL},
         {"Datagrams are frames: after 8 in succession the hosts behind EoE are served", datagrams_first, NULL, NULL,
          NULL},
     };
