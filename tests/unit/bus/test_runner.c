@@ -535,6 +535,8 @@ static void rests_when_no_frame_comes(void **state)
     bench_t b;
     (void)state;
     open_patient_bench(&b);
+    b.clock_ns = ect_packet_now();
+    b.clock_step_ns = 15000;
     poll_count = 0;
     run(&b, flood_then_rest);
     assert_int_equal(b.runner.exchange.stats.answered, FRAMES);
