@@ -734,6 +734,24 @@ static void replied_before(void **state)
     assert_int_equal(r->x.touched_ns, came_ns); /* time does not go back */
 }
 
+/* The devices run first only if their time was over when the frame came. */
+static void replied_at_a_deadline(void **state)
+{
+    rig_t *r = *state;
+    run_at(r, r->clock_ns);
+    wire_build(&r->w, BRD, 0, 0x0130, "\0", 1);
+    for (unsigned int after_ns = 0; after_ns < 3; after_ns++) {
+        r->clock_ns += 5 * MS;
+        const uint64_t deadline_ns = r->clock_ns + 1 - after_ns;
+        r->x.deadline_ns = deadline_ns;
+        r->x.touched_ns = ECT_NEVER;
+        ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, r->clock_ns, 1500);
+        if ((r->x.deadline_ns != deadline_ns) != (after_ns == 2))
+            fail_msg("%d ns after the deadline: expected the devices to %s", (int)after_ns - 1,
+                     after_ns == 2 ? "run" : "wait");
+    }
+}
+
 /* An LRW of the first twin's process data, 3 bytes out and 3 in. */
 static void build_cycle(rig_t *r, uint16_t outputs)
 {
@@ -1011,6 +1029,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         TEST("a frame with a reply from the kernel passes the chain at its time, and nothing is sent", replied_before),
+        TEST("the devices run before a frame of the kernel that came after their deadline", replied_at_a_deadline),
         TEST("CF-042: a twin that was delayed by 300 ms gets the outputs of each reply from the kernel, at its time",
              held_up),
         TEST("its inputs leave with the next run of the devices", held_inputs),

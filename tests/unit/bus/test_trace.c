@@ -191,6 +191,20 @@ static void a_run_that_changes_nothing_is_no_item(void **state)
     expect_items(r, "2/0@1 >0:5 <0:5 2/1@3 4/0@5 2/0@6 ");
 }
 
+static void a_run_is_an_item_from_the_deadline_of_the_devices_on(void **state)
+{
+    rig_t *r = *state;
+    begin(r);
+    run_at(r, 1);
+    r->x.deadline_ns = START_NS + 5 * US;
+    run_at(r, 4);
+    r->x.deadline_ns = START_NS + 5 * US;
+    run_at(r, 5);
+    r->x.deadline_ns = START_NS + 5 * US;
+    run_at(r, 6);
+    expect_items(r, "2/0@1 2/0@5 2/0@6 ");
+}
+
 static void a_frame_that_is_too_long_is_a_request_without_a_reply(void **state)
 {
     rig_t *r = *state;
@@ -492,6 +506,8 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         TEST("a run that changes nothing is no item of the record", a_run_that_changes_nothing_is_no_item),
+        TEST("a run is an item from the deadline of the devices on",
+             a_run_is_an_item_from_the_deadline_of_the_devices_on),
         TEST("a frame that is too long is a request without a reply",
              a_frame_that_is_too_long_is_a_request_without_a_reply),
         TEST("with a fault each reading of the clock is an item", with_a_fault_each_decision_has_its_time),
