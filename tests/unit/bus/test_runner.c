@@ -1413,6 +1413,15 @@ static bool saves(const void *instance)
     return ++flushes < POLLS_OF_A_SAVE;
 }
 
+/* Never ends; each poll takes 0.1 s. */
+static bool saves_for_ever(const void *instance)
+{
+    (void)instance;
+    flushes++;
+    running->clock_ns += 100 * MS;
+    return true;
+}
+
 static void at_once(bench_t *b, unsigned int n, const struct timespec *limit)
 {
     (void)b;
@@ -1423,18 +1432,22 @@ static void at_once(bench_t *b, unsigned int n, const struct timespec *limit)
 
 static void finishes_a_save(void **state)
 {
-    static const ect_plant_t plant = {.unfinished = saves};
-    bench_t b;
+    static const ect_plant_t plants[] = {{.unfinished = saves}, {.unfinished = saves_for_ever}};
+    static const unsigned int polls[] = {POLLS_OF_A_SAVE, 20};
     (void)state;
-    open_bench(&b, "fzm1", 1);
-    const ect_twin_config_t twin = ect_twin_default(ect_catalogue_find("fzm1")->device, &plant);
-    ect_chain_free(b.wire.chain);
-    b.runner.exchange.chain = b.wire.chain = ect_chain_new(&twin, 1, b.wire.now_ns);
-    assert_non_null(b.wire.chain);
-    flushes = 0;
-    run(&b, at_once);
-    assert_int_equal(flushes, POLLS_OF_A_SAVE);
-    close_bench(&b);
+    for (size_t i = 0; i < sizeof plants / sizeof plants[0]; i++) {
+        bench_t b;
+        open_bench(&b, "fzm1", 1);
+        const ect_twin_config_t twin = ect_twin_default(ect_catalogue_find("fzm1")->device, &plants[i]);
+        ect_chain_free(b.wire.chain);
+        b.runner.exchange.chain = b.wire.chain = ect_chain_new(&twin, 1, b.wire.now_ns);
+        assert_non_null(b.wire.chain);
+        b.clock_ns = b.wire.now_ns;
+        flushes = 0;
+        run(&b, at_once);
+        assert_int_equal(flushes, polls[i]);
+        close_bench(&b);
+    }
 }
 
 int main(int argc, char **argv)
@@ -1483,7 +1496,7 @@ int main(int argc, char **argv)
          NULL, NULL},
         {"Only a watch wakes the loop, every 10 ms", report_deadline, NULL, NULL, NULL},
         {"Frames that circulate are destroyed, and reported once", circulating_frames, NULL, NULL, NULL},
-        {"The loop ends only when a save is over", finishes_a_save, NULL, NULL, NULL},
+        {"The loop ends only when a save is over, or 2 s later", finishes_a_save, NULL, NULL, NULL},
         {"A late loop runs the devices at their deadlines: every change is reported", late_loop, NULL, NULL, NULL},
     };
     if (argc > 1)

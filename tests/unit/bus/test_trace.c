@@ -369,6 +369,32 @@ static void a_change_of_an_AL_state_or_code_is_one_comment(void **state)
     assert_false(has(r, 0, "slave 2: PREOP, AL"));
 }
 
+static void a_run_of_the_devices_notes_their_states(void **state)
+{
+    rig_t *r = *state;
+    uint16_t code;
+    begin(r);
+    run_at(r, 1);
+    wire_configure_mailbox(&r->w, 1);
+    (void)wire_al(&r->w, 1, ECT_STATE_PREOP, &code);
+    run_at(r, 2);
+    pass(r, ECT_END_IN, 1);
+    (void)end(r);
+    expect_comment(r, "slave 2: PREOP");
+    assert_false(has(r, 0, "slave 1: "));
+}
+
+static void a_power_cycle_leads_to_INIT(void **state)
+{
+    rig_t *r = *state;
+    begin(r);
+    wire_go(&r->w, 0, ECT_STATE_PREOP);
+    assert_int_equal(ect_chain_slave(r->w.chain, 0)->state, ECT_STATE_PREOP);
+    ect_exchange_power_cycle(&r->x);
+    assert_int_equal(ect_chain_slave(r->w.chain, 0)->state, ECT_STATE_INIT);
+    expect_items(r, "4/0@0 7/0@0 ");
+}
+
 static void a_twin_that_leaves_the_bus_is_a_comment(void **state)
 {
     rig_t *r = *state;
@@ -519,6 +545,8 @@ int main(int argc, char **argv)
         TEST("a frame has the comments of its effects and no other",
              a_frame_has_the_comments_of_its_effects_and_no_other),
         TEST("a change of an AL state or code is one comment", a_change_of_an_AL_state_or_code_is_one_comment),
+        TEST("a change of an AL state is noted when the devices run", a_run_of_the_devices_notes_their_states),
+        TEST("a power cycle leads to INIT, and is an item", a_power_cycle_leads_to_INIT),
         TEST("a twin that leaves the bus is a comment", a_twin_that_leaves_the_bus_is_a_comment),
         TEST("a trace needs neither file", a_trace_needs_neither_file),
         TEST("a start begins a thread for the capture and one for the record", a_start_begins_a_thread_for_each_file),
