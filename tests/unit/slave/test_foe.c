@@ -646,6 +646,54 @@ static void beside_others(void **state)
     wire_close(&w);
 }
 
+static unsigned int turns; /* of a protocol behind FoE */
+
+static uint16_t take_nothing(const ect_protocol_t *self, ect_slave_t *s, const uint8_t *data, uint16_t length)
+{
+    (void)self;
+    (void)s;
+    (void)data;
+    (void)length;
+    return ECT_MAILBOX_ERROR_SERVICE;
+}
+
+static bool count_turn(const ect_protocol_t *self, ect_slave_t *s, bool send)
+{
+    (void)self;
+    (void)s;
+    turns += send;
+    return false;
+}
+
+/* FoE has no mail as long as the device is late. */
+static void turns_of_others(void **state)
+{
+    static const ect_protocol_t behind = {
+        .type = ECT_MAILBOX_TYPE_VOE, .states = ECT_IN_PREOP_AND_ABOVE, .request = take_nothing, .next = count_turn};
+    const ect_protocol_t *protocols[8] = {NULL};
+    uint8_t data[4] = {0};
+    unsigned int count = 0;
+    (void)state;
+    ect_device_t with = *filedev();
+    for (; with.protocols[count]; count++)
+        protocols[count] = with.protocols[count];
+    assert_true(count + 1 < sizeof protocols / sizeof protocols[0]);
+    protocols[count] = &behind;
+    with.protocols = protocols;
+    open_device(&with, ECT_STATE_PREOP);
+    begin(WRITE, "data", 0);
+    expect("the name", ACK, 0);
+    device()->late = 100;
+    send_mail(DATA, 1, data, sizeof data);
+    turns = 0;
+    wire_advance(&w, 50 * MS);
+    assert_int_not_equal(turns, 0);
+    expect("not yet", NOTHING, 0);
+    wire_advance(&w, 100 * MS);
+    expect("the packet", ACK, 1);
+    wire_close(&w);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -674,6 +722,7 @@ int main(void)
         {"FoE: without a mail from master or device a transfer ends", timeouts, NULL, NULL, NULL},
         {"FoE: an abandoned file does not count", given_up, NULL, NULL, NULL},
         {"FoE: a transfer continues during SDOs and over a change of state", beside_others, NULL, NULL, NULL},
+        {"FoE: while the device is late, other protocols have their turns", turns_of_others, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("foe", tests, NULL, NULL);
 }

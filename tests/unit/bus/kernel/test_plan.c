@@ -297,6 +297,12 @@ static void output_fmmu_of_bits(rig_t *r)
     wire_set_fmmu(&r->w, 1, FMMU_OUT, 0x106, 3, 1, 7, OUTPUTS, 0, 2);
 }
 
+static void inactive_fmmu_of_bits(rig_t *r)
+{
+    output_fmmu_of_bits(r);
+    (void)wire_write8(&r->w, 1, ECT_REG_FMMU + ECT_FMMU_SIZE * FMMU_OUT + ECT_FMMU_ACTIVATE, 0);
+}
+
 static void sm_reaches_into_another(rig_t *r)
 {
     wire_set_sm(&r->w, 0, 2, OUTPUTS, 0, 0x64);
@@ -493,6 +499,7 @@ static void no_plan(void **state)
         {"outputs and inputs have the same logical addresses", build_cyclic, fmmus_share_addresses, true},
         {"an FMMU of inputs maps bits, and the frame writes", write_to_inputs, fmmu_of_bits, true},
         {"an FMMU of outputs maps bits, and the frame reads", read_of_outputs, output_fmmu_of_bits, true},
+        {"an FMMU that is not active maps bits", build_cyclic, inactive_fmmu_of_bits, true},
         {"a SyncManager is off", build_cyclic, sm_is_off, false},
         {"a SyncManager has no image yet", build_cyclic, sm_restarts, false},
         {"a SyncManager has ECAT events", build_cyclic, sm_has_events, false},
