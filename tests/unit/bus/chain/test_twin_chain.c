@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "bus/chain/catalogue.h"
+#include "bus/chain/steady.h"
 #include "devices/eclink/eclink.h"
 #include "slave/indicator.h"
 #include "support/testdev.h"
@@ -306,29 +307,86 @@ static void change_identity(wire_t *w)
     do_fault(w, ECT_FAULT_IDENTITY);
 }
 
+static uint64_t version_of(const wire_t *w)
+{
+    ect_chain_steady_t steady;
+    assert_true(ect_chain_steady(w->chain, &steady));
+    return steady.version;
+}
+
+/* Each way in which the first twin is powered on again. */
+static const struct {
+    const char *what;
+    void (*happens)(wire_t *w);
+} power_ons[] = {{"power cycle", cycle_the_power},
+                 {"restart of the device", want_a_restart},
+                 {"fault reset", be_reset},
+                 {"fault identity", change_identity}};
+enum { POWER_ONS = sizeof power_ons / sizeof power_ons[0] };
+
 /* ect_host_t::buffer: the data of a device in it are cleared with all else. */
 static void buffer_at_power_on(void **state)
 {
-    static const struct {
-        const char *what;
-        void (*happens)(wire_t *w);
-    } rows[] = {{"power cycle", cycle_the_power},
-                {"restart of the device", want_a_restart},
-                {"fault reset", be_reset},
-                {"fault identity", change_identity}};
     static const uint8_t zeros[64];
     ect_device_t device = testdev;
     (void)state;
     device.buffer_size = sizeof zeros;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < POWER_ONS; i++) {
         wire_t w;
         wire_open_one(&w, &device);
         memset(testdev_of(&w, 0)->host->buffer, 0x5A, sizeof zeros);
-        rows[i].happens(&w);
+        power_ons[i].happens(&w);
         testdev_t *dev = testdev_of(&w, 0);
         if (dev->inits != 1 || memcmp(dev->host->buffer, zeros, sizeof zeros) != 0)
-            fail_msg("%s: expected one start and a buffer of zeros, got %u and %02X...", rows[i].what, dev->inits,
+            fail_msg("%s: expected one start and a buffer of zeros, got %u and %02X...", power_ons[i].what, dev->inits,
                      *(const uint8_t *)dev->host->buffer);
+        wire_close(&w);
+    }
+}
+
+static void expect_replies(wire_t *w, const char *what, int want)
+{
+    uint8_t data = 0;
+    wire_poll(w);
+    int got = wire_send(w, BRD, 0, 0, &data, 1);
+    if (got != want)
+        fail_msg("%s: expected %d twins to reply, got %d", what, want, got);
+}
+
+static void on_the_bus_at_power_on(void **state)
+{
+    const ect_device_t *const devices[] = {&testdev, &testdev};
+    (void)state;
+    for (size_t i = 0; i < POWER_ONS; i++) {
+        wire_t w;
+        wire_open(&w, devices, 2);
+        expect_replies(&w, "at first", 2);
+        testdev_of(&w, 0)->host->off_bus(testdev_of(&w, 0)->host->ctx, true);
+        ect_chain_wake(w.chain, 0);
+        expect_replies(&w, "off the bus", NO_REPLY);
+        power_ons[i].happens(&w);
+        expect_replies(&w, power_ons[i].what, 2);
+        wire_close(&w);
+    }
+}
+
+/* The replies in advance of a twin before the power-on are not those of the twin after. The station address, whose
+ * change alone changes the version, is 0 in both. */
+static void version_at_power_on(void **state)
+{
+    const ect_twin_config_t twin = ect_twin_default(&testdev, NULL);
+    (void)state;
+    for (size_t i = 0; i < POWER_ONS; i++) {
+        wire_t w = {.now_ns = 1000 * MS};
+        w.chain = ect_chain_new(&twin, 1, w.now_ns);
+        assert_non_null(w.chain);
+        expect_replies(&w, "at first", 1);
+        uint64_t before = version_of(&w);
+        assert_int_equal(version_of(&w), before);
+        power_ons[i].happens(&w);
+        expect_replies(&w, power_ons[i].what, 1);
+        if (version_of(&w) == before)
+            fail_msg("%s: expected another version than %llu", power_ons[i].what, (unsigned long long)before);
         wire_close(&w);
     }
 }
@@ -445,6 +503,9 @@ int main(int argc, char **argv)
          NULL},
         {"the poll returns the time at which the link lamps stop flickering", lamps_deadline, NULL, NULL, NULL},
         {"a device's buffer is zero each time it is powered on", buffer_at_power_on, NULL, NULL, NULL},
+        {"a twin that is off the bus is on the bus again when it is powered on", on_the_bus_at_power_on, NULL, NULL,
+         NULL},
+        {"replies in advance become invalid when a twin is powered on", version_at_power_on, NULL, NULL, NULL},
         {"a chain is unfinished while the plant of one of its twins reports work", unfinished_work, NULL, NULL, NULL},
         {"the large blocks of a chain contain each ESC, its RAM, and the routes", large_blocks, NULL, NULL, NULL},
         {"CF-057: every device has a name and a product code of its own", catalogue_names, NULL, NULL, NULL},
