@@ -845,10 +845,26 @@ typedef struct server {
     char line[200];
 } server_t;
 
+/* A mail of AoE, or one of EoE with a single fragment: address, channel, priority and the rest of the mailbox are zero.
+ */
+static void expect_mail(const uint8_t *mail, size_t length)
+{
+    const size_t size = 6u + ect_load_le16(mail);
+    assert_int_equal(ect_load_le16(mail + 2) | mail[4], 0);
+    if ((mail[5] & 0x0F) == 2) {
+        assert_int_equal(mail[7], 1);
+        assert_int_equal(ect_load_le16(mail + 8), 0); /* number and offset of the fragment */
+    }
+    for (size_t i = size; i < length; i++)
+        assert_int_equal(mail[i], 0);
+}
+
 static bool server_exchange(void *ctx, uint8_t *frame, size_t length)
 {
     server_t *server = ctx;
     expect_frame(frame, length);
+    if (frame[16] == CMD_FPWR)
+        expect_mail(frame + 26, frame[22]);
     frame[26 + frame[22]] = 1;
     if (frame[16] == CMD_FPRD) {
         server->reads++;
@@ -957,6 +973,25 @@ static void ENI_025_a_reply_of_AoE_or_EoE_is_that_to_the_request(void **state)
     }
 }
 
+static void ENI_025_a_mail_contains_nothing_of_the_previous_one(void **state)
+{
+    static const char text[] = ENI_ONE(
+        "", "<Mailbox><Send><Start>4096</Start><Length>64</Length></Send><Recv><Start>4160</Start>"
+            "<Length>64</Length></Recv><AoE><InitCmd><Transition>PS</Transition>"
+            "<Data>FFFFFFFFFFFFFFFF FFFFFFFFFFFFFFFF 0200 0400 00000000 00000000 04030201</Data></InitCmd></AoE>"
+            "<EoE><InitCmd><Transition>PS</Transition><Type>0</Type><Data>01</Data></InitCmd></EoE></Mailbox>");
+    server_t server = {.mail = ADS(36, 2, 5, 0, 4, 0)};
+    const ect_eni_wire_t wire = {
+        .ctx = &server, .exchange = server_exchange, .wait = fake_wait, .report = server_report};
+    (void)state;
+    ect_eni_t *eni = eni_of("two mails", text);
+    ect_eni_player_t player = {.eni = eni, .wire = &wire, .state = ECT_ENI_PREOP};
+    const bool fine = ect_eni_play(&player, ECT_ENI_SAFEOP);
+    if (!fine || server.reads != 1 || server.line[0] != '\0')
+        fail_msg("expected 1 read and no line, got %u and \"%s\"", server.reads, server.line);
+    ect_eni_close(eni);
+}
+
 static void ENI_024_a_slave_that_is_not_there_is_named(void **state)
 {
     static const char *const words[] = {"--quiet", "fzm1"};
@@ -989,6 +1024,7 @@ int main(void)
         cmocka_unit_test(ENI_015_a_mailbox_is_tried_for_a_second_or_the_Timeout_of_the_command),
         cmocka_unit_test(ENI_016_a_cycle_takes_the_shortest_CycleTime_or_a_millisecond),
         cmocka_unit_test(ENI_025_a_reply_of_AoE_or_EoE_is_that_to_the_request),
+        cmocka_unit_test(ENI_025_a_mail_contains_nothing_of_the_previous_one),
         cmocka_unit_test(each_slave_gets_mails_with_counters_of_its_own),
         cmocka_unit_test(emergencies_before_a_reply_are_skipped),
         cmocka_unit_test(ENI_015_a_long_value_is_sent_in_mails_that_fit_the_mailbox),

@@ -106,6 +106,28 @@ static void ENI_022_deep_nesting_and_no_xml_are_refused(void **state)
     assert_string_equal(why, "/nowhere/t.xml: No such file or directory");
 }
 
+static bool calloc_fails;
+
+void *__real_calloc(size_t count, size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+    return calloc_fails ? NULL : __real_calloc(count, size);
+}
+
+static void a_file_is_refused_without_memory(void **state)
+{
+    static const char text[] = ENI_ONE("", "");
+    char why[400] = "";
+    (void)state;
+    calloc_fails = true;
+    ect_eni_t *eni = ect_eni_parse("t.xml", text, strlen(text), why, sizeof why);
+    calloc_fails = false;
+    assert_null(eni);
+    assert_string_equal(why, "t.xml: no memory left");
+}
+
 static void every_prefix_of_a_file_is_refused_with_one_line(void **state)
 {
     static const char text[] =
@@ -588,6 +610,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         CASE(a_file_that_cannot_be_read_is_refused_with_its_line),
         CASE(ENI_022_deep_nesting_and_no_xml_are_refused),
+        CASE(a_file_is_refused_without_memory),
         CASE(every_prefix_of_a_file_is_refused_with_one_line),
         CASE(ENI_001_the_root_may_hold_the_configuration_and_unknown_elements_are_skipped),
         CASE(ENI_002_numbers_have_every_notation_and_negative_identities_are_large_ones),

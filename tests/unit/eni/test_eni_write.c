@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Network files that ectwin writes: read back they are the same bus, and played they bring it to OP. */
 #define _GNU_SOURCE
+#include "../esi/from_text.h"
 #include "bus_of_twins.h"
 
 #include <stdlib.h>
@@ -397,6 +398,36 @@ static void ENI_017_the_image_holds_every_command_and_its_variables_do_not_overl
         }
         drop(&w);
     }
+}
+
+/* The second SyncManager begins with a byte of its own. */
+static void ENI_017_variables_of_two_SyncManagers_follow_each_other(void **state)
+{
+#define TX_PDO(index, sm, entry, bits, type)                                                                           \
+    "<TxPdo Sm='" sm "'><Index>" index "</Index><Name>P</Name><Entry><Index>" entry "</Index><SubIndex>1</SubIndex>"   \
+    "<BitLen>" bits "</BitLen><Name>E</Name><DataType>" type "</DataType></Entry></TxPdo>"
+    static const char text[] =
+        ESI_DEVICE("<Sm StartAddress='#x1000' ControlByte='#x20' Enable='1'>Inputs</Sm>"
+                   "<Sm StartAddress='#x1100' ControlByte='#x20' Enable='1'>Inputs</Sm>" TX_PDO("#x1A00", "0", "#x6000",
+                                                                                                "3", "BIT3")
+                       TX_PDO("#x1A01", "1", "#x6010", "16", "UINT") TX_PDO("#x1A02", "1", "#x6020", "8", "USINT"));
+    static const struct {
+        uint32_t offset, bits;
+    } rows[] = {{0, 3}, {8, 16}, {24, 8}, {32, 3}, {40, 16}, {56, 8}};
+    written_t w = {.count = 2};
+    (void)state;
+    made_t made = make_text("two SyncManagers", text);
+    const ect_device_t *device = ect_esi_twin_product(made.twin)->device;
+    w.parts[0] = w.parts[1] = (ect_eni_part_t){.device = device, .identity = device->identity};
+    write_parts("two SyncManagers", &w);
+    const ect_eni_image_t *inputs = &ect_eni_network(w.eni)->inputs;
+    assert_int_equal(inputs->variable_count, sizeof rows / sizeof rows[0]);
+    for (size_t i = 0; i < inputs->variable_count; i++) {
+        assert_int_equal(inputs->variables[i].offset, rows[i].offset);
+        assert_int_equal(inputs->variables[i].bits, rows[i].bits);
+    }
+    drop(&w);
+    free_made(&made);
 }
 
 static const ect_eni_command_t *command_at(const ect_eni_slave_t *slave, unsigned int transition, uint16_t ado)
@@ -816,6 +847,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(ENI_020_the_states_of_mailboxes_are_read_with_one_command),
         cmocka_unit_test(ENI_010_ENI_021_place_and_alias_of_a_slave_come_back),
         cmocka_unit_test(ENI_017_the_image_holds_every_command_and_its_variables_do_not_overlap),
+        cmocka_unit_test(ENI_017_variables_of_two_SyncManagers_follow_each_other),
         cmocka_unit_test(CF_N02_a_file_with_clocks_brings_its_devices_to_OP),
         cmocka_unit_test(ENI_019_clocks_start_with_the_cycles_of_their_mode),
         cmocka_unit_test(ENI_019_commands_that_a_tool_adapts_have_the_cycle_of_the_bus),

@@ -17,6 +17,7 @@
 
 #include "esi/number.h"
 #include "esi/read.h"
+#include "esi/single.h"
 #include "esi/types.h"
 #include "od/od.h"
 
@@ -163,6 +164,16 @@ void *__wrap_malloc(size_t size)
     return __real_malloc(size);
 }
 
+static bool calloc_fails;
+
+void *__real_calloc(size_t count, size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+    return calloc_fails ? NULL : __real_calloc(count, size);
+}
+
 static void *no_malloc(size_t size)
 {
     (void)size;
@@ -179,6 +190,22 @@ static void file_without_memory(void **state)
     (void)snprintf(expected, sizeof expected, "%s: %s", ESI_FILES "/analog.xml", strerror(ENOMEM));
     assert_null(esi);
     assert_string_equal(text, expected);
+}
+
+/* A file in memory, and a device that no file describes. */
+static void no_memory_for_a_device(void **state)
+{
+    static const char file[] = DEVICE("<Name>A</Name>");
+    char texts[2][300] = {"", ""};
+    (void)state;
+    calloc_fails = true;
+    ect_esi_t *read = ect_esi_parse("f.xml", file, strlen(file), texts[0], sizeof texts[0]);
+    ect_esi_t *single = ect_esi_single_begin("f.xml", texts[1], sizeof texts[1]);
+    calloc_fails = false;
+    assert_null(read);
+    assert_null(single);
+    for (size_t i = 0; i < 2; i++)
+        assert_string_equal(texts[i], "f.xml: no memory left");
 }
 
 /* Bytes in memory that no parser gets: too many, none, or no memory for the parser. */
@@ -364,6 +391,7 @@ int main(void)
         {"100000 levels of elements are refused", deep_nesting, NULL, NULL, NULL},
         {"An unreadable file is refused", files, NULL, NULL, NULL},
         {"a file for which there is no memory is refused with the reason", file_without_memory, NULL, NULL, NULL},
+        {"a device for which there is no memory is refused with the reason", no_memory_for_a_device, NULL, NULL, NULL},
         {"bytes that no parser gets are refused", unparsed_bytes, NULL, NULL, NULL},
         {"a file of more than 64 MiB is refused", large_file, NULL, NULL, NULL},
         {"a text is one line without blanks at its ends", blanks, NULL, NULL, NULL},
