@@ -71,7 +71,7 @@ static bool is_process_data(const ect_esc_t *esc, uint16_t address)
 static void spend(ect_slow_t *slow, uint16_t address, uint16_t length, bool write)
 {
     slow->now_ns += ect_board_access_ns(slow->config.board, address, length, write);
-    if (slow->cycled || slow->config.cycle_ns == 0 || !is_process_data(slow->esc, address))
+    if (slow->cycled || !is_process_data(slow->esc, address))
         return;
     slow->cycled = true;
     slow->now_ns += slow->config.cycle_ns;
