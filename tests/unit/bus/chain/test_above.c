@@ -346,10 +346,32 @@ static void drops(void **state)
         wire_configure_mailbox(w, 1);
         wire_go(w, 1, 2);
     }
-    assert_int_equal(wire_al(w, 1, 1, NULL), 1);
-    assert_non_null(strstr(try_fault(w, "al 0x001B slave 2"), "in that state already, or below"));
-    assert_non_null(strstr(try_fault(w, "to PREOP slave 2"), "in that state already, or below"));
-    assert_int_equal(wire_read8(w, 1, 0x0130), 1);
+}
+
+static void drops_downwards_only(void **state)
+{
+    static const struct {
+        uint8_t state;
+        const char *fault;
+        bool refused;
+    } rows[] = {
+        {ECT_STATE_INIT, "al 0x001B slave 2", true},   {ECT_STATE_INIT, "init slave 2", true},
+        {ECT_STATE_INIT, "to PREOP slave 2", true},    {ECT_STATE_PREOP, "to SAFEOP slave 2", true},
+        {ECT_STATE_PREOP, "to PREOP slave 2", true},   {ECT_STATE_PREOP, "init slave 2", false},
+        {ECT_STATE_SAFEOP, "to SAFEOP slave 2", true}, {ECT_STATE_SAFEOP, "al 0x001B slave 2", false},
+        {ECT_STATE_SAFEOP, "to PREOP slave 2", false}, {ECT_STATE_OP, "to SAFEOP slave 2", false},
+    };
+    wire_t *w = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        wire_go(w, 1, rows[i].state);
+        const char *why = try_fault(w, rows[i].fault);
+        bool left = wire_read8(w, 1, 0x0130) != rows[i].state;
+        if ((why != NULL) != rows[i].refused || left == rows[i].refused)
+            fail_msg("'%s' in state %u: expected refused %d, got %s", rows[i].fault, rows[i].state, rows[i].refused,
+                     why ? why : "no reason");
+        assert_true(!why || strstr(why, "in that state already, or below"));
+        assert_int_equal(wire_al(w, 1, 0x11, NULL), 1);
+    }
 }
 
 static void refuses(void **state)
@@ -491,6 +513,28 @@ static void listed(void **state)
     assert_null(ect_chain_fault_at(w->chain, 0));
 }
 
+static void ended_by_tag(void **state)
+{
+    static const struct {
+        uint32_t tag;
+        const char *left;
+    } rows[] = {{9, "1213"}, {1, "23"}, {2, "113"}, {3, "121"}};
+    wire_t *w = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char left[ECT_ABOVE + 1] = "";
+        for (const char *tag = "1213"; *tag != 0; tag++) {
+            const ect_fault_t fault = {.kind = ECT_FAULT_MAIL_LOST, .slave = 2, .tag = (uint32_t)(*tag - '0')};
+            assert_null(ect_chain_fault(w->chain, &fault, w->now_ns));
+        }
+        ect_chain_fault_end(w->chain, rows[i].tag);
+        for (size_t k = 0; ect_chain_fault_at(w->chain, k); k++)
+            left[k] = (char)('0' + ect_chain_fault_at(w->chain, k)->tag);
+        if (strcmp(left, rows[i].left) != 0)
+            fail_msg("end of tag %u: expected the tags %s, got %s", rows[i].tag, rows[i].left, left);
+        ect_chain_fault_end(w->chain, 0);
+    }
+}
+
 /* A fault of one transfer or mail is over with it: it is listed no more, and leaves room for another. */
 static void over_after_one(void **state)
 {
@@ -572,6 +616,7 @@ int main(int argc, char **argv)
         TEST("an emergency on demand needs a device that has emergencies", no_emergencies),
         TEST("an abort concerns SDO alone", aborts_of_SDO_alone),
         TEST("a slave leaves its state with any AL status code", drops),
+        TEST("a fault moves a slave to a lower state only", drops_downwards_only),
         TEST("a slave refuses a state with any AL status code", refuses),
         TEST("a slave never reaches a state", never_comes),
         TEST("process data of another size are refused, after a reset too", sizes),
@@ -579,6 +624,7 @@ int main(int argc, char **argv)
         TEST("a SyncManager without data has none with a fault of sizes either", sizes_of_any_length),
         TEST("a twin with a fault sleeps until there is work", sleeps),
         TEST("faults above the wire are listed, at most eight of a slave, and ended", listed),
+        TEST("the faults with a tag are ended, and all others stay", ended_by_tag),
         TEST("a fault of one transfer or mail is over with it", over_after_one),
         TEST("SDO transfers are counted", counts),
         TEST("a share of the transfers, the same with the same seed", shares),

@@ -391,6 +391,56 @@ static void version_at_power_on(void **state)
     }
 }
 
+/* The last two take back what the others do to a frame. */
+static void version_after_faults(void **state)
+{
+    static const char *const faults[] = {"abort 0x2000 0x08000020 slave 1",
+                                         "to PREOP slave 1",
+                                         "init slave 1",
+                                         "emergency 0xFF00 slave 1",
+                                         "lose-event slave 1",
+                                         "pdi-error slave 1",
+                                         "clock 5ns slave 1",
+                                         "eeprom busy slave 1",
+                                         "hang slave 1",
+                                         "eeprom ok slave 1",
+                                         "resume slave 1"};
+    wire_t w;
+    (void)state;
+    wire_open_one(&w, &testdev);
+    expect_replies(&w, "at first", 1);
+    uint64_t before = version_of(&w);
+    for (size_t i = 0; i < sizeof faults / sizeof faults[0]; i++) {
+        char message[ECT_FAULT_MESSAGE];
+        ect_fault_t fault;
+        ect_chain_steady_t steady;
+        assert_true(ect_fault_parse(faults[i], &fault, message));
+        (void)ect_chain_fault(w.chain, &fault, w.now_ns);
+        expect_replies(&w, faults[i], 1);
+        if (ect_chain_steady(w.chain, &steady) && steady.version != before)
+            fail_msg("%s: expected version %llu, got %llu", faults[i], (unsigned long long)before,
+                     (unsigned long long)steady.version);
+    }
+    assert_int_equal(version_of(&w), before);
+    wire_close(&w);
+}
+
+static void plugs_at_first(void **state)
+{
+    static const char *const names[] = {"ecat.plug_in", "ecat.plug_out", "ecat.plug_2", "ecat.plug_3"};
+    wire_t w;
+    (void)state;
+    wire_open_one(&w, &testdev);
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        char text[ECT_SIGNAL_TEXT_ROOM];
+        ect_signal_ref_t ref;
+        assert_true(ect_chain_signal(w.chain, 0, names[i], &ref));
+        ect_signal_read(&ref, text);
+        assert_string_equal(text, "1");
+    }
+    wire_close(&w);
+}
+
 /* A program's own devices come after those of this tree. */
 static void catalogue_grows(void **state)
 {
@@ -506,6 +556,8 @@ int main(int argc, char **argv)
         {"a twin that is off the bus is on the bus again when it is powered on", on_the_bus_at_power_on, NULL, NULL,
          NULL},
         {"replies in advance become invalid when a twin is powered on", version_at_power_on, NULL, NULL, NULL},
+        {"replies in advance remain valid after a fault that restarts no twin", version_after_faults, NULL, NULL, NULL},
+        {"all plugs of a twin are plugged in at first", plugs_at_first, NULL, NULL, NULL},
         {"a chain is unfinished while the plant of one of its twins reports work", unfinished_work, NULL, NULL, NULL},
         {"the large blocks of a chain contain each ESC, its RAM, and the routes", large_blocks, NULL, NULL, NULL},
         {"CF-057: every device has a name and a product code of its own", catalogue_names, NULL, NULL, NULL},

@@ -584,6 +584,7 @@ static void resets_and_identity(void **state)
 static void loses_an_event(void **state)
 {
     rig_t *r = *state;
+    wire_configure_mailbox(&r->w, 0);
     set(r, "lose-event slave 1");
     assert_int_equal(wire_write16(&r->w, 0, 0x0120, 2), 1);
     assert_int_equal(ect_esc_al_event(ect_chain_esc(r->w.chain, 0)) & ECT_EVENT_AL_CONTROL, 0);
