@@ -52,7 +52,6 @@ void eni_talk_send(eni_talk_t *t, size_t length)
     uint8_t *counter = &p->mail_counters[t->number - 1]; /* a slave drops a mail with the counter of the previous one */
     *counter = (uint8_t)(*counter % COUNTERS + 1);
     ect_store_le16(p->mail, (uint16_t)length);
-    ect_store_le32(p->mail + 2, 0);
     p->mail[5] = (uint8_t)(t->protocol | *counter << 4);
     for (unsigned int i = 0; i < TIMEOUT_MS; i++) {
         if (eni_exchange(p, &write, &reply) == 1)
