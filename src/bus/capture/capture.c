@@ -57,12 +57,12 @@ static void copy_in(ect_capture_t *c, size_t position, const uint8_t *bytes, siz
     memcpy(c->buffer, bytes + first, length - first);
 }
 
-static void copy_out(const ect_capture_t *c, size_t position, uint8_t *bytes, size_t length)
+/* @return the length of the block at a position: blocks have lengths of whole words, so the buffer's end is not within
+ * the word */
+static size_t block_length(const ect_capture_t *c, size_t position)
 {
-    size_t at = position & (c->size - 1);
-    size_t first = length < c->size - at ? length : c->size - at;
-    memcpy(bytes, c->buffer + at, first);
-    memcpy(bytes + first, c->buffer, length - first);
+    enum { LENGTH = 4 };
+    return ect_load_le32(c->buffer + ((position + LENGTH) & (c->size - 1)));
 }
 
 static bool has_room(const ect_capture_t *c, size_t length)
@@ -126,9 +126,7 @@ static size_t next_batch(const ect_capture_t *c, size_t tail, size_t available)
     if (available <= most)
         return available;
     for (;;) {
-        uint8_t head[8];
-        copy_out(c, tail + taken, head, sizeof head);
-        size_t block = ect_load_le32(head + 4);
+        size_t block = block_length(c, tail + taken);
         if (taken > 0 && taken + block > most)
             return taken;
         taken += block;

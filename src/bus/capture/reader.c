@@ -226,7 +226,6 @@ static bool is_pcap(ect_reader_t *r, const uint8_t *magic)
         if (r->nanoseconds || get32(r, magic) == PCAP_MICROSECONDS)
             return true;
     }
-    r->swapped = false;
     return false;
 }
 
