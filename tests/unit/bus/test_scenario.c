@@ -389,6 +389,24 @@ static void late_table(void **state)
     ect_table_free(table);
 }
 
+static void refused_row(void **state)
+{
+    static const char *const name = "ecat.latch0";
+    static const char *const values[] = {"2", "1"};
+    rig_t *r = *state;
+    ect_table_t *table = ect_table_new(1, &name, 1);
+    for (unsigned int i = 0; i < 2; i++)
+        assert_true(ect_table_add(table, (i + 1) * MS, &values[i]));
+    r->s.tables = table;
+    START(r, "drop 0%");
+    (void)ect_scenario_tick(&r->s, r->w.chain, r->begin_ns + MS);
+    assert_string_equal(r->refused, "row of a table: ecat.latch0 takes 0..1, not '2'");
+    (void)ect_scenario_tick(&r->s, r->w.chain, r->begin_ns + 2 * MS);
+    expect_signal(r, 0, "ecat.latch0", "1");
+    r->s.tables = NULL;
+    ect_table_free(table);
+}
+
 static void expect_progress(rig_t *r, const char *line, const char *step, const char *over, const char *verdict)
 {
     expect_signal(r, 0, "scenario.line", line);
@@ -551,6 +569,13 @@ static void conditions(void **state)
         if (ect_condition_read(none[i], &c))
             fail_msg("'%s' is a condition", none[i]);
     }
+    for (size_t length = ECT_STEP_ACTION - 1; length <= ECT_STEP_ACTION; length++) {
+        char name[ECT_STEP_ACTION + 1] = "", text[ECT_STEP_ACTION + 3];
+        ect_condition_t c;
+        memset(name, 'n', length);
+        (void)snprintf(text, sizeof text, "%.*s=1", (int)length, name);
+        assert_int_equal(ect_condition_read(text, &c), length < ECT_STEP_ACTION);
+    }
 }
 
 /* The most columns: each intermediate row has a value of each. */
@@ -628,11 +653,15 @@ static void wrong_names(void **state)
         {"at slave 3 OP drop", "there is no slave 3"},
     };
     rig_t *r = *state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < 2 * sizeof rows / sizeof rows[0]; i++) {
+        const size_t before = i % 2;
         r->s = (ect_scenario_t){.seed = 1};
-        read_line(r, rows[i].line);
-        if (ect_scenario_check(&r->s, r->w.chain, r->message) != &r->s.steps[0] || !strstr(r->message, rows[i].why))
-            fail_msg("'%s': expected '...%s...', got '%s'", rows[i].line, rows[i].why, r->message);
+        if (before > 0)
+            read_line(r, "drop 0%");
+        read_line(r, rows[i / 2].line);
+        if (ect_scenario_check(&r->s, r->w.chain, r->message) != &r->s.steps[before] ||
+            !strstr(r->message, rows[i / 2].why))
+            fail_msg("'%s': expected '...%s...', got '%s'", rows[i / 2].line, rows[i / 2].why, r->message);
     }
 }
 
@@ -943,6 +972,7 @@ int main(int argc, char **argv)
         TEST("signals, values and slaves of a table are checked before the run", wrong_tables),
         TEST("signals, values and slaves that there are not are found before the run", wrong_names),
         TEST("expectations are met or failed", expectations),
+        TEST("a row that its twin refuses is reported with the reason, and later rows are played", refused_row),
         TEST("a step that its twin refuses is reported with the reason", refused_steps),
         TEST("a share of transfers follows from the seed of the scenario", shares_of_transfers),
         TEST("the signals of a line have at most 127 characters", the_most_signals_of_a_line),

@@ -267,6 +267,7 @@ static void ENI_013_a_sync_manager_has_the_line_of_its_element_or_of_its_write(v
         assert_int_equal(model->line, 2);
         assert_int_equal(model->sms[0].line, rows[i].line);
         assert_int_equal(model->sms[0].start, rows[i].start);
+        assert_true(rows[i].text != written || model->sms[0].size.given);
         assert_int_equal(model->sms[0].control, rows[i].control);
         ect_esi_close(esi);
     }

@@ -300,7 +300,7 @@ static void a_mailbox_that_is_too_short_for_a_command_is_named(void **state)
 /* A wire on which time is counted: two slaves with an AL status each, and mailboxes that take and give mails or do not.
  */
 typedef struct waiting {
-    uint16_t statuses[2]; /* the first and the second read; then the second */
+    uint16_t statuses[2]; /* the first and the second read; then the second; 0: no reply */
     uint16_t code;
     bool takes;
     unsigned int status_reads, writes, reads, cycles;
@@ -330,6 +330,7 @@ static bool waiting_exchange(void *ctx, uint8_t *frame, size_t length)
         assert_int_equal(bytes, 6);
         ect_store_le16(data, w->statuses[w->status_reads++ > 0]);
         ect_store_le16(data + 4, w->code);
+        processed = w->statuses[0] != 0;
     } else if (command == CMD_FPWR && ado == BOX_OUT) {
         w->writes++;
         processed = w->takes;
@@ -393,6 +394,12 @@ static void ENI_024_PREOP_is_waited_for_a_second_or_until_an_error(void **state)
          2,
          "t.xml:1: slave 2 does not enter PREOP with the mailbox of the file: "
          "AL status 0x0004, code 0x0000"},
+        {"no reply",
+         {0, 0},
+         0x0016,
+         2000,
+         "t.xml:1: slave 2 does not enter PREOP with the mailbox of the file: "
+         "AL status 0x0000, code 0x0000"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -469,6 +476,42 @@ static void ENI_016_a_cycle_takes_the_shortest_CycleTime_or_a_millisecond(void *
         assert_int_equal(w.ns, rows[i].ns);
         ect_eni_close(eni);
     }
+}
+
+/* The offsets of registers, in the order of the commands. */
+typedef struct order {
+    char offsets[32];
+    size_t count;
+} order_t;
+
+static bool order_exchange(void *ctx, uint8_t *frame, size_t length)
+{
+    order_t *order = ctx;
+    (void)length;
+    assert_true(order->count + 1 < sizeof order->offsets);
+    order->offsets[order->count++] = (char)('0' + ect_load_le16(frame + 20));
+    frame[26 + frame[22]] = 1;
+    return true;
+}
+
+static void ENI_005_commands_of_the_master_are_played_before_or_after_those_of_the_slaves(void **state)
+{
+#define ORDERED(before, ado)                                                                                           \
+    "<InitCmd><Transition>IP</Transition><Transition>PS</Transition>" before "<Cmd>7</Cmd><Ado>" ado                   \
+    "</Ado><DataLength>1</DataLength></InitCmd>"
+    static const char text[] =
+        "<EtherCATConfig><Config><Master><InitCmds>" ORDERED("", "4") ORDERED("<BeforeSlave>1</BeforeSlave>", "1")
+            ORDERED("<BeforeSlave>0</BeforeSlave>",
+                    "5") "</InitCmds></Master>" ENI_SLAVE("", "<InitCmds>" ORDERED("", "2") "</InitCmds>")
+                ENI_SLAVE("", "<InitCmds>" ORDERED("", "3") "</InitCmds>") ENI_TAIL;
+    order_t order = {.count = 0};
+    const ect_eni_wire_t wire = {.ctx = &order, .exchange = order_exchange, .wait = fake_wait, .report = fake_report};
+    (void)state;
+    ect_eni_t *eni = eni_of("order", text);
+    ect_eni_player_t player = {.eni = eni, .wire = &wire};
+    assert_true(ect_eni_play(&player, ECT_ENI_SAFEOP));
+    assert_string_equal(order.offsets, "1234512345");
+    ect_eni_close(eni);
 }
 
 /* --- mails -------------------------------------------------------------------------------------------------------- */
@@ -1014,6 +1057,7 @@ int main(void)
         cmocka_unit_test(a_command_with_another_reply_is_named_and_the_next_state_is_not_entered),
         cmocka_unit_test(ENI_016_a_cyclic_command_with_another_counter_is_named),
         cmocka_unit_test(ENI_005_every_comparison_of_Validate_decides_with_mask_and_sign),
+        cmocka_unit_test(ENI_005_commands_of_the_master_are_played_before_or_after_those_of_the_slaves),
         cmocka_unit_test(ENI_022_a_command_is_repeated_until_its_Timeout_and_a_minute_at_most),
         cmocka_unit_test(ENI_024_a_slave_with_CoE_commands_alone_is_brought_to_PREOP_by_the_player),
         cmocka_unit_test(ENI_024_a_slave_that_is_not_there_is_named),

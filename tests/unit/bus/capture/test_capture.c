@@ -262,7 +262,8 @@ static void limit_with(rig_t *r, uint64_t burst)
         if (i % burst == 0) {
             ect_capture_flush(r->capture);
             read_back(r);
-            assert_in_range(r->size, 1, ECT_CAPTURE_SMALLEST);
+            bool removed = count(r, ECT_PCAPNG_PACKET) < i;
+            assert_in_range(r->size, removed ? ECT_CAPTURE_SMALLEST / 2 - 8192 : 1, ECT_CAPTURE_SMALLEST);
         }
     }
     end(r, 0);
