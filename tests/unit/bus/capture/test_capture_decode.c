@@ -178,6 +178,9 @@ static void a_mail_has_its_service_in_words(void **state)
         {4, AT(1001, 0x1400), "06 00 00 00 00 73 00 80 82 00 01 02", 1,
          "FPRD 03E9:1400 mailbox in, 12 bytes, WKC 1 | mail of 6 bytes, counter 7: CoE information opcode 2, 513 "
          "fragments left | 06 00 00 00 00 73 00 80 82 00 01 02"},
+        {4, AT(1001, 0x1400), "06 00 00 00 00 73 00 80 FF 00 01 02", 1,
+         "FPRD 03E9:1400 mailbox in, 12 bytes, WKC 1 | mail of 6 bytes, counter 7: CoE information opcode 127, 513 "
+         "fragments left | 06 00 00 00 00 73 00 80 FF 00 01 02"},
         {4, AT(1001, 0x1400), "05 00 00 00 00 73 00 80 82 00 01 02", 1,
          "FPRD 03E9:1400 mailbox in, 12 bytes, WKC 1 | mail of 5 bytes, counter 7: CoE information  | 05 00 00 00 00 "
          "73 00 80 82 00 01"},

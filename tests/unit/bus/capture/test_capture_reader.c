@@ -156,6 +156,8 @@ static void resolutions(void **state)
         {3, 1500, 1500000000},
         {0, 2, 2000000000},
         {12, 1500000000999, 1500000000},
+        {0x80 | 0, 2, 2000000000},
+        {0x80 | 1, 3, 1500000000},
         {0x80 | 10, 1024 + 512, 1500000000},
         {0x80 | 32, (uint64_t)3 << 31, 1500000000},
         {0x80 | 60, (uint64_t)3 << 59, 1500000000},
@@ -195,6 +197,31 @@ static void options_before(void **state)
         put_packet(&f, 0, 1500, FRAME, FRAME);
         expect_time(&f, 1500000000);
     }
+}
+
+/* Behind the options are bytes of the previous block, which is longer. */
+static void options_end_with_their_block(void **state)
+{
+    enum { OTHER = 0x0BAD, OPTIONS = 20, COMMENT = 1 };
+    file_t f = {0};
+    (void)state;
+    put_section(&f);
+    put32(&f, OTHER);
+    put32(&f, 12 + 8 * OPTIONS);
+    for (unsigned int i = 0; i < OPTIONS; i++) {
+        put16s(&f, ECT_PCAPNG_RESOLUTION, 1);
+        put32(&f, 3); /* milliseconds */
+    }
+    put32(&f, 12 + 8 * OPTIONS);
+    put32(&f, ECT_PCAPNG_INTERFACE);
+    put32(&f, 28);
+    put16s(&f, 1, 0);
+    put32(&f, 0);
+    put16s(&f, COMMENT, 4);
+    put32(&f, 0x20202020);
+    put32(&f, 28);
+    put_packet(&f, 0, 1500000, FRAME, FRAME);
+    expect_time(&f, 1500000000); /* microseconds */
 }
 
 /* The place of a mistake is that of its block. */
@@ -401,6 +428,7 @@ int main(void)
         {"times of any resolution are nanoseconds, in both byte orders", resolutions, NULL, NULL, NULL},
         {"a mistake is reported with the first byte of its block", place_of_a_mistake, NULL, NULL, NULL},
         {"a resolution is found behind an option of any length", options_before, NULL, NULL, NULL},
+        {"the options of an interface end with its block", options_end_with_their_block, NULL, NULL, NULL},
         {"pcap in microseconds and nanoseconds, in both byte orders", old_format, NULL, NULL, NULL},
         {"each section has interfaces and a byte order of its own", sections_anew, NULL, NULL, NULL},
         {"Attack: lengths and counts of pcapng that lie", lies, NULL, NULL, NULL},

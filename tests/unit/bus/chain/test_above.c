@@ -408,6 +408,20 @@ static void never_comes(void **state)
     assert_int_equal(enter_op(w), 8);
 }
 
+/* The request becomes one for INIT: the slave reports no error. */
+static void never_leaves_INIT(void **state)
+{
+    wire_t *w = *state;
+    uint16_t code = 0;
+    wire_go(w, 1, ECT_STATE_INIT);
+    wire_configure_mailbox(w, 1);
+    set(w, "al never slave 2");
+    assert_int_equal(wire_al(w, 1, ECT_STATE_PREOP, &code), ECT_STATE_INIT);
+    assert_int_equal(code, 0);
+    ect_chain_fault_end(w->chain, 0);
+    assert_int_equal(wire_al(w, 1, ECT_STATE_PREOP, NULL), ECT_STATE_PREOP);
+}
+
 static void sizes(void **state)
 {
     wire_t *w = *state;
@@ -619,6 +633,7 @@ int main(int argc, char **argv)
         TEST("a fault moves a slave to a lower state only", drops_downwards_only),
         TEST("a slave refuses a state with any AL status code", refuses),
         TEST("a slave never reaches a state", never_comes),
+        TEST("a slave never leaves INIT, without an error", never_leaves_INIT),
         TEST("process data of another size are refused, after a reset too", sizes),
         TEST("the sizes of process data change, and no other data", sizes_of_process_data_alone),
         TEST("a SyncManager without data has none with a fault of sizes either", sizes_of_any_length),
