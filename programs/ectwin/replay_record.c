@@ -173,7 +173,8 @@ static void carry_out(section_t *s, const ect_logged_t *logged)
     if (ect_change_is(ect_change_op(request)))
         (void)ect_change_apply(s->exchange.chain, s->exchange.scenario, request, s->exchange.touched_ns, message);
     else
-        replay_wrong(s->replay, "an invalid request: %.60s", logged->length > 0 ? logged->text : "");
+        replay_wrong(s->replay, "an invalid request: %.*s", (int)(logged->length < 60 ? logged->length : 60),
+                     logged->text);
     cJSON_Delete(request);
 }
 

@@ -174,7 +174,7 @@ def wrong_files(file):
                           (start() + local(CLOCK) + local(CLOCK), "a clock reading or a start in the wrong place"),
                           (start() + local(99), "a clock reading or a start in the wrong place"),
                           (start() + block(LOCAL, b"1234"), "a local block of 4 bytes"),
-                          (start() + local(REQUEST, 0, 0, b'{"op":"get"}'), "an invalid request"),
+                          (start() + local(REQUEST, 0, 0, b'{"op":"get"}'), 'an invalid request: {"op":"get"}\n'),
                           (start() + block(PACKET, struct.pack("<IIIIII", 0, 0, 0, 4, 2000, 0)), "frame 1 is cut"),
                           (start() + block(PACKET, struct.pack("<IIIII", 0, 0, 0, 0, 0)), "frame 1 is not a frame of a record")):
         file.write_bytes(content)
