@@ -45,21 +45,27 @@ static size_t visible(const char *text)
 void print_text(FILE *stream, const char *text)
 {
     while (*text != 0) {
-        size_t length = visible(text);
-        if (length > 0)
-            (void)fwrite(text, length, 1, stream);
-        else
-            fprintf(stream, "\\x%02x", (unsigned char)*text);
-        text += length > 0 ? length : 1;
+        const size_t length = visible(text);
+        if (length == 0) {
+            fprintf(stream, "\\x%02x", (unsigned char)*text++);
+            continue;
+        }
+        (void)fwrite(text, length, 1, stream);
+        text += length;
     }
 }
 
 void print_json(const char *text)
 {
     while (*text != 0) {
-        size_t length = visible(text);
-        (void)fwrite(length > 0 ? text : "?", length > 0 ? length : 1, 1, stdout);
-        text += length > 0 ? length : 1;
+        const size_t length = visible(text);
+        if (length == 0) {
+            putchar('?');
+            text++;
+            continue;
+        }
+        (void)fwrite(text, length, 1, stdout);
+        text += length;
     }
     putchar('\n');
     fflush(stdout);

@@ -32,7 +32,7 @@ typedef struct comparison {
     replay_t *replay;
     ect_exchange_t exchange;
     uint64_t clock_ns, base_ns, next_ns;
-    uint8_t request[ECT_PCAPNG_FRAME_MOST], reply[ECT_PCAPNG_FRAME_MOST];
+    uint8_t request[ECT_ESC_MAX_FRAME], reply[ECT_ESC_MAX_FRAME];
     size_t request_length, reply_length; /* 0: none */
     slave_t *slaves;
     uint64_t differences;
@@ -166,8 +166,8 @@ static void compare_frames(comparison_t *c, const uint8_t *bus, size_t length)
 static bool is_ethercat(const ect_item_t *item)
 {
     enum { TYPE = 12, LEAST = 28 };
-    return item->captured >= LEAST && item->captured == item->length && item->captured <= ECT_PCAPNG_FRAME_MOST &&
-           item->captured <= ECT_ESC_MAX_FRAME && ect_load_be16(item->bytes + TYPE) == 0x88A4;
+    return item->captured >= LEAST && item->captured == item->length && item->captured <= ECT_ESC_MAX_FRAME &&
+           ect_load_be16(item->bytes + TYPE) == 0x88A4;
 }
 
 /* The first slave sets a bit in the source address of a frame. The master's address may have the same bit, so a reply
@@ -183,12 +183,12 @@ static bool is_reply(const comparison_t *c, const ect_item_t *item)
 static void pass_time(comparison_t *c, uint64_t now_ns)
 {
     while (c->next_ns <= now_ns) {
-        c->clock_ns = c->next_ns > c->clock_ns ? c->next_ns : c->clock_ns;
+        c->clock_ns = ect_later(c->clock_ns, c->next_ns);
         c->next_ns = ect_exchange_run(&c->exchange);
         if (c->next_ns <= c->clock_ns)
             c->next_ns = c->clock_ns + 1;
     }
-    c->clock_ns = now_ns > c->clock_ns ? now_ns : c->clock_ns;
+    c->clock_ns = ect_later(c->clock_ns, now_ns);
 }
 
 static void pass_request(comparison_t *c, const ect_item_t *item)

@@ -120,7 +120,7 @@ static uint64_t read_clock(void *ctx)
     if (s->sent)
         s->sent = false;
     else if (take_logged(&s->replay->ahead, &logged) && logged.kind == ECT_LOGGED_CLOCK) {
-        s->clock_ns = logged.time_ns > s->clock_ns ? logged.time_ns : s->clock_ns;
+        s->clock_ns = ect_later(s->clock_ns, logged.time_ns);
         replay_next(s->replay);
     }
     return s->clock_ns;
@@ -131,7 +131,7 @@ static uint64_t read_clock(void *ctx)
 /* Time never goes back, even in an invalid file. */
 static void advance(section_t *s, uint64_t time_ns)
 {
-    s->clock_ns = time_ns > s->clock_ns ? time_ns : s->clock_ns;
+    s->clock_ns = ect_later(s->clock_ns, time_ns);
 }
 
 static void pass_request(section_t *s)
