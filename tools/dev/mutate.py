@@ -51,10 +51,10 @@ JUDGEMENTS = ["runner.c", "sha256.c", "report/decode.c", "report/words.c", "step
 
 # The tests of each program, by name in CTest: scripts that take seconds, and write to no fixed folder.
 PROGRAMS = {
-    "programs/ectwin": ["test_defects", "test_library", "test_facts*", "test_verify*", "test_eni_*", "bus_file", "bus_options", "clone",
-                        "command", "completion", "control", "controller", "eni", "eoe", "esi_files", "external",
-                        "in_process_command", "modbus_command", "new_device", "replay", "save_bus",
-                        "scenarios", "session", "session_*", "verify"],
+    "programs/ectwin": ["test_clone_notes", "test_defects", "test_library", "test_replay_bus", "test_facts*", "test_verify*",
+                        "test_eni_*", "bus_file", "bus_options", "clone", "command", "completion", "control", "controller", "eni",
+                        "eoe", "esi_files", "external", "in_process_command", "modbus_command", "new_device", "replay",
+                        "save_bus", "scenarios", "session", "session_*", "verify"],
     "programs/ectwin-board": ["lan9252", "session_board"],
     "programs/ectwin-conform": ["test_conform_*", "conformance", "conform_others", "conform_whole", "conform_command"],
     "programs/ectwin-panel": ["test_panel_*", "panel"],
@@ -75,7 +75,7 @@ NUMBER = re.compile(r"(?<![\w.])(?:0[xX][0-9a-fA-F]+|\d+)(?=[uUlL]*(?![\w.]))")
 CONDITION = re.compile(r"\b(?:if|while) \((.*)\)(?: \{)?$")
 STATEMENT = re.compile(r"^\s+(?:\(void\))?\*?[a-z]\w*(?:(?:->|\.)\w+|\[[^\]]*\])*(?:\(.*\)|(?: [|&^+-]?= .*)|\+\+|--);$")
 FUNCTION = re.compile(r"^[a-z][\w *]*?(\w+)\(")
-ROOM = re.compile(r"^\s+(?:\w+ )+\w+\[(?:\w+ \+ )?$|alloc\([^;]*$")  # of memory: more has no effect
+ROOM = re.compile(r"^\s+(?:\w+ )+(?:\*?\w+(?:\[[^\]]*\])?, )*\w+\[(?:\w+ \+ )?$|alloc\([^;]*$")  # of memory: more has no effect
 ELEMENT = re.compile(r"sizeof [\w.>-]+\[$")  # all of an array have one size
 HIDDEN = re.compile(r'/\*[\s\S]*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|^[ \t]*#(?:\\\n|[^\n])*', re.M)
 
@@ -413,7 +413,7 @@ class Installed(Program):
 
     FLAGS = "-fPIC -O0 -w"  # gcov loses what a process in a sandbox, or one that a signal ends, has reached: see measure
     PATIENCE = (10, 3)
-    WITHOUT_TWINS = ("session_doc", "session_lists")
+    SANDBOX = ROOT / "src/bus/net/sandbox.c"
 
     def __init__(self, room):
         self.LEAKS = Program.LEAKS if room == "programs/ectwin-panel" else ""  # --in-process also replaces functions of threads
@@ -431,6 +431,9 @@ class Installed(Program):
         self.own = {name: {} for name in self.ctest}
         self.tests = {name: None for name in self.ctest}
         self.links = {name: link_command(name) for name in self.linked if not (BUILD / name).is_symlink()}
+        self.sandbox = BUILD / "sandbox_with_leaks.o"
+        if not targets["ectwin_net"][self.SANDBOX].compile(self.SANDBOX, self.sandbox, ["-D__SANITIZE_ADDRESS__"]):
+            raise RuntimeError(self.SANDBOX)
 
     def link(self, library, instead):
         """Links every program and library that contains the source, and adds the others of the build to the folder."""
@@ -443,16 +446,22 @@ class Installed(Program):
             if is_own or self.archive(source) in command:
                 (work / name).unlink(missing_ok=True)
                 (work / name).parent.mkdir(parents=True, exist_ok=True)
-                link_as_built(name, work / name, mutant, own if is_own else None)
+                leaks = [Program.LEAKS] if name.startswith("tests/test_") else []
+                link_as_built(name, work / name, mutant, own if is_own else None, *leaks)
 
     def with_mutant(self, name, source, changed, work):
-        """A folder with another program: one that checks for leaks, for the tests that start no twins, whose sandbox forbids that."""
-        if name not in self.WITHOUT_TWINS or (work / "ectwin").samefile(BUILD / "ectwin"):
+        """A folder with another program for a session: one that checks for leaks, in a sandbox that permits the check, as with
+        asan."""
+        if not name.startswith("session_") or (work / "ectwin").samefile(BUILD / "ectwin"):
             return None
         folder, own = work / "leaks", self.core[source]
-        folder.mkdir(exist_ok=True)
-        return link_as_built("ectwin", folder / "ectwin", work / "mutant.o", own if own.target == "ectwin" else None,
-                             Program.LEAKS).parent
+        if not folder.exists():
+            folder.mkdir()
+            for other in self.beside - {"ectwin"}:
+                (folder / other).symlink_to(work / other)
+            link_as_built("ectwin", folder / "ectwin", work / "mutant.o", own if own.target == "ectwin" else None,
+                          Program.LEAKS, str(self.sandbox))
+        return folder
 
     def tests_beside(self, source):
         return []
@@ -587,13 +596,15 @@ def link_command(target):
 
 
 def link_as_built(target, program, instead, own, *flags):
-    """Links a target with a changed object: in place of its own, else before the libraries, whose member is then not used."""
-    command = link_command(target) + list(flags)
+    """Links a target with a changed object: in place of its own, else before the libraries, whose member is then not used. `flags`
+    are options, and further objects in place of members."""
+    command = link_command(target)
     command[command.index("-o") + 1] = str(program)
+    at = next((i for i, word in enumerate(command) if word.endswith(".a")), len(command))
+    command[at:at] = flags
     if own:
         command = [str(instead) if (BUILD / word) == own.object else word for word in command]
     else:
-        at = next(i for i, word in enumerate(command) if word.endswith(".a"))
         command.insert(at, str(instead))
     subprocess.run(command, cwd=BUILD, check=True, capture_output=True)
     return program
