@@ -491,6 +491,23 @@ static void the_first_8_slaves_of_a_datagram_are_named(void **state)
     COMPARE(rows, "", "fzm1*9");
 }
 
+static void a_slave_is_named_by_station_address_and_alias(void **state)
+{
+    (void)state;
+    static const row_t rows[] = {
+        {STATION
+         "APWR 0 0103 01\n= 01#1\nFPRD 0011 0600 00\n= 00#2\nFPRD 1001 0600 00\n= 00#2\nFPRD 0012 0600 00\n= 00#2",
+         "  frame 6, FPRD 0011:0600 FMMU0, slave 1: working counter: bus 2, twin 1\n"
+         "  frame 8, FPRD 1001:0600 FMMU0, slave 1: working counter: bus 2, twin 1\n"
+         "  frame 10, FPRD 0012:0600 FMMU0, no slave: working counter: bus 2, twin 0\n"
+         ": 5 frames and 5 replies in 0.008 s of the bus: 3 differences\n"},
+        {STATION "FPRD 0011 0600 00\n= 00#2",
+         "  frame 4, FPRD 0011:0600 FMMU0, no slave: working counter: bus 2, twin 0\n"
+         ": 2 frames and 2 replies in 0.002 s of the bus: 1 differences\n"},
+    };
+    COMPARE(rows, "--alias=17", "fzm1");
+}
+
 #define FIVE(text) text text text text text
 
 static void the_first_20_differences_are_printed(void **state)
@@ -620,6 +637,7 @@ int main(void)
         cmocka_unit_test(eeprom_data_that_no_slave_has_read_are_not_compared),
         cmocka_unit_test(with_data_process_data_are_compared),
         cmocka_unit_test(the_first_8_slaves_of_a_datagram_are_named),
+        cmocka_unit_test(a_slave_is_named_by_station_address_and_alias),
         cmocka_unit_test(the_first_20_differences_are_printed),
         cmocka_unit_test(the_first_64_states_of_a_slave_are_compared),
         cmocka_unit_test(the_first_datagram_that_differs_is_found),
