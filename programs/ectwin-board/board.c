@@ -120,10 +120,8 @@ static bool make_config(board_t *b, char *message)
         .outside_size = plant ? plant->outside_size : 0,
         .device_id = b->args.alias,
     };
-    bool enough = ect_slave_take(&b->config, take, b) && (buffer == 0 || b->config.buffer);
-    if (!enough)
-        snprintf(message, ECT_MEMORY_MESSAGE, "not enough memory");
-    return enough;
+    snprintf(message, ECT_MEMORY_MESSAGE, "not enough memory");
+    return ect_slave_take(&b->config, take, b) && (buffer == 0 || b->config.buffer);
 }
 
 /* As for the command of the twins: what a shell's background or nohup ignores is not what ends us. */
@@ -297,7 +295,8 @@ static int write_eeprom(const board_t *b)
 int ectwin_board_main(int argc, char **argv)
 {
     static board_t b;
-    b = (board_t){.args = read_arguments(argc, argv), .bus = {-1, 0, -1, -1}, .run_led = -1, .err_led = -1};
+    b = (board_t){
+        .args = read_arguments(argc, argv), .bus = {.fd = -1, .reset = -1, .line = -1}, .run_led = -1, .err_led = -1};
     if (!ect_fit(b.args.product->device, &ect_fit_lan9252, &b.device)) {
         fprintf(stderr, "ectwin-board: %s does not fit into a LAN9252\n", b.args.product->device->name);
         return CANNOT_OPEN;

@@ -81,7 +81,7 @@ static void log_block(ect_trace_t *trace, const char *name, uint64_t offset, con
 {
     char text[CONTENT_NAME + BLOCK];
     int head = snprintf(text, sizeof text, "%s\n", name);
-    if (size > 0)
+    if (data)
         memcpy(text + head, data, size);
     ect_trace_log(trace, ECT_LOGGED_CONTENT, (uint32_t)size, offset, text, (size_t)head + size);
     ect_trace_flush(trace);

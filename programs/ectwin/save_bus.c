@@ -596,10 +596,10 @@ static int write_file(const save_t *s)
 
 static int split_words(save_t *s)
 {
-    size_t room = 2;
+    size_t room = 2; /* the last word may lack its end, and NULL follows */
     for (size_t i = 0; i < s->length; i++)
         room += s->words[i] == 0;
-    char **words = calloc(room + 1, sizeof *words);
+    char **words = calloc(room, sizeof *words);
     char name[] = "ectwin save-bus";
     int count = 0;
     if (!words || s->length == 0) {

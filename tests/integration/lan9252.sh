@@ -41,12 +41,18 @@ drive() {
   check "$title" '{"event":"ready","spi":"/dev/spidev7.1","device":"vr-bu-ect-'"${mode,,}"'"} master 0 board 0' "$(xargs -0 <"$work/out" | tr '\n' ' ' | sed 's/ *$//')"
 }
 
+prints_nothing() {
+  check "$1: it prints nothing on standard error" "" "$(cat "$work/err")"
+}
+
 polled() {
-  drive "SOEM takes Map7 to OP and through its tests, polled" Map7 66 228
+  drive "SOEM takes Map7 to OP and through its tests, polled" Map7 66 228 --store "$work/store"
+  prints_nothing "polled, with a folder"
 }
 
 by_the_interrupt_pin() {
   drive "SOEM takes Map7 to OP and through its tests, by the interrupt pin" Map7 66 228 --irq gpiochip9:25
+  prints_nothing "by the interrupt pin"
 }
 
 by_an_interrupt_pin_that_is_active_high() {
