@@ -101,7 +101,8 @@ static int save(ect_reader_t *r, const args_t *args, const char *path,
     if (file == NULL)
         return cannot_write(path, errno, EXIT_OPEN);
     const ect_reader_result_t result = write(r, args, file);
-    bool written = fflush(file) == 0 && ferror(file) == 0;
+    (void)fflush(file); /* a failure is one of the file, too */
+    bool written = ferror(file) == 0;
     int error = errno;
     if (fclose(file) != 0 && written) {
         written = false;
