@@ -411,12 +411,12 @@ class Installed(Program):
     """A program, with the tests of CTest that run it. A mutant is linked into a folder that also has the other programs and
     libraries of the build, because programs search for each other there; the folder replaces the build in the command of a test."""
 
+    LEAKS = ""  # --in-process also replaces functions of threads; see with_mutant
     FLAGS = "-fPIC -O0 -w"  # gcov loses what a process in a sandbox, or one that a signal ends, has reached: see measure
     PATIENCE = (10, 3)
     SANDBOX = ROOT / "src/bus/net/sandbox.c"
 
     def __init__(self, room):
-        self.LEAKS = Program.LEAKS if room == "programs/ectwin-panel" else ""  # --in-process also replaces functions of threads
         global BUILD
         BUILD = ROOT / "build/mutate-programs"
         self.configure()
@@ -439,8 +439,7 @@ class Installed(Program):
         """Links every program and library that contains the source, and adds the others of the build to the folder."""
         (source, mutant), = instead.items()
         work, own = library.parent, self.core[source]
-        for name in self.beside:
-            (work / name).symlink_to(os.readlink(BUILD / name)) if (BUILD / name).is_symlink() else os.link(BUILD / name, work / name)
+        add_programs(self.beside, BUILD, work)
         for name, command in self.links.items():
             is_own = any((BUILD / word) == own.object for word in command)
             if is_own or self.archive(source) in command:
@@ -450,17 +449,18 @@ class Installed(Program):
                 link_as_built(name, work / name, mutant, own if is_own else None, *leaks)
 
     def with_mutant(self, name, source, changed, work):
-        """A folder with another program for a session: one that checks for leaks, in a sandbox that permits the check, as with
-        asan."""
-        if not name.startswith("session_") or (work / "ectwin").samefile(BUILD / "ectwin"):
+        """A folder with other programs for a session, and for the panel's test: they check for leaks, in a sandbox that permits the
+        check, as with asan."""
+        new = {n for n in self.beside & {"ectwin", "ectwin-panel"} if not (work / n).samefile(BUILD / n)}
+        if not new or not (name.startswith("session_") or name == "panel"):
             return None
         folder, own = work / "leaks", self.core[source]
         if not folder.exists():
             folder.mkdir()
-            for other in self.beside - {"ectwin"}:
-                (folder / other).symlink_to(work / other)
-            link_as_built("ectwin", folder / "ectwin", work / "mutant.o", own if own.target == "ectwin" else None,
-                          Program.LEAKS, str(self.sandbox))
+            add_programs(self.beside - new, work, folder)
+            for program in new:
+                is_own = any((BUILD / word) == own.object for word in self.links[program])
+                link_as_built(program, folder / program, work / "mutant.o", own if is_own else None, Program.LEAKS, str(self.sandbox))
         return folder
 
     def tests_beside(self, source):
@@ -518,8 +518,7 @@ class Installed(Program):
             objects[source].parent.mkdir()
             if not self.core[source].compile(source, objects[source], ["-g", "-fsanitize-coverage=trace-pc"]):
                 raise RuntimeError(f"{source} with marks")
-        for name in self.beside:
-            (work / name).symlink_to(os.readlink(BUILD / name)) if (BUILD / name).is_symlink() else os.link(BUILD / name, work / name)
+        add_programs(self.beside, BUILD, work)
         for name, command in self.links.items():
             new = [str(next((objects[s] for s in sources if self.core[s].object == BUILD / word), word)) for word in command]
             for archive in {self.archive(s) for s in sources} & set(command):
@@ -553,6 +552,16 @@ class Installed(Program):
         words = [str(folder / w.removeprefix(f"{BUILD}/")) if (folder / w.removeprefix(f"{BUILD}/")).is_file() else w
                  for w in command]
         return words, environment(folder, **dict(g.split("=", 1) for g in given.split(";") if g))
+
+
+def add_programs(names, folder, other):
+    """Adds programs and libraries of a folder to another one. A symbolic link would be resolved by a program that searches beside
+    itself."""
+    for name in names:
+        if (folder / name).is_symlink():
+            (other / name).symlink_to(os.readlink(folder / name))
+        else:
+            os.link(folder / name, other / name)
 
 
 def ctest():

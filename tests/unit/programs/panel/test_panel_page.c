@@ -285,6 +285,27 @@ static void events(void **state)
     assert_non_null(strstr(message, EVENT("8") "," EVENT("9")));
 }
 
+static void events_of_another_connection(void **state)
+{
+    (void)state;
+    open_bus();
+    bus_poll(bus, true);
+    from_bus(OK OK OK EVENT("8") "\n" EVENT("9") "\n" OK);
+    while (page_next(page, &buses, message) > 0) {
+    }
+    bus_disconnected(&buses, bus);
+    bus_connected(&buses, bus, 78);
+    from_bus("{\"devices\":\"fzm1\",\"slaves\":2}\n" OK);
+    bus_poll(bus, true);
+    from_bus("{\"devices\":\"fzm1\",\"slaves\":2}\n" OK SIGNAL_B "\n" OK
+             "{\"frames\":1}\n{\"answers\":[]}\n" OK OK EVENT("1") "\n" OK);
+    size_t length;
+    while ((length = page_next(page, &buses, message)) > 0 && !strstr(message, "\"events\"")) {
+    }
+    message[length] = '\0';
+    assert_string_equal(message, "{\"event\":\"events\",\"bus\":1,\"events\":[" EVENT("1") "]}");
+}
+
 static void many_events(void **state)
 {
     char line[2 * BUS_EVENT];
@@ -737,6 +758,8 @@ int main(int argc, char **argv)
         {"SEC: a page holds at most 16 signals", a_page_that_holds_too_much, begin, finish, NULL},
         {"SEC: a page of --view holds no signal", a_view_holds_nothing, begin, finish, NULL},
         {"Events of the twin reach the page, each once", events, begin, finish, NULL},
+        {"After a new connection the page gets the events of this connection alone", events_of_another_connection,
+         begin, finish, NULL},
         {"SEC: the last 64 events are kept, in messages of bounded size", many_events, begin, finish, NULL},
         {"A reply of several lines reaches the page as one", replies_of_several_lines, begin, finish, NULL},
         {"SEC: lines without end are no reply", too_many_lines, begin, finish, NULL},
