@@ -258,12 +258,13 @@ static void ENI_013_a_sync_manager_has_the_line_of_its_element_or_of_its_write(v
         int line;
         uint16_t start;
         uint8_t control;
-    } rows[] = {{listed, 4, 4096, 100}, {written, 5, 4096, 100}, {box, 2, 4096, 0x26}};
+        size_t count;
+    } rows[] = {{listed, 4, 4096, 100, 1}, {written, 5, 4096, 100, 1}, {box, 2, 4096, 0x26, 2}};
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         ect_esi_t *esi;
         const ect_esi_device_t *model = model_of("lines", rows[i].text, &esi);
-        assert_true(model->sm_count > 0);
+        assert_int_equal(model->sm_count, rows[i].count);
         assert_int_equal(model->line, 2);
         assert_int_equal(model->sms[0].line, rows[i].line);
         assert_int_equal(model->sms[0].start, rows[i].start);

@@ -400,6 +400,15 @@ static void ENI_017_the_image_holds_every_command_and_its_variables_do_not_overl
     }
 }
 
+static const ect_eni_command_t *command_at(const ect_eni_slave_t *slave, unsigned int transition, uint16_t ado)
+{
+    for (size_t i = 0; i < slave->command_count; i++) {
+        if ((slave->commands[i].transitions & transition) != 0 && slave->commands[i].ado == ado)
+            return &slave->commands[i];
+    }
+    return NULL;
+}
+
 /* The second SyncManager begins with a byte of its own. */
 static void ENI_017_variables_of_two_SyncManagers_follow_each_other(void **state)
 {
@@ -426,17 +435,14 @@ static void ENI_017_variables_of_two_SyncManagers_follow_each_other(void **state
         assert_int_equal(inputs->variables[i].offset, rows[i].offset);
         assert_int_equal(inputs->variables[i].bits, rows[i].bits);
     }
+    for (unsigned int n = 0; n < 2; n++) {
+        const ect_eni_command_t *fmmu = command_at(slave_of(w.eni, 1), ECT_ENI_PS, (uint16_t)(ECT_REG_FMMU + 16 * n));
+        assert_non_null(fmmu);
+        assert_int_equal(ect_load_le32(fmmu->data.bytes), 0x01000004 + n);
+        assert_int_equal(ect_load_le16(fmmu->data.bytes + 8), 0x1000 + 0x100 * n);
+    }
     drop(&w);
     free_made(&made);
-}
-
-static const ect_eni_command_t *command_at(const ect_eni_slave_t *slave, unsigned int transition, uint16_t ado)
-{
-    for (size_t i = 0; i < slave->command_count; i++) {
-        if ((slave->commands[i].transitions & transition) != 0 && slave->commands[i].ado == ado)
-            return &slave->commands[i];
-    }
-    return NULL;
 }
 
 static void CF_N02_a_file_with_clocks_brings_its_devices_to_OP(void **state)
@@ -551,6 +557,52 @@ static void ENI_019_cycle_times_of_synchronisation_have_the_cycle_of_the_clock(v
     write_parts("cycle times", &w);
     assert_non_null(strstr(w.file, "<Data>00093D00</Data>")); /* 4 ms */
     assert_non_null(strstr(w.file, "<Data>00000000</Data>")); /* 1C33h:2 is not one that a tool adapts */
+    drop(&w);
+}
+
+/* The cycle of the bus is 2 ms. */
+static void ENI_019_no_other_command_is_adapted(void **state)
+{
+    enum { COMMANDS = 17 };
+    static const uint8_t own[] = {0x11, 0x22, 0x33, 0x44}, cycle[] = {0x80, 0x84, 0x1E, 0x00}, two[] = {2},
+                         milliseconds[] = {0xFD};
+    static const struct {
+        uint16_t index;
+        uint8_t subindex, size;
+        bool adapts, complete;
+        const uint8_t *want;
+    } rows[COMMANDS] = {
+        {0x1C32, 2, 4, true, false, cycle},        {0x1C33, 2, 4, true, false, cycle}, {0x1C32, 1, 4, true, false, own},
+        {0x1C31, 2, 4, true, false, own},          {0x1C34, 2, 4, true, false, own},   {0x1C32, 2, 2, true, false, own},
+        {0x1C32, 2, 4, true, true, own},           {0x1C32, 2, 4, false, false, own},  {0x60C2, 1, 1, true, false, two},
+        {0x60C2, 2, 1, true, false, milliseconds}, {0x60C2, 0, 1, true, false, own},   {0x60C2, 3, 1, true, false, own},
+        {0x60C2, 1, 2, true, false, own},          {0x68C2, 1, 1, true, false, two},   {0x60C3, 1, 1, true, false, own},
+        {0x98C2, 2, 1, true, false, milliseconds}, {0xA0C2, 1, 1, true, false, own},
+    };
+    ect_init_command_t commands[COMMANDS];
+    written_t w = {.count = 0};
+    (void)state;
+    for (size_t i = 0; i < COMMANDS; i++)
+        commands[i] = (ect_init_command_t){.transitions = "PS",
+                                           .index = rows[i].index,
+                                           .subindex = rows[i].subindex,
+                                           .size = rows[i].size,
+                                           .adapts = rows[i].adapts,
+                                           .complete = rows[i].complete,
+                                           .data = own};
+    add_part(&w, "pmctendo-dd5");
+    ect_device_t device = *w.parts[0].device;
+    device.init_commands = commands;
+    device.init_command_count = COMMANDS;
+    w.parts[0].device = &device;
+    write_parts("adapted", &w);
+    const ect_eni_mailbox_t *mailbox = &slave_of(w.eni, 0)->mailbox;
+    assert_int_equal(mailbox->command_count, COMMANDS);
+    for (size_t i = 0; i < COMMANDS; i++) {
+        const ect_esi_bytes_t *data = &mailbox->commands[i].data;
+        if (data->length != rows[i].size || memcmp(data->bytes, rows[i].want, rows[i].size) != 0)
+            fail_msg("%04X:%u: got %zu bytes, %02X...", rows[i].index, rows[i].subindex, data->length, data->bytes[0]);
+    }
     drop(&w);
 }
 
@@ -852,6 +904,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(ENI_019_clocks_start_with_the_cycles_of_their_mode),
         cmocka_unit_test(ENI_019_commands_that_a_tool_adapts_have_the_cycle_of_the_bus),
         cmocka_unit_test(ENI_019_cycle_times_of_synchronisation_have_the_cycle_of_the_clock),
+        cmocka_unit_test(ENI_019_no_other_command_is_adapted),
         cmocka_unit_test(ENI_020_mailboxes_have_a_bit_each),
         cmocka_unit_test(ENI_020_more_than_eight_mailboxes_have_bits_in_several_bytes),
         cmocka_unit_test(ENI_025_mails_of_AoE_EoE_SoE_and_FoE_come_back),
