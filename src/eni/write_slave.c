@@ -7,7 +7,6 @@
 #include "eni/model.h"
 #include "esc/personality.h"
 #include "esc/route.h"
-#include "wire/assert.h"
 #include "wire/bytes.h"
 #include "wire/registers.h"
 #include "wire/sii.h"
@@ -567,10 +566,9 @@ static void write_sm(ect_xml_writer_t *xml, const ect_device_t *device, unsigned
     char name[8] = "Sm0";
     if (ect_sm_role(sm) == ECT_SM_UNUSED)
         return;
-    ECT_ASSERT(ect_sm_role(sm) < sizeof roles / sizeof roles[0]);
     name[2] = (char)('0' + n);
     ect_xml_open(xml, name);
-    ect_xml_text(xml, "Type", roles[ect_sm_role(sm)]);
+    ect_xml_text(xml, "Type", ect_sm_role(sm) < sizeof roles / sizeof roles[0] ? roles[ect_sm_role(sm)] : "");
     if (sm->minimum != 0)
         ect_xml_number(xml, "MinSize", sm->minimum);
     if (sm->maximum != 0)
