@@ -7,6 +7,7 @@
 #include "inprocess.h"
 
 #include <fcntl.h>
+#include <limits.h>
 #include <poll.h>
 #include <pthread.h>
 #include <semaphore.h>
@@ -523,8 +524,9 @@ static void a_timer_ends_every_kind_of_wait(void **state)
     sigemptyset(&usual);
     handle(SIGUSR1, 0);
     for (unsigned int i = 0; i < 9; i++) {
+        const int handled = signals_handled;
         uint64_t since_ns = now_ns();
-        start_timer(timer, 5 * MS, 0);
+        start_timer(timer, 5 * MS, is_virtual ? 0 : 5 * MS); /* a busy machine may begin the wait after an expiry */
         int result = i == 0   ? usleep(500000)
                      : i == 1 ? nanosleep(&long_time, &left)
                      : i == 2 ? poll(&one, 1, -1)
@@ -534,13 +536,15 @@ static void a_timer_ends_every_kind_of_wait(void **state)
                      : i == 6 ? sem_wait(&semaphore)
                      : i == 7 ? pause()
                               : (int)recv(is_virtual ? fd : -1, frame, sizeof frame, 0);
+        const int error = errno;
+        start_timer(timer, 0, 0);
         if (i == 8 && !is_virtual)
             break;
         print_message("wait %u\n", i);
         assert_int_equal(result, -1);
-        assert_int_equal(errno, EINTR);
+        assert_int_equal(error, EINTR);
         assert_took(since_ns, 5 * MS);
-        assert_int_equal(signals_handled, i + 1);
+        assert_in_range(signals_handled, handled + 1, is_virtual ? handled + 1 : INT_MAX);
     }
     if (is_virtual)
         assert_in_range(left.tv_nsec, 494 * MS, 495 * MS);
