@@ -84,7 +84,7 @@ typedef enum ect_reader_changes {
 typedef struct ect_reader_config {
     uint16_t position;  /**< in the segment, from 0 */
     uint16_t station;   /**< configured station address, for addressing; 0: addressing by position */
-    uint32_t frame_ms;  /**< time after which a frame without a reply is sent again; 0: 300 */
+    uint32_t frame_ms;  /**< time after which a frame without a reply is sent again; 0: 500 */
     uint32_t reply_ms;  /**< longest wait for a reply by mail; 0: 2000 (ETG.2000 ResponseTimeout) */
     uint32_t state_ms;  /**< time after which a state change counts as refused; 0: 5000 */
     uint32_t limit_ms;  /**< of all calls of a reader together; 0: 600 000 */

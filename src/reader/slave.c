@@ -14,7 +14,7 @@ enum { TO_SLAVE = 0x26, FROM_SLAVE = 0x22, SM1 = ECT_SM_SIZE };
 static ect_reader_config_t with_defaults(const ect_reader_config_t *given)
 {
     ect_reader_config_t c = given != NULL ? *given : (ect_reader_config_t){0};
-    c.frame_ms = c.frame_ms != 0 ? c.frame_ms : 300;
+    c.frame_ms = c.frame_ms != 0 ? c.frame_ms : 500;
     c.reply_ms = c.reply_ms != 0 ? c.reply_ms : 2000;
     c.state_ms = c.state_ms != 0 ? c.state_ms : 5000;
     c.limit_ms = c.limit_ms != 0 ? c.limit_ms : 600000;

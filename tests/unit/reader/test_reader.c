@@ -1031,7 +1031,7 @@ static void a_slave_is_read_while_every_reply_is_late(void **state)
         unsigned int delay_ms;
         ect_reader_result_t result;
     } rows[] = {
-        {0, ECT_READER_OK}, {250, ECT_READER_OK}, {350, ECT_READER_OK}, {899, ECT_READER_OK}, {901, ECT_READER_LOST}};
+        {0, ECT_READER_OK}, {250, ECT_READER_OK}, {600, ECT_READER_OK}, {1499, ECT_READER_OK}, {1501, ECT_READER_LOST}};
     static slow_t slow;
     static const ect_reader_link_t link = {
         .ctx = &slow, .send = slow_send, .receive = slow_receive, .now = slow_now, .wait = slow_wait};
@@ -1105,7 +1105,7 @@ static void zeros_of_the_configuration_are_the_defaults(void **state)
             .ctx = &s, .send = scripted_send, .receive = scripted_receive, .now = scripted_now};
         const ect_reader_config_t second = {.position = 1};
         (void)ect_reader_open(&reader, &link, n == 0 ? &second : &given);
-        assert_int_equal(reader.config.frame_ms, n == 0 ? 300 : 1);
+        assert_int_equal(reader.config.frame_ms, n == 0 ? 500 : 1);
         assert_int_equal(reader.config.reply_ms, n == 0 ? 2000 : 2);
         assert_int_equal(reader.config.state_ms, n == 0 ? 5000 : 3);
         assert_int_equal(reader.config.limit_ms, n == 0 ? 600000 : 4);
