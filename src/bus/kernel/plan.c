@@ -2,25 +2,24 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "wire/assert.h"
-
 /* A frame in memory. */
 typedef struct frame {
     unsigned char *bytes;
     size_t length;
 } frame_t;
 
-/* A frame that is not shorter than its plan contains each place of the plan's steps. */
 static int load(const frame_t *frame, size_t at, void *to, size_t length)
 {
-    ECT_ASSERT(at + length <= frame->length);
+    if (at + length > frame->length)
+        return -1;
     memcpy(to, frame->bytes + at, length);
     return 0;
 }
 
 static int store(const frame_t *frame, size_t at, const void *from, size_t length)
 {
-    ECT_ASSERT(at + length <= frame->length);
+    if (at + length > frame->length)
+        return -1;
     memcpy(frame->bytes + at, from, length);
     return 0;
 }
@@ -34,6 +33,7 @@ static int store(const frame_t *frame, size_t at, const void *from, size_t lengt
 #include "bus/kernel/steps.h"
 #include "esc/cyclic.h"
 #include "esc/route.h"
+#include "wire/assert.h"
 #include "wire/registers.h"
 
 /* A plan in the making. */
