@@ -120,8 +120,10 @@ static bool make_config(board_t *b, char *message)
         .outside_size = plant ? plant->outside_size : 0,
         .device_id = b->args.alias,
     };
+    if (ect_slave_take(&b->config, take, b) && (buffer == 0 || b->config.buffer))
+        return true;
     snprintf(message, ECT_MEMORY_MESSAGE, "not enough memory");
-    return ect_slave_take(&b->config, take, b) && (buffer == 0 || b->config.buffer);
+    return false;
 }
 
 /* As for the command of the twins: what a shell's background or nohup ignores is not what ends us. */

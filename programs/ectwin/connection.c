@@ -42,31 +42,24 @@ static size_t visible(const char *text)
     return ect_utf8_controls(text) ? 0 : ect_utf8_begins(text);
 }
 
+/* Writes the printable beginning of a text. @return the rest, which begins with another character or is empty */
+static const char *write_visible(FILE *stream, const char *text)
+{
+    for (size_t length; (length = visible(text)) > 0; text += length)
+        (void)fwrite(text, length, 1, stream);
+    return text;
+}
+
 void print_text(FILE *stream, const char *text)
 {
-    while (*text != 0) {
-        const size_t length = visible(text);
-        if (length == 0) {
-            fprintf(stream, "\\x%02x", (unsigned char)*text++);
-            continue;
-        }
-        (void)fwrite(text, length, 1, stream);
-        text += length;
-    }
+    while (*(text = write_visible(stream, text)) != 0)
+        fprintf(stream, "\\x%02x", (unsigned char)*text++);
 }
 
 void print_json(const char *text)
 {
-    while (*text != 0) {
-        const size_t length = visible(text);
-        if (length == 0) {
-            putchar('?');
-            text++;
-            continue;
-        }
-        (void)fwrite(text, length, 1, stdout);
-        text += length;
-    }
+    for (; *(text = write_visible(stdout, text)) != 0; text++)
+        putchar('?');
     putchar('\n');
     fflush(stdout);
 }
