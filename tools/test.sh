@@ -15,7 +15,7 @@ if [ $# -gt 0 ]; then
 fi
 stage boards tests/check/board_image.sh
 shown unit ctest --test-dir build/asan -L unit -j "$jobs"
-# Four slots for each core. PROCESSORS of a test is its share: one slot for a test that waits for real time, three for a test that computes
+# Four slots for each core. PROCESSORS of a test is its share: one slot for a test that waits for real time, two for a test that computes
 # (tests/integration/CMakeLists.txt). No test depends on the load of the others.
 shown integration ctest --test-dir build/asan -L integration -j $((4 * jobs))
 echo "all tests passed, $SECONDS s"

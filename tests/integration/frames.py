@@ -4,7 +4,7 @@
 Sends COUNT frames, at least PAUSE_MS apart, each with its number as index, and listens until all are back or none comes
 for SECONDS (default 5) after the last one. A machine that stands still for longer loses no frame: all are sent, and the
 socket is read before the end. Prints a line for each reply: number, working counter, milliseconds since it
-was sent. With RUNS it does all of that so often, after a line "run" each time."""
+was sent. RUNS repeats this, with a line "run" before each time."""
 import select
 import socket
 import struct
