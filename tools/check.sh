@@ -6,7 +6,8 @@
 #   coverage  branch coverage of the unit tests is not below the floors in tests/budget/coverage
 #   release   unit tests built like the product, at -O3
 #   clang     unit tests built by the second compiler; each fuzz target over its committed seeds and 5 s beyond
-#   conform   each deliberate defect fails its case of the whole catalogue, and no other
+#   long      tests that take long: each deliberate defect fails its case of the whole catalogue, and no other; the catalogue on further
+#             boards and chips; a firmware update in mails of four bytes
 #   sizes     text, RAM and stack of the core and of the firmware are within tests/budget
 #   presets   the builds for other processors
 #   docs      the API manual builds without a warning
@@ -43,9 +44,10 @@ clang() {
   done
 }
 
-conform() {
-  stage "conform: build" preset asan
-  stage conform ctest --test-dir build/asan -R '^conform_whole$'
+long() {
+  stage "long: build" preset asan
+  stage "long: boards" tests/check/board_image.sh
+  stage long ctest --test-dir build/asan -L '^long$' -j "$jobs"
 }
 
 sizes() {
@@ -72,8 +74,8 @@ matrix() {
 }
 
 shown packages tools/bootstrap.sh test
-for stage in "${@:-tidy coverage release clang conform sizes presets docs matrix}"; do
-  case " tidy coverage release clang conform sizes presets docs matrix " in
+for stage in "${@:-tidy coverage release clang long sizes presets docs matrix}"; do
+  case " tidy coverage release clang long sizes presets docs matrix " in
     *" $stage "*) ;;
     *) [ $# -eq 0 ] || { echo "check.sh: no stage is named \"$stage\"; the stages are in the first lines of $0" >&2; exit 1; } ;;
   esac

@@ -51,7 +51,7 @@ def events(browser):
         "return [...document.querySelectorAll('.event')].some((e) => e.textContent.includes('axis') && e.querySelector('.text').textContent === 'OP')"))
     subprocess.run([ECTWIN, "fault", "emergency 0x4210 slave gripper"], check=True)
     check("an emergency is in the list, with its words", True, browser.wait(
-        "return document.querySelector('.event.bad .text')?.textContent.startsWith('emergency 0x4210: device temperature')"))
+        "return [...document.querySelectorAll('.event.bad .text')].some((e) => e.textContent.startsWith('emergency 0x4210: device temperature'))"))
     browser.picture("events.png", "light", "section:has(.events)")
 
 
