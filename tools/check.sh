@@ -7,7 +7,7 @@
 #   release   unit tests built like the product, at -O3
 #   clang     unit tests built by the second compiler; each fuzz target over its committed seeds and 5 s beyond
 #   long      tests that take long: each deliberate defect fails its case of the whole catalogue, and no other; the catalogue on further
-#             boards and chips; a firmware update in mails of four bytes
+#             boards and chips, and with a million frames; a firmware update in mails of four bytes; examples/fuzz-master
 #   sizes     text, RAM and stack of the core and of the firmware are within tests/budget
 #   presets   the builds for other processors
 #   docs      the API manual builds without a warning
