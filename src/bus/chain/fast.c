@@ -468,7 +468,7 @@ typedef struct chosen {
     size_t low, high;
 } chosen_t;
 
-static chosen_t choose(ect_fast_t *f, uint64_t first, unsigned int length, unsigned int direction)
+static inline chosen_t choose(ect_fast_t *f, uint64_t first, unsigned int length, unsigned int direction)
 {
     chosen_t c = {.low = ect_bits_words(f->reach)};
     update_windows(f);
@@ -486,27 +486,14 @@ static chosen_t choose(ect_fast_t *f, uint64_t first, unsigned int length, unsig
 
 static unsigned int to_windows(ect_fast_t *f, uint8_t *d, unsigned int direction)
 {
-    uint64_t first = ect_load_le32(d + ECT_DATAGRAM_ADP);
-    size_t low = ect_bits_words(f->reach);
-    size_t high = 0;
     unsigned int gain = 0;
-    update_windows(f);
-    for (size_t k = windows_before(f, first + ect_datagram_length(d)); k > 0 && f->windows[k - 1].furthest > first;
-         k--) {
-        const window_t *w = &f->windows[k - 1];
-        size_t word = w->position / ECT_BITS_WORD;
-        if (w->end <= first || (w->direction & direction) == 0 || w->position >= f->reach)
-            continue;
-        ect_bits_add(f->chosen, w->position);
-        low = word < low ? word : low;
-        high = word + 1 > high ? word + 1 : high;
-    }
-    for (; low < high; low++) {
-        ECT_ASSERT(low < ect_bits_words(f->reach));
-        uint64_t left = f->chosen[low];
-        f->chosen[low] = 0;
+    for (chosen_t c = choose(f, ect_load_le32(d + ECT_DATAGRAM_ADP), ect_datagram_length(d), direction); c.low < c.high;
+         c.low++) {
+        ECT_ASSERT(c.low < ect_bits_words(f->reach));
+        uint64_t left = f->chosen[c.low];
+        f->chosen[c.low] = 0;
         while (left != 0)
-            gain += take_part(f, ect_bits_take(low, &left), d, 0);
+            gain += take_part(f, ect_bits_take(c.low, &left), d, 0);
     }
     return gain;
 }
