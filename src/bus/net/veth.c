@@ -7,8 +7,16 @@
 #include <netlink/netlink.h>
 #include <netlink/route/link.h>
 #include <netlink/route/link/veth.h>
+#include <stdbool.h>
 #include <stdio.h>
+#include <time.h>
 #include <unistd.h>
+
+enum {
+    OPERATIONAL = 6, /* IF_OPER_UP of linux/if.h, which excludes net/if.h */
+    LONGEST_MS = 5000,
+    NS_PER_MS = 1000000
+};
 
 int ect_veth_up(struct nl_sock *socket, const char *name)
 {
@@ -39,10 +47,35 @@ static int add(struct nl_sock *socket, const char *one, const char *other)
     return error;
 }
 
+static bool is_operational(struct nl_sock *socket, const char *name)
+{
+    struct rtnl_link *link = NULL;
+    if (rtnl_link_get_kernel(socket, 0, name, &link) < 0)
+        return false;
+    bool operational = rtnl_link_get_operstate(link) == OPERATIONAL;
+    rtnl_link_put(link);
+    return operational;
+}
+
+/* The end that is up before its peer drops all frames that it sends, until a worker of the kernel has handled its
+ * carrier: on a busy machine that is after the first frame of a master. */
+static void wait_until_operational(struct nl_sock *socket, const char *name)
+{
+    const struct timespec pause = {.tv_nsec = NS_PER_MS};
+    for (unsigned int waited_ms = 0; !is_operational(socket, name) && waited_ms < LONGEST_MS; waited_ms++)
+        (void)nanosleep(&pause, NULL);
+}
+
 static int bring_up(struct nl_sock *socket, const char *one, const char *other)
 {
     int error = ect_veth_up(socket, one);
-    return error >= 0 ? ect_veth_up(socket, other) : error;
+    if (error >= 0)
+        error = ect_veth_up(socket, other);
+    if (error >= 0) {
+        wait_until_operational(socket, one);
+        wait_until_operational(socket, other);
+    }
+    return error;
 }
 
 int ect_veth_add(struct nl_sock *socket, const char *one, const char *other)

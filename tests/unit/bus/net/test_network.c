@@ -4,10 +4,12 @@
 #define _GNU_SOURCE
 #include "bus/net/packet.h"
 
+#include <arpa/inet.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/if_ether.h>
 #include <net/if.h>
+#include <netpacket/packet.h>
 #include <poll.h>
 #include <sched.h>
 #include <setjmp.h>
@@ -203,6 +205,41 @@ static void pairs(void **state)
         assert_int_equal(if_nametoindex("other"), 0);
     }
     assert_int_equal(ect_veth_destroy("one"), -1);
+}
+
+static int wire_end(const char *name)
+{
+    const struct sockaddr_ll end = {
+        .sll_family = AF_PACKET, .sll_protocol = htons(0x88A4), .sll_ifindex = (int)if_nametoindex(name)};
+    const struct timeval patience = {.tv_sec = 20};
+    int fd = socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0);
+    assert_true(fd >= 0);
+    assert_int_equal(setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience), 0);
+    assert_int_equal(bind(fd, (const struct sockaddr *)&end, sizeof end), 0);
+    return fd;
+}
+
+static void first_frames(void **state)
+{
+    static const char *const names[] = {"one", "other"};
+    static const uint8_t frame[FRAME] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, [12] = 0x88, [13] = 0xA4};
+    uint8_t got[ROOM];
+    char message[ECT_VETH_MESSAGE];
+    (void)state;
+    if (!inside)
+        skip();
+    for (unsigned int n = 0; n < 20; n++) {
+        assert_int_equal(ect_veth_create("one", "other", message), 0);
+        int ends[2] = {wire_end("one"), wire_end("other")};
+        for (unsigned int from = 0; from < 2; from++) {
+            assert_int_equal(send(ends[from], frame, sizeof frame, 0), sizeof frame);
+            if (recv(ends[1 - from], got, sizeof got, 0) != sizeof frame)
+                fail_msg("pair %u: expected the first frame of '%s', got none", n, names[from]);
+        }
+        close(ends[0]);
+        close(ends[1]);
+        assert_int_equal(ect_veth_destroy("one"), 0);
+    }
 }
 
 /* --- ports ------------------------------------------------------------------------------------------------------ */
@@ -647,6 +684,7 @@ int main(int argc, char **argv)
          NULL},
         {"a private network with one wire, made by root and by a user", another_network, NULL, NULL, NULL},
         {"a pair of interfaces is made up and whole, and removed by either end", pairs, NULL, NULL, NULL},
+        {"the first frame of each end of a new pair arrives at the other one", first_frames, NULL, NULL, NULL},
         {"a port that cannot be opened: one line with the cause", refused, NULL, NULL, NULL},
         {"an interface that a foreign master has open is refused, another one is not", beside_a_foreign_master, NULL,
          NULL, NULL},

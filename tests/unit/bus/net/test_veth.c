@@ -3,6 +3,7 @@
  * in test_network.c. */
 #define _GNU_SOURCE
 #include <fcntl.h>
+#include <limits.h>
 #include <net/if.h>
 #include <setjmp.h>
 #include <stdint.h>
@@ -19,6 +20,14 @@
 
 /* --- calls -------------------------------------------------------------------------------------------------------- */
 
+/* States of RFC 2863. */
+enum { DOWN = 2, UP = 6 };
+
+static bool states;        /* both ends are up: each further read is one of the state */
+static unsigned int reads; /* of the state */
+static unsigned int late;  /* reads of the state that precede that of a working end */
+static uint64_t waited_ns;
+
 int __real_open(const char *path, int flags, ...);
 int __wrap_open(const char *path, int flags, ...);
 ssize_t __real_write(int fd, const void *data, size_t size);
@@ -30,6 +39,7 @@ int __wrap_rtnl_link_add(struct nl_sock *socket, struct rtnl_link *link, int fla
 int __wrap_rtnl_link_change(struct nl_sock *socket, struct rtnl_link *link, struct rtnl_link *change, int flags);
 int __wrap_rtnl_link_get_kernel(struct nl_sock *socket, int index, const char *name, struct rtnl_link **link);
 int __wrap_rtnl_link_delete(struct nl_sock *socket, const struct rtnl_link *link);
+int __wrap_nanosleep(const struct timespec *duration, struct timespec *left);
 
 int __wrap_open(const char *path, int flags, ...)
 {
@@ -87,6 +97,7 @@ int __wrap_rtnl_link_change(struct nl_sock *socket, struct rtnl_link *link, stru
     assert_non_null(socket);
     assert_int_equal(flags, 0);
     note("%s %s\n", rtnl_link_get_flags(change) == IFF_UP ? "up" : "other", rtnl_link_get_name(link));
+    states = strcmp(rtnl_link_get_name(link), "other") == 0;
     return fails("change") ? -errno : 0;
 }
 
@@ -100,6 +111,15 @@ int __wrap_rtnl_link_get_kernel(struct nl_sock *socket, int index, const char *n
     }
     *link = rtnl_link_alloc();
     rtnl_link_set_name(*link, name);
+    rtnl_link_set_operstate(*link, reads < late ? DOWN : UP);
+    reads += states;
+    return 0;
+}
+
+int __wrap_nanosleep(const struct timespec *duration, struct timespec *left)
+{
+    (void)left;
+    waited_ns += (uint64_t)duration->tv_sec * 1000000000u + (uint64_t)duration->tv_nsec;
     return 0;
 }
 
@@ -213,6 +233,38 @@ static void addition(void **state)
     nl_socket_free(socket);
 }
 
+/* An end that has no carrier yet drops what it sends. */
+static void carrier(void **state)
+{
+    static const struct {
+        const char *title;
+        unsigned int late;
+        failing_t failing;
+        uint64_t waited_ms;
+    } rows[] = {
+        {"both ends work at once", 0, {0}, 0},
+        {"an end works after three reads", 3, {0}, 3},
+        {"an end works at the last read", 5000, {0}, 5000},
+        {"no end ever works", UINT_MAX, {0}, 2 * 5000},
+        {"a read fails", 0, {"get", THIRD, NLE_NOMEM}, 1},
+    };
+    struct nl_sock *socket = nl_socket_alloc();
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        begin_calls(rows[i].failing);
+        states = false;
+        reads = 0;
+        waited_ns = 0;
+        late = rows[i].late;
+        int result = ect_veth_add(socket, "one", "other");
+        if (result != 0 || waited_ns != rows[i].waited_ms * 1000000)
+            fail_msg("%s: expected result 0 after %llu ms, got %d after %llu us", rows[i].title,
+                     (unsigned long long)rows[i].waited_ms, result, (unsigned long long)waited_ns / 1000);
+    }
+    late = 0;
+    nl_socket_free(socket);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -220,6 +272,7 @@ int main(int argc, char **argv)
          NULL, NULL},
         {"a pair is removed, or the result is -1", removal, NULL, NULL, NULL},
         {"a pair of a private network is made up, or the result is the library's", addition, NULL, NULL, NULL},
+        {"a pair is made when both ends can send, or after 5 s for each", carrier, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
