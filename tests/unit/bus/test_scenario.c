@@ -116,13 +116,19 @@ static void advance(rig_t *r, uint64_t ns)
     (void)ect_exchange_run(&r->x);
 }
 
+/* The frame that was built. */
+static void send_built(rig_t *r)
+{
+    const ect_packet_time_t time = {.now_ns = r->w.now_ns};
+    ect_exchange_frame(&r->x, ECT_END_IN, r->w.frame, r->w.frame_length, &time);
+    (void)ect_exchange_run(&r->x);
+}
+
 /* A frame with process data, without a slave that takes part. */
 static void cycle(rig_t *r)
 {
-    const ect_packet_time_t time = {.now_ns = r->w.now_ns};
     wire_build(&r->w, LRW, 0, 0x7FFF, "\0", 1);
-    ect_exchange_frame(&r->x, ECT_END_IN, r->w.frame, r->w.frame_length, &time);
-    (void)ect_exchange_run(&r->x);
+    send_built(r);
 }
 
 static void read_signal(rig_t *r, size_t position, const char *name, char *text)
@@ -167,6 +173,34 @@ static void cycles(void **state)
         (void)wire_read8(&r->w, 0, 0x0130); /* no process data */
     }
     assert_int_equal(set_count(r), 1);
+}
+
+/* A frame counts once, whichever of its datagrams has process data. */
+static void frames_with_process_data(void **state)
+{
+    static const struct {
+        uint8_t commands[2];
+        bool counts;
+    } rows[] = {{{NOP}, false},     {{APRD}, false},    {{APWR}, false},    {{APRW}, false},    {{FPRD}, false},
+                {{FPWR}, false},    {{FPRW}, false},    {{BRD}, false},     {{BWR}, false},     {{BRW}, false},
+                {{LRD}, true},      {{LWR}, true},      {{LRW}, true},      {{ARMW}, false},    {{FRMW}, false},
+                {{BRD, LRD}, true}, {{LRW, BRD}, true}, {{LRD, LWR}, true}, {{BRD, BRD}, false}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        teardown(state);
+        setup(state);
+        rig_t *r = *state;
+        START(r, "drop 0% after 2 cycles");
+        for (unsigned int sent = 1; sent <= 2; sent++) {
+            wire_build(&r->w, rows[i].commands[0], 0, 0x7FFF, "\0", 1);
+            if (rows[i].commands[1] != NOP)
+                wire_append(&r->w, rows[i].commands[1], 0, 0x7FFF, "\0", 1);
+            send_built(r);
+            const bool reached = set_count(r) == 1;
+            if (reached != (rows[i].counts && sent == 2))
+                fail_msg("commands %u and %u: after %u frames the step is %s", rows[i].commands[0], rows[i].commands[1],
+                         sent, reached ? "over" : "waiting");
+        }
+    }
 }
 
 static void one_after_the_other(void **state)
@@ -275,6 +309,39 @@ static void hangs_for_a_time(void **state)
     assert_int_equal(wire_al(&r->w, 1, 2, NULL), 1);
     advance(r, 100 * MS);
     assert_int_equal(wire_read8(&r->w, 1, 0x0130), 2);
+}
+
+/* A read of the EEPROM of slave 2, or its status without an end of the command, or with an error. */
+static uint32_t read_eeprom(rig_t *r)
+{
+    static const uint8_t command[] = {0x00, 0x01, 0x08, 0x00, 0x00, 0x00};
+    uint8_t data[4] = {0};
+    uint8_t idle[2] = {0};
+    assert_int_equal(wire_write(&r->w, 1, 0x0502, idle, sizeof idle), 1); /* clears an error */
+    assert_int_equal(wire_write(&r->w, 1, 0x0502, command, sizeof command), 1);
+    advance(r, 5 * MS);
+    const uint16_t status = wire_read16(&r->w, 1, 0x0502) & 0xA000;
+    assert_int_equal(wire_read(&r->w, 1, 0x0508, data, sizeof data), 1);
+    return status != 0 ? status : ect_load_le32(data);
+}
+
+static void eeprom_for_a_time(void **state)
+{
+    static const char *const lines[] = {"eeprom busy slave 2 for 100ms", "eeprom nack slave 2 for 100ms",
+                                        "eeprom flip 3 slave 2 for 100ms"};
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+        teardown(state);
+        setup(state);
+        rig_t *r = *state;
+        const uint32_t good = read_eeprom(r);
+        const uint32_t wanted[] = {0x8000, 0x2000, good ^ 0x00080008};
+        START(r, lines[i]);
+        const uint32_t got = read_eeprom(r);
+        if (got != wanted[i])
+            fail_msg("%s: expected 0x%X, got 0x%X", lines[i], wanted[i], got);
+        advance(r, 100 * MS);
+        assert_int_equal(read_eeprom(r), good);
+    }
 }
 
 /* --- signals ------------------------------------------------------------------------------------------------------ */
@@ -578,6 +645,34 @@ static void conditions(void **state)
     }
 }
 
+/* The value of a row after a quarter of the time between two cells: a number between numbers, whole between whole
+ * numbers; else no value.
+ */
+static void between_two_cells(void **state)
+{
+    static const struct {
+        const char *from, *to, *want; /* NULL: no value */
+    } rows[] = {{"0", "8", "2"},      {"8", "0", "6"},      {"0", "1", "0"},       {"-8", "-4", "-7"},
+                {"0.0", "1", "0.25"}, {"0", "1.0", "0.25"}, {"0e0", "1", "0.25"},  {"0", "1E0", "0.25"},
+                {"0.5", "0.5", NULL}, {"3", "3", NULL},     {"a", "1", NULL},      {"0", "a", NULL},
+                {"0 ", "1", NULL},    {"0", "1 mm", NULL},  {"inf", "1", NULL},    {"0", "nan", NULL},
+                {"", "1", NULL},      {"0", "", NULL},      {"0", "1e6", "250000"}};
+    static const char *const name = "ecat.drift";
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_table_t *table = ect_table_new(1, &name, 1);
+        assert_true(ect_table_add(table, 4 * MS, &rows[i].from) && ect_table_add(table, 8 * MS, &rows[i].to));
+        assert_null(ect_table_refine(table, MS));
+        assert_int_equal(table->count, 5);
+        assert_true(table->rows[1]->due_ns == 5 * MS);
+        const char *got = table->rows[1]->values[0];
+        if ((got == NULL) != (rows[i].want == NULL) || (got && strcmp(got, rows[i].want) != 0))
+            fail_msg("from '%s' to '%s': expected %s, got %s", rows[i].from, rows[i].to,
+                     rows[i].want ? rows[i].want : "no value", got ? got : "no value");
+        ect_table_free(table);
+    }
+}
+
 /* The most columns: each intermediate row has a value of each. */
 static void most_columns(void **state)
 {
@@ -621,7 +716,10 @@ static void wrong_tables(void **state)
         uint16_t slave;
         const char *name, *value, *why;
     } rows[] = {
-        {3, "ecat.drift", "1", "there is no slave 3"},
+        {0, "ecat.drift", "1", "there is no slave 0: the chain has 2"},
+        {1, "ecat.drift", "1", NULL},
+        {2, "ecat.drift", "1", NULL},
+        {3, "ecat.drift", "1", "there is no slave 3: the chain has 2"},
         {2, "bogus", "1", "slave 2 has no signal 'bogus'"},
         {1, "ecat.latch0", "2", "ecat.latch0 takes 0..1"},
         {1, "ecat.state", "2", "it can be read and watched, not set"},
@@ -892,6 +990,104 @@ static void refused_lines(void **state)
     assert_int_equal(r->s.step_count, 0);
 }
 
+/* Each number of a line at both ends of its range. */
+static void numbers(void **state)
+{
+    static const struct {
+        const char *line;
+        bool good;
+        uint64_t value; /* of its milestone or its end */
+    } rows[] = {
+        {"drop after 0 cycles", false, 0},
+        {"drop after 1 cycle", true, 1},
+        {"drop after 1000000000 cycles", true, 1000000000},
+        {"drop after 1000000001 cycles", false, 0},
+        {"drop within 1 cycles", true, 1},
+        {"drop for 0 cycles", false, 0},
+        {"drop at 2.5s", true, 2500 * MS},
+        {"drop at 3ms", true, 3 * MS},
+        {"drop at 7us", true, 7000},
+        {"drop at 0.0004us", true, 0},
+        {"drop at 0.0006us", true, 1},
+        {"drop at 1.0006us", true, 1001},
+        {"drop for 0s", true, 0},
+        {"drop for 999999999s", true, 999999999ull * 1000 * MS},
+        {"drop for 1000000000s", false, 0},
+        {"drop for 999999999000ms", true, 999999999000 * MS},
+        {"drop for 1000000000000ms", false, 0},
+        {"drop for 999999999000000us", true, 999999999000000 * 1000},
+        {"drop for 1000000000000000us", false, 0},
+        {"drop for -1us", false, 0},
+        {"drop for s", false, 0},
+        {"drop for 5", false, 0},
+        {"drop at frame 0", true, 0},
+        {"drop at the 0th upload of 0x1018", false, 0},
+        {"drop at the 1000000000th upload of 0x1018", true, 1000000000},
+        {"drop at the 1000000001st upload of 0x1018", false, 0},
+    };
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_step_t step;
+        const bool good = ect_step_read(rows[i].line, NULL, &step, r->message);
+        const uint64_t value = !good ? 0 : step.when_count > 0 ? step.when[0].value : step.until.value;
+        if (good != rows[i].good || value != rows[i].value)
+            fail_msg("'%s': expected %s with %llu, got %s with %llu", rows[i].line,
+                     rows[i].good ? "a step" : "a refusal", (unsigned long long)rows[i].value,
+                     good ? "a step" : "a refusal", (unsigned long long)value);
+    }
+}
+
+/* A fault that is over at once has no end. */
+static void faults_with_an_end(void **state)
+{
+    static const struct {
+        const char *fault;
+        bool lasts;
+    } rows[] = {
+        {"drop", true},
+        {"damage wire 1", true},
+        {"delay 1us", true},
+        {"duplicate", true},
+        {"reorder", true},
+        {"truncate 1", true},
+        {"corrupt", true},
+        {"counter 1", true},
+        {"off", false},
+        {"hang slave 1", true},
+        {"resume slave 1", false},
+        {"reset slave 1", false},
+        {"identity slave 1", false},
+        {"lose-event slave 1", false},
+        {"eeprom busy slave 1", true},
+        {"eeprom nack slave 1", true},
+        {"eeprom flip 1 slave 1", true},
+        {"eeprom ok slave 1", false},
+        {"clock 1ns slave 1", false},
+        {"pdi-error slave 1", false},
+        {"to PREOP slave 1", false},
+        {"init slave 1", false},
+        {"emergency 0x5530 slave 1", false},
+        {"al 0x001B slave 1", false},
+        {"al refuse 0x001B slave 1", true},
+        {"al never slave 1", true},
+        {"abort 0x1C12 0x06040043 slave 1", true},
+        {"mail toggle slave 1", true},
+        {"mail lost slave 1", true},
+        {"pdo-size 1 slave 1", true},
+    };
+    rig_t *r = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char line[ECT_STEP_LINE], want[ECT_STEP_MESSAGE] = "", message[ECT_STEP_MESSAGE] = "";
+        ect_step_t step;
+        snprintf(line, sizeof line, "%s for 1s", rows[i].fault);
+        if (!rows[i].lasts)
+            snprintf(want, sizeof want, "'while', 'until' and 'for' need a fault that lasts, not '%s'", rows[i].fault);
+        if (ect_step_read(line, NULL, &step, message) != rows[i].lasts || strcmp(message, want) != 0)
+            fail_msg("'%s': expected '%s', got '%s'", line, want, message);
+        assert_true(ect_step_read(rows[i].fault, NULL, &step, r->message));
+    }
+}
+
 enum { STEP_TEXT = 768 };
 
 /* The meaning of a step, each member of it. */
@@ -951,6 +1147,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         TEST("a step waits for frames with process data", cycles),
+        TEST("frames with a logical address are those with process data", frames_with_process_data),
         TEST("milestones are reached one after the other", one_after_the_other),
         TEST("a step waits for SDO transfers of the slave that it names", transfers),
         TEST("a step without a slave waits for SDO transfers of any", transfers_of_any),
@@ -958,6 +1155,7 @@ int main(int argc, char **argv)
         TEST("a saved script has faults that last and steps that are not over", is_left),
         TEST("a line of 255 characters is left whole", the_longest_line_is_left),
         TEST("a slave hangs for a time", hangs_for_a_time),
+        TEST("CF-055: an EEPROM is busy, does not reply, or has a wrong bit for a time", eeprom_for_a_time),
         TEST("a step sets signals; their end sets the value from before", sets),
         TEST("the end of a step sets a text with spaces, of any length, again", sets_a_text_again),
         TEST("a signal that is set takes effect for the first frame from its time on", in_its_cycle),
@@ -967,6 +1165,7 @@ int main(int argc, char **argv)
         TEST("the verdict is running, met, failed or over", verdicts_as_a_signal),
         TEST("a table begins again at the time of its last row; rows between rows are on the line", loops_and_lines),
         TEST("a condition compares numbers as numbers, other values as texts", conditions),
+        TEST("a row between two cells has a number between their numbers", between_two_cells),
         TEST("a table may have the most columns, and a value of each between two rows", most_columns),
         TEST("a loop without a time, and more than a million rows, are refused", tables_without_measure),
         TEST("signals, values and slaves of a table are checked before the run", wrong_tables),
@@ -979,6 +1178,8 @@ int main(int argc, char **argv)
         TEST("at the end of a run each expectation that is not judged has failed", expectations_at_the_end),
         TEST("each expectation and the verdict have one line", printed),
         TEST("a line that makes no sense is refused with the expected words", refused_lines),
+        TEST("numbers of a line are taken within their ranges", numbers),
+        TEST("a fault with an end is one that lasts", faults_with_an_end),
         TEST("the words of a line may have any order", any_order),
     };
     if (argc > 1)

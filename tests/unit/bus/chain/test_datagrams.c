@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Working counters of recurring datagrams (src/bus/chain/datagrams.h). */
+#define _GNU_SOURCE
 #include "bus/chain/datagrams.h"
 
 #include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include "support/wire.h"
 
@@ -109,7 +112,7 @@ static void many_datagrams(void **state)
     assert_int_equal(seen, 0xFFu << 3);
 }
 
-/* Two datagrams, in each form of a frame, and truncated at each byte. */
+/* Two datagrams, in each form of a frame, and truncated at each byte: behind the last one is no memory. */
 static void frames(void **state)
 {
     static const struct {
@@ -117,7 +120,11 @@ static void frames(void **state)
         size_t before; /* bytes between the type, or the tag, and the EtherCAT header */
         bool tag;
     } rows[] = {{0x88A4, 0, false}, {0x88A4, 0, true}, {0x0800, 28, false}, {0x0800, 28, true}, {0x0806, 0, false}};
+    const size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    uint8_t *pages = mmap(NULL, 2 * page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     (void)state;
+    assert_true(pages != MAP_FAILED);
+    assert_int_equal(mprotect(pages + page, page, PROT_NONE), 0);
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         uint8_t frame[128] = {0};
         size_t at = 12;
@@ -138,11 +145,13 @@ static void frames(void **state)
         for (size_t length = 0; length <= both; length++) {
             ect_datagrams_t d = {0};
             ect_datagrams_want(&d, 0, UINT64_MAX);
-            ect_datagrams_count(&d, frame, length, 0);
+            memcpy(pages + page - length, frame, length);
+            ect_datagrams_count(&d, pages + page - length, length, 0);
             assert_int_equal(d.count, rows[i].type == 0x0806 ? 0 : (length >= first) + (length >= both));
             assert_int_equal(d.all[0].counter, d.count > 0 ? 9 : 0);
         }
     }
+    assert_int_equal(munmap(pages, 2 * page), 0);
 }
 
 int main(int argc, char **argv)

@@ -1041,6 +1041,158 @@ static void memory_runs_out(void **state)
     ect_names_free(names);
 }
 
+/* The same of a chain with all that its twins can have. Without memory for the delays the chain has none. */
+static void chain_without_memory(void **state)
+{
+    const ect_device_t *device = &ect_eclink_map1;
+    ect_twin_config_t twins[2] = {ect_twin_default(&testdev, NULL), ect_twin_default(device, plant_of(device))};
+    ect_chain_t *chain = NULL;
+    unsigned int left = 0;
+    (void)state;
+    twins[0].slow.receive_ns = 10;
+    for (; !chain; left++) {
+        callocs_left = left;
+        chain = ect_chain_new(twins, 2, 0);
+        callocs_left = UINT_MAX;
+    }
+    assert_in_range(left, 20, 100);
+    ect_chain_free(chain);
+    for (; left > 0; left--) {
+        callocs_left = left - 1;
+        const size_t wrong = ect_chain_check_wires(twins, 2);
+        callocs_left = UINT_MAX;
+        assert_int_equal(wrong, 2); /* not checked */
+    }
+}
+
+/* A call for which there is no memory is refused, and changes nothing. */
+static void calls_without_memory(void **state)
+{
+    const ect_device_t *devices[] = {&testdev, &testdev};
+    const ect_fault_t fault = {.kind = ECT_FAULT_MAIL_LOST, .slave = 1};
+    const ect_setting_t settings[] = {{"ecat.latch0", "1"}, {"ecat.latch1", "1"}};
+    const char *const values[] = {"1", "1"};
+    char message[ECT_SIGNAL_MESSAGE], text[ECT_SIGNAL_TEXT_ROOM];
+    ect_setting_place_t places[2];
+    ect_connection_t connection = {.from = 0, .to = 1, .factor = 1, .delay_ns = MS};
+    uint8_t data = 0;
+    wire_t w;
+    (void)state;
+    wire_open(&w, devices, 2);
+    assert_true(ect_chain_signal(w.chain, 0, "ecat.latch0", &connection.source));
+    assert_true(ect_chain_signal(w.chain, 1, "ecat.latch1", &connection.target));
+    for (size_t i = 0; i < 2; i++)
+        assert_true(ect_settings_find(w.chain, 0, settings[i].name, &places[i], message));
+    callocs_left = 0;
+    const char *why = ect_chain_fault(w.chain, &fault, w.now_ns);
+    callocs_left = UINT_MAX;
+    assert_string_equal(why, "there is not enough memory");
+    assert_null(ect_chain_fault_at(w.chain, 0));
+    for (unsigned int left = 0; left < 2; left++) { /* the steps, and the state of the twin */
+        callocs_left = left;
+        const bool applied = ect_settings_apply(w.chain, 0, settings, 2, w.now_ns, message);
+        callocs_left = UINT_MAX;
+        assert_false(applied);
+        assert_string_equal(message, "not enough memory");
+        callocs_left = left;
+        const bool written = ect_settings_write(w.chain, places, values, 2, w.now_ns, message);
+        callocs_left = UINT_MAX;
+        assert_false(written);
+        assert_string_equal(message, "not enough memory");
+        callocs_left = left;
+        const bool connected = ect_chain_connect(w.chain, &connection, 1);
+        callocs_left = UINT_MAX;
+        assert_false(connected);
+    }
+    for (size_t i = 0; i < 2; i++) {
+        ect_signal_read(&places[i].ref, text);
+        assert_string_equal(text, "0");
+    }
+    assert_true(ect_settings_apply(w.chain, 0, settings, 2, w.now_ns, message));
+    assert_true(ect_chain_connect(w.chain, &connection, 1));
+    callocs_left = 0; /* of the delays: a link is cut nevertheless */
+    ect_chain_set_link(w.chain, ECT_END_IN, false);
+    callocs_left = UINT_MAX;
+    assert_int_equal(wire_send(&w, BRD, 0, 0, &data, 1), NO_REPLY);
+    ect_chain_set_link(w.chain, ECT_END_IN, true);
+    assert_int_equal(wire_send(&w, BRD, 0, 0, &data, 1), 2);
+    wire_close(&w);
+}
+
+static void pull_a_plug(wire_t *w)
+{
+    const ect_setting_t pulled = {.name = "ecat.plug_out", .value = "0"};
+    char message[ECT_SIGNAL_MESSAGE];
+    assert_true(ect_settings_apply(w->chain, 0, &pulled, 1, w->now_ns, message));
+}
+
+static void cut_the_first(wire_t *w)
+{
+    ect_chain_set_link(w->chain, ECT_END_IN, false);
+}
+
+static void close_a_ring(wire_t *w)
+{
+    ect_chain_set_link(w->chain, ECT_END_OUT, true);
+}
+
+static void set_a_guard(wire_t *w)
+{
+    ect_chain_guard(w->chain, let_pass, NULL);
+}
+
+static void enable_a_write(wire_t *w)
+{
+    assert_int_equal(wire_write8(w, 1, 0x0020, 1), 1); /* for the next frame */
+}
+
+static void protect(wire_t *w)
+{
+    assert_int_equal(wire_write8(w, 1, 0x0021, 1), 1);
+}
+
+static void circulate(wire_t *w)
+{
+    const ect_setting_t pulled = {.name = "ecat.plug_in", .value = "0"};
+    char message[ECT_SIGNAL_MESSAGE];
+    assert_true(ect_settings_apply(w->chain, 0, &pulled, 1, w->now_ns, message));
+    wire_poll(w);
+}
+
+/* Replies in advance are those of frames on the fast path; a plug that was pulled takes effect at the next poll. */
+static void steady_chains(void **state)
+{
+    static const struct {
+        const char *title;
+        void (*happens)(wire_t *w);
+        bool after_a_poll;
+    } rows[] = {{"a plug is pulled", pull_a_plug, true},
+                {"no cable at the input", cut_the_first, false},
+                {"a cable at the output", close_a_ring, false},
+                {"a guard", set_a_guard, false},
+                {"a write is enabled for the next frame", enable_a_write, false},
+                {"writes are protected", protect, false},
+                {"no link at port 0", circulate, false}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_device_t *devices[] = {&testdev, &testdev};
+        ect_chain_steady_t steady = {0};
+        wire_t w;
+        wire_open(&w, devices, 2);
+        w.manual_poll = true;
+        wire_poll(&w);
+        assert_true(ect_chain_steady(w.chain, &steady));
+        assert_int_equal(steady.reach, 2);
+        rows[i].happens(&w);
+        if (ect_chain_steady(w.chain, &steady))
+            fail_msg("%s: expected no replies in advance", rows[i].title);
+        wire_poll(&w);
+        if (ect_chain_steady(w.chain, &steady) != rows[i].after_a_poll)
+            fail_msg("%s: expected replies in advance after a poll: %d", rows[i].title, rows[i].after_a_poll);
+        wire_close(&w);
+    }
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -1059,6 +1211,10 @@ int main(int argc, char **argv)
         {"CF-004: a station alias that is switched off gets no reply and no system time", an_alias_that_is_switched_off,
          NULL, NULL, NULL},
         {"a line without memory is refused, and allocates none", memory_runs_out, NULL, NULL, NULL},
+        {"a chain without memory is refused, and allocates none", chain_without_memory, NULL, NULL, NULL},
+        {"a call without memory is refused, and changes nothing", calls_without_memory, NULL, NULL, NULL},
+        {"replies in advance need a line, no guard, and no frame with an effect of its own", steady_chains, NULL, NULL,
+         NULL},
         {"CF-088: system times of one frame take effect at its end, in the order of its datagrams",
          times_within_a_frame, NULL, NULL, NULL},
         {"link lamps flicker at the slaves that frames reach", lamps_within_reach, NULL, NULL, NULL},

@@ -211,6 +211,8 @@ static void a_name_that_hides_a_signal_is_refused(void **state)
     } rows[] = {
         {"unit", "the name 'unit' of twin 2 hides the signal 'unit.on' of twin 1: choose another name"},
         {"ecat", "the name 'ecat' of twin 2 hides the signal 'ecat.run' of twin 1: choose another name"},
+        {"scenario", "the name 'scenario' hides the signals of a scenario: choose another name"},
+        {"scenarios", NULL},
         {"low", NULL}, /* low.low is no name of a signal */
     };
     wire_t w;

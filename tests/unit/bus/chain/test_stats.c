@@ -116,6 +116,25 @@ static void longest(void **state)
     }
 }
 
+/* Replies of plans are replies too, with classes and a longest time of their own. */
+static void in_the_kernel(void **state)
+{
+    ect_stats_t stats = {0};
+    (void)state;
+    ect_stats_answer(&stats, 7 * US);
+    ect_stats_kernel_answer(&stats, 3 * US);
+    ect_stats_kernel_answer(&stats, 2 * US);
+    assert_int_equal(stats.answered, 3);
+    assert_int_equal(stats.in_kernel, 2);
+    assert_true(stats.longest_answer_ns == 7 * US);
+    assert_true(stats.longest_kernel_ns == 3 * US);
+    for (size_t step = 0; step < ECT_STATS_STEPS; step++) {
+        const uint32_t edge_us = ect_stats_edge_us(step);
+        assert_int_equal(stats.answers[step], edge_us == 10);
+        assert_int_equal(stats.kernel_answers[step], edge_us == 5 ? 2 : 0);
+    }
+}
+
 static void late_polls(void **state)
 {
     ect_stats_t stats = {0};
@@ -137,6 +156,7 @@ int main(int argc, char **argv)
         {"each class ends before its edge, and the last one has none", edges, NULL, NULL, NULL},
         {"quantiles at the borders of the classes", quantile_borders, NULL, NULL, NULL},
         {"the longest reply and the latest run are kept", longest, NULL, NULL, NULL},
+        {"replies in the kernel are counted apart", in_the_kernel, NULL, NULL, NULL},
         {"late runs of the devices are counted", late_polls, NULL, NULL, NULL},
     };
     if (argc > 1)

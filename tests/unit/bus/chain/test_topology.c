@@ -401,6 +401,26 @@ static void frame_continues(void **state)
     }
 }
 
+static void wires(void **state)
+{
+    (void)state;
+    for (size_t p = 0; p < PLANS; p++) {
+        wire_t w;
+        open_plan(&w, &plans[p]);
+        for (size_t i = 0; i < plans[p].count; i++) {
+            const bool line = plans[p].at[i].port == 0;
+            const size_t want = i == 0 ? 0 : line ? i : plans[p].at[i].up + 1;
+            const unsigned int want_port = i == 0 ? 0 : line ? 1 : plans[p].at[i].port;
+            unsigned int port = 9;
+            const size_t up = ect_chain_wire(w.chain, i, &port);
+            if (up != want || port != want_port)
+                fail_msg("%s: twin %zu: expected port %u of %zu, got port %u of %zu", plans[p].what, i + 1, want_port,
+                         want, port, up);
+        }
+        wire_close(&w);
+    }
+}
+
 /* Behind the last slave, at the chain's other end. */
 static void goes_on_behind_the_last(void **state)
 {
@@ -431,6 +451,8 @@ int main(int argc, char **argv)
         {"CF-003 CF-010: a master finds the slaves of a tree in the order of the ports, DL status shows which are open",
          orders, NULL, NULL, NULL},
         {"a tree that cannot be wired is refused, with the twin that cannot", refused, NULL, NULL, NULL},
+        {"the wire at the input of a twin comes from a port of another twin, or from the master", wires, NULL, NULL,
+         NULL},
         {"CF-010 CF-096: a cut of each wire of a tree removes the twins behind it until the wire is restored",
          cut_and_mended, NULL, NULL, NULL},
         {"CF-010: loop control cuts and restores; with a loop forced open without a wire, frames are lost",

@@ -531,6 +531,270 @@ static void large_blocks(void **state)
     wire_close(&w);
 }
 
+/* --- services of a twin ------------------------------------------------------------------------------------------- */
+
+static ect_bulk_t bulk_of(const void *instance)
+{
+    return (ect_bulk_t){.data = ((const testdev_t *)instance)->octets, .size = 3};
+}
+
+static void hang(wire_t *w)
+{
+    do_fault(w, ECT_FAULT_HANG);
+}
+
+static void leave_the_bus(wire_t *w)
+{
+    testdev_of(w, 0)->host->off_bus(testdev_of(w, 0)->host->ctx, true);
+}
+
+static void do_nothing(wire_t *w)
+{
+    (void)w;
+}
+
+static void services(void **state)
+{
+    static const ect_modbus_t modbus = {0};
+    static const ect_plant_t plant = {.modbus = &modbus, .bulk = bulk_of}, other = {0};
+    static const ect_protocol_t *const emergency_alone[] = {&ect_protocol_emergency, NULL};
+    ect_device_t without_sdo = testdev, without_protocols = testdev;
+    const struct {
+        const char *title;
+        const ect_device_t *device;
+        const ect_plant_t *plant;
+        void (*happens)(wire_t *w);
+        bool modbus, bulk;
+        const char *why; /* SDO is refused; NULL: it is not */
+    } rows[] = {
+        {"a twin at work", &testdev, &plant, do_nothing, true, true, NULL},
+        {"a plant without them", &testdev, &other, do_nothing, false, false, NULL},
+        {"no plant", &testdev, NULL, do_nothing, false, false, NULL},
+        {"a twin that hangs", &testdev, &plant, hang, false, true, "its microcontroller hangs: 'resume' continues it"},
+        {"a twin off the bus", &testdev, &plant, leave_the_bus, false, true, "it is switched off"},
+        {"a device with other protocols", &without_sdo, &plant, do_nothing, true, true,
+         "its device has no object dictionary"},
+        {"a device without protocols", &without_protocols, &plant, hang, false, true,
+         "its device has no object dictionary"},
+    };
+    (void)state;
+    without_sdo.protocols = emergency_alone;
+    without_protocols.protocols = NULL;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_twin_config_t twins[] = {ect_twin_default(rows[i].device, rows[i].plant),
+                                           ect_twin_default(&testdev, NULL)};
+        const char *why = "nothing";
+        void *instance = NULL;
+        wire_t w;
+        wire_open_twins(&w, twins, 2);
+        rows[i].happens(&w);
+        const ect_modbus_t *got = ect_chain_modbus(w.chain, 0, &instance);
+        const ect_bulk_t bulk = ect_chain_bulk(w.chain, 0);
+        const ect_slave_t *slave = ect_chain_sdo(w.chain, 0, &why);
+        if ((got == &modbus) != rows[i].modbus || (bulk.size == 3) != rows[i].bulk || (slave == NULL) != (why != NULL))
+            fail_msg("%s: Modbus %d, bulk %zu, SDO %d", rows[i].title, got != NULL, bulk.size, slave != NULL);
+        assert_ptr_equal(instance, testdev_of(&w, 0));
+        assert_ptr_equal(bulk.data, rows[i].bulk ? testdev_of(&w, 0)->octets : NULL);
+        assert_ptr_equal(slave, rows[i].why ? NULL : ect_chain_slave(w.chain, 0));
+        assert_string_equal(why ? why : "", rows[i].why ? rows[i].why : "");
+        assert_ptr_equal(ect_chain_sdo(w.chain, 1, &why), ect_chain_slave(w.chain, 1)); /* the other twin works */
+        wire_close(&w);
+    }
+}
+
+/* The twins that have run at a poll, in their order. */
+typedef struct runs {
+    char positions[8];
+    size_t count;
+    uint64_t now_ns;
+} runs_t;
+
+static void note_run(void *ctx, size_t position, uint64_t now_ns)
+{
+    runs_t *runs = ctx;
+    assert_true(runs->count + 1 < sizeof runs->positions);
+    runs->positions[runs->count++] = (char)('0' + position);
+    runs->now_ns = now_ns;
+}
+
+static void observed(void **state)
+{
+    const ect_device_t *const devices[] = {&testdev, &testdev, &testdev};
+    runs_t runs = {0};
+    wire_t w;
+    (void)state;
+    wire_open(&w, devices, 3);
+    w.now_ns += 1000 * MS;
+    wire_poll(&w);
+    ect_chain_observe(w.chain, note_run, &runs);
+    (void)ect_chain_poll(w.chain, w.now_ns);
+    assert_string_equal(runs.positions, "");
+    ect_chain_wake(w.chain, 2);
+    ect_chain_wake(w.chain, 0);
+    w.now_ns += MS;
+    (void)ect_chain_poll(w.chain, w.now_ns);
+    assert_string_equal(runs.positions, "02");
+    assert_true(runs.now_ns == w.now_ns);
+    ect_chain_observe(w.chain, NULL, NULL);
+    ect_chain_wake(w.chain, 1);
+    (void)ect_chain_poll(w.chain, w.now_ns);
+    assert_string_equal(runs.positions, "02");
+    wire_close(&w);
+}
+
+/* --- the EEPROM --------------------------------------------------------------------------------------------------- */
+
+typedef struct written {
+    unsigned int calls;
+    uint32_t size;
+    uint8_t sii[4096];
+} written_t;
+
+static void note_written(void *ctx, const uint8_t *sii, uint32_t size)
+{
+    written_t *written = ctx;
+    assert_in_range(size, 1, sizeof written->sii);
+    written->calls++;
+    written->size = size;
+    memcpy(written->sii, sii, size);
+}
+
+static void eeprom_written(void **state)
+{
+    enum { WORD = 0x0030 };
+    static const uint8_t write[] = {0x01, 0x02, WORD, 0, 0, 0, 0xA5, 0x5A};
+    ect_twin_config_t twin = ect_twin_default(&testdev, NULL);
+    written_t written = {0};
+    wire_t w;
+    (void)state;
+    twin.sii_written = note_written;
+    twin.sii_ctx = &written;
+    wire_open_twins(&w, &twin, 1);
+    wire_advance(&w, 10 * MS);
+    assert_int_equal(written.calls, 0);
+    for (unsigned int n = 1; n <= 2; n++) {
+        assert_int_equal(wire_write(&w, 0, 0x0508, write + 6, 2), 1);
+        assert_int_equal(wire_write(&w, 0, 0x0502, write, 6), 1);
+        wire_advance(&w, 10 * MS);
+        assert_int_equal(written.calls, n); /* once for each write */
+    }
+    assert_int_equal(written.size, testdev.sii_size);
+    assert_int_equal(ect_load_le16(written.sii + 2 * WORD), 0x5AA5);
+    wire_close(&w);
+}
+
+static void eeprom_as_given(void **state)
+{
+    static const uint8_t read[] = {0x00, 0x01, 0x40, 0, 0, 0};
+    static uint8_t sii[4096];
+    ect_twin_config_t twin = ect_twin_default(&testdev, NULL);
+    (void)state;
+    assert_in_range(testdev.sii_size, 0x84, sizeof sii);
+    for (unsigned int given = 0; given < 2; given++) {
+        uint8_t data[4];
+        wire_t w;
+        twin.sii = given != 0 ? sii : NULL;
+        wire_open_twins(&w, &twin, 1);
+        if (given == 0)
+            memcpy(sii, ect_chain_esc(w.chain, 0)->config.sii, testdev.sii_size);
+        memcpy(sii + 0x80, "\x12\x34\x56\x78", 4);
+        assert_int_equal(wire_write(&w, 0, 0x0502, read, sizeof read), 1);
+        wire_advance(&w, 10 * MS);
+        assert_int_equal(wire_read(&w, 0, 0x0508, data, sizeof data), 1);
+        assert_int_equal(ect_load_le32(data) == 0x78563412, given != 0);
+        wire_close(&w);
+    }
+}
+
+/* --- frames that have left in advance ----------------------------------------------------------------------------- */
+
+/* While the chain catches up, outputs reach the device; its inputs are those of the frames that have left. */
+static void catches_up(void **state)
+{
+    enum { INPUTS = 0x1300 };
+    const ect_device_t *const devices[] = {&testdev, &testdev};
+    wire_t w;
+    (void)state;
+    wire_open(&w, devices, 2);
+    for (size_t i = 0; i < 2; i++)
+        wire_go(&w, i, ECT_STATE_OP);
+    w.manual_poll = true;
+    for (uint8_t n = 1; n <= 3; n++) {
+        uint8_t inputs[3];
+        for (size_t i = 0; i < 2; i++)
+            testdev_of(&w, i)->in_u16 = (uint16_t)(0x1100 * n + i);
+        w.now_ns += MS;
+        assert_int_equal(wire_outputs(&w, 1, n), 1);
+        assert_true(ect_chain_catch_up(w.chain, w.now_ns) > w.now_ns);
+        assert_int_equal(testdev_of(&w, 1)->out_u16, 0x0101 * n);
+        assert_int_equal(wire_read(&w, 1, INPUTS, inputs, sizeof inputs), 1);
+        assert_int_equal(ect_load_le16(inputs), n > 1 ? 0x1100 * (n - 1) + 1 : 0);
+        (void)ect_chain_poll(w.chain, w.now_ns);
+        assert_int_equal(wire_read(&w, 1, INPUTS, inputs, sizeof inputs), 1);
+        assert_int_equal(ect_load_le16(inputs), 0x1100 * n + 1);
+    }
+    wire_close(&w);
+}
+
+static bool let_pass(void *ctx, ect_crossing_t *crossing)
+{
+    (void)ctx;
+    (void)crossing;
+    return true;
+}
+
+/* Each frame is recorded, whether it takes the fast path or, with a guard, the path of the reference. */
+static void lamps_after_any_frame(void **state)
+{
+    static const bool guarded[] = {false, true, true, false, false, true};
+    const ect_device_t *const devices[] = {&testdev, &testdev};
+    uint8_t data = 0;
+    wire_t w;
+    (void)state;
+    wire_open(&w, devices, 2);
+    w.manual_poll = true;
+    for (size_t i = 0; i < sizeof guarded / sizeof guarded[0]; i++) {
+        w.now_ns += ECT_INDICATOR_TRAFFIC_NS - 1;
+        if (guarded[i])
+            ect_chain_guard(w.chain, let_pass, NULL);
+        assert_int_equal(wire_send(&w, BRD, 0, 0, &data, 1), 2);
+        const uint64_t quiet_ns = w.now_ns + ECT_INDICATOR_TRAFFIC_NS;
+        for (unsigned int n = 0; n < 2; n++) {
+            const uint64_t next_ns = ect_chain_poll(w.chain, quiet_ns - 1 + n);
+            assert_true(n == 0 ? next_ns == quiet_ns : next_ns == ECT_NEVER);
+            for (size_t position = 0; position < 2; position++) {
+                char text[ECT_SIGNAL_TEXT_ROOM];
+                ect_signal_ref_t lamp;
+                assert_true(ect_chain_signal(w.chain, position, "ecat.link_in", &lamp));
+                ect_signal_read(&lamp, text);
+                assert_string_equal(text, n == 0 ? "flickering" : "on");
+            }
+        }
+        w.now_ns = quiet_ns;
+    }
+    wire_close(&w);
+}
+
+/* A twin that is powered on has no station address, also for a frame before the next poll. */
+static void reset_between_polls(void **state)
+{
+    const ect_device_t *const devices[] = {&testdev, &testdev};
+    uint8_t data = 0;
+    wire_t w;
+    (void)state;
+    wire_open(&w, devices, 2);
+    w.manual_poll = true;
+    for (size_t i = 0; i < POWER_ONS; i++) {
+        assert_int_equal(wire_read(&w, 0, 0, &data, 1), 1);
+        power_ons[i].happens(&w);
+        if (wire_read(&w, 0, 0, &data, 1) != 0)
+            fail_msg("%s: the station address is still there", power_ons[i].what);
+        assert_int_equal(wire_send(&w, BRD, 0, 0, &data, 1), 2);
+        wire_assign_stations(&w);
+    }
+    wire_close(&w);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -559,6 +823,16 @@ int main(int argc, char **argv)
         {"replies in advance remain valid after a fault that restarts no twin", version_after_faults, NULL, NULL, NULL},
         {"all plugs of a twin are plugged in at first", plugs_at_first, NULL, NULL, NULL},
         {"a chain is unfinished while the plant of one of its twins reports work", unfinished_work, NULL, NULL, NULL},
+        {"Modbus, mass data and SDO of a twin, and the reasons for their refusal", services, NULL, NULL, NULL},
+        {"a poll reports each twin that has run", observed, NULL, NULL, NULL},
+        {"a write of the master to the EEPROM is reported once, with the whole content", eeprom_written, NULL, NULL,
+         NULL},
+        {"a twin may have a given content of the EEPROM", eeprom_as_given, NULL, NULL, NULL},
+        {"inputs remain until the chain has caught up with past frames", catches_up, NULL, NULL, NULL},
+        {"link lamps flicker after each frame, until the time that the poll returns", lamps_after_any_frame, NULL, NULL,
+         NULL},
+        {"CF-001: a twin that is powered on has no station address for the next frame", reset_between_polls, NULL, NULL,
+         NULL},
         {"the large blocks of a chain contain each ESC, its RAM, and the routes", large_blocks, NULL, NULL, NULL},
         {"CF-057: every device has a name and a product code of its own", catalogue_names, NULL, NULL, NULL},
         {"a program's own devices follow those of this tree in the catalogue", catalogue_grows, NULL, NULL, NULL},

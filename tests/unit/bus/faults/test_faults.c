@@ -736,6 +736,100 @@ static void late_on_a_wire(void **state)
     assert_int_not_equal(write_all(r, 3), 0);
 }
 
+/* Each row: frames that write their number to all slaves, the first one late; then the bytes of the slaves. */
+static void late_in_one_direction(void **state)
+{
+    static const struct {
+        const char *fault;
+        uint8_t first[TWINS], second[TWINS];
+    } rows[] = {
+        {"delay 3000us frame 1 wire 1", {0, 0, 0}, {0, 0, 0}},
+        {"delay 3000us frame 1 wire 2", {1, 0, 0}, {2, 0, 0}},
+        {"delay 3000us frame 1 wire 3", {1, 1, 0}, {2, 2, 0}},
+        {"delay 3000us frame 1 wire 3 back", {1, 1, 1}, {2, 2, 2}},
+        {"delay 3000us frame 1 wire 2 back", {1, 1, 1}, {2, 2, 2}},
+        {"delay 3000us frame 1 wire 1 back", {1, 1, 1}, {2, 2, 2}},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        (void)teardown(state);
+        (void)setup(state);
+        rig_t *r = *state;
+        set(r, rows[i].fault);
+        assert_int_equal(write_all(r, 1), 0);
+        expect_bytes(r, rows[i].fault, rows[i].first);
+        assert_int_equal(write_all(r, 2), 0); /* it waits on the same wire, in the same direction */
+        assert_int_equal(r->s.wires.result, ECT_WIRES_KEEP);
+        assert_int_equal(r->s.wires.kept_count, 2);
+        expect_bytes(r, rows[i].fault, rows[i].second);
+        r->w.now_ns += 3 * MS;
+        assert_int_equal(release(r), 3);
+        assert_int_equal(release(r), 3);
+        expect_bytes(r, rows[i].fault, (uint8_t[]){2, 2, 2});
+        assert_int_not_equal(write_all(r, 3), 0);
+    }
+}
+
+/* Frames on other wires are due at times of their own: the earliest is next. */
+static void late_on_two_wires(void **state)
+{
+    rig_t *r = *state;
+    const uint64_t begin_ns = r->w.now_ns;
+    set(r, "delay 5000us frame 1 wire 3");
+    set(r, "delay 2000us frame 2 wire 2");
+    assert_int_equal(write_all(r, 1), 0);
+    assert_true(ect_wires_due(&r->s.wires) == begin_ns + 5 * MS);
+    assert_int_equal(write_all(r, 2), 0);
+    assert_true(ect_wires_due(&r->s.wires) == begin_ns + 2 * MS);
+    expect_bytes(r, "both are late", (uint8_t[]){2, 1, 0});
+    r->w.now_ns = begin_ns + 2 * MS;
+    assert_int_equal(release(r), 3);
+    expect_bytes(r, "the second one has come", (uint8_t[]){2, 2, 2});
+    assert_true(ect_wires_due(&r->s.wires) == begin_ns + 5 * MS);
+    r->w.now_ns = begin_ns + 5 * MS;
+    assert_int_equal(release(r), 3);
+    expect_bytes(r, "the first one has come", (uint8_t[]){2, 2, 1});
+}
+
+static void truncated_twice(void **state)
+{
+    rig_t *r = *state;
+    set(r, "truncate 2 frame 1 wire 3 back");
+    set(r, "truncate 3 frame 1 wire 2 back");
+    const size_t truncated = write_all(r, 1);
+    assert_int_equal(truncated, r->w.frame_length - 5);
+    assert_int_equal(r->s.wires.cut, 5);
+    const size_t whole = write_all(r, 2);
+    assert_int_equal(whole, r->w.frame_length);
+    assert_int_equal(r->s.wires.cut, 0);
+}
+
+/* The next frame is not behind the copy of a frame: nothing delays it. */
+static void twice_without_a_delay(void **state)
+{
+    rig_t *r = *state;
+    set(r, "duplicate frame 1 wire 2");
+    assert_int_not_equal(write_all(r, 1), 0);
+    assert_int_not_equal(write_all(r, 2), 0);
+    assert_int_equal(r->s.wires.kept_count, 1);
+    expect_bytes(r, "the next frame", (uint8_t[]){2, 2, 2});
+    assert_int_equal(release(r), 3);
+    expect_bytes(r, "the copy of the first frame", (uint8_t[]){2, 1, 1});
+}
+
+static void most_faults_of_a_frame(void **state)
+{
+    ect_wires_t wires = {0};
+    const ect_fault_t fault = {.kind = ECT_FAULT_DROP, .slave = 1};
+    uint32_t seed = 1;
+    (void)state;
+    ect_wires_begin(&wires, &seed, 0);
+    for (size_t n = 1; n <= ECT_WIRES_FAULTS + 1u; n++) {
+        ect_wires_add(&wires, &fault);
+        assert_int_equal(wires.fault_count, n < ECT_WIRES_FAULTS ? n : ECT_WIRES_FAULTS);
+    }
+    assert_null(wires.kept);
+}
+
 static void twice_on_a_wire(void **state)
 {
     rig_t *r = *state;
@@ -800,7 +894,9 @@ static void script(void **state)
     char happened[16];
     read_line(r, "# a comment");
     read_line(r, "   ");
-    read_line(r, "duplicate every 2   # from the beginning\n");
+    read_line(r, " \t duplicate every 2   # from the beginning\n");
+    assert_int_equal(r->s.step_count, 1);
+    assert_string_equal(r->s.steps[0].text, "duplicate every 2");
     read_line(r, "at frame 5 off\r\n");
     read_line(r, "at 0.0065s reorder");
     read_line(r, "at slave 2 PREOP counter 3");
@@ -917,7 +1013,17 @@ static void highest_slaves(void **state)
                 {"at slave 2 OP drop", 2},
                 {"at slave 1 OP hang slave 3", 3},
                 {"drop wire 2", 2},
-                {"at slave 4 OP hang slave 1", 4}};
+                {"at slave 4 OP hang slave 1", 4},
+                {"at slave 5 OP at slave 4 PREOP hang slave 1", 5},
+                {"at slave 4 OP at slave 5 PREOP hang slave 1", 5},
+                {"hang slave 1 until slave 4 OP", 4},
+                {"hang slave 1 until slave 4 OP again", 4},
+                {"hang slave 1 while slave 4 OP", 4},
+                {"hang slave 2 until slave 1 OP", 2},
+                {"hang slave 2 for 5s", 2},
+                {"set 3:a=1", 3},
+                {"set 3:a=1 until slave 4 OP", 4},
+                {"expect 3:a=1 within 5 cycles", 3}};
     rig_t *r = *state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         r->s = (ect_scenario_t){.seed = 1};
@@ -961,6 +1067,11 @@ int main(int argc, char **argv)
         TEST("CF-011: frames that are changed, truncated or miscounted on a wire: the slaves behind it receive them so",
              changed_on_wires),
         TEST("a frame that is late on a wire: those behind wait for it, and no other one overtakes it", late_on_a_wire),
+        TEST("a frame waits for a late one on the same wire in the same direction alone", late_in_one_direction),
+        TEST("the earliest of the late frames on wires continues first", late_on_two_wires),
+        TEST("a frame is truncated on two wires", truncated_twice),
+        TEST("no frame waits for the copy of a frame that comes twice", twice_without_a_delay),
+        TEST("faults of wires beyond the limit of a frame are ignored", most_faults_of_a_frame),
         TEST("CF-041: a frame that comes twice over a wire is executed twice behind it", twice_on_a_wire),
         TEST("frames that change their order on a wire", behind_the_next_on_a_wire),
         TEST("a frame that waits on a wire for the next one continues after 10 ms", behind_none_on_a_wire),

@@ -172,6 +172,78 @@ static void ends(void **state)
     wire_close(&w);
 }
 
+/* A name belongs to a twin: the second one has its own wave of the same signal. */
+static void of_two_twins(void **state)
+{
+    const ect_product_t *entry = ect_catalogue_find("fzm1");
+    const ect_twin_config_t twins[] = {ect_twin_default(entry->device, entry->plant),
+                                       ect_twin_default(entry->device, entry->plant)};
+    char message[ECT_SIGNAL_MESSAGE], text[ECT_SIGNAL_TEXT_ROOM];
+    ect_waves_t waves = {0};
+    bool acted = false;
+    wire_t w;
+    (void)state;
+    wire_open_twins(&w, twins, 2);
+    for (size_t position = 0; position < 2; position++) {
+        ect_wave_t wave = wave_of("scene", ECT_WAVE_RAMP, 3.0 + (double)position, 3.0 + (double)position, 1000 * MS);
+        wave.position = position;
+        assert_true(ect_waves_set(&waves, w.chain, &wave, 0, message));
+        assert_int_equal(waves.count, position + 1);
+    }
+    assert_true(ect_waves_run(&waves, w.chain, 0, &acted, NULL, NULL) == MS);
+    for (size_t position = 0; position < 2; position++) {
+        ect_signal_ref_t ref;
+        assert_true(ect_chain_signal(w.chain, position, "scene", &ref));
+        ect_signal_read(&ref, text);
+        assert_string_equal(text, position == 0 ? "3" : "4");
+    }
+    ect_wave_t none = wave_of("nothing", ECT_WAVE_RAMP, 0, 1, 1000 * MS);
+    none.position = 1;
+    assert_false(ect_waves_set(&waves, w.chain, &none, 0, message));
+    assert_string_equal(message,
+                        "slave 2 has no signal 'nothing' that is a number: 'ectwin list-signals -n 2' lists them");
+    assert_true(ect_waves_end(&waves, 0, "scene"));
+    assert_int_equal(waves.count, 1);
+    assert_int_equal(waves.all[0].position, 1);
+    assert_false(ect_waves_end(&waves, 0, "scene"));
+    wire_close(&w);
+}
+
+typedef struct scale {
+    double real;
+    float real32;
+} scale_t;
+
+/* A number with a fraction has nine digits. */
+static void fractions(void **state)
+{
+    static const ect_signal_t signals[] = {ECT_SIGNAL(scale_t, real, "real", REAL, WRITE, -10, 10, NULL, ""),
+                                           ECT_SIGNAL(scale_t, real32, "real32", REAL32, WRITE, -10, 10, NULL, "")};
+    static const ect_signal_group_t group = {.signal_count = 2, .signals = signals, .prefix = "scale"};
+    static const ect_plant_t plant = {.signal_groups = &group, .signal_group_count = 1};
+    static const char *const names[] = {"scale.real", "scale.real32"};
+    const ect_product_t *entry = ect_catalogue_find("fzm1");
+    ect_twin_config_t twin = ect_twin_default(entry->device, entry->plant);
+    char message[ECT_SIGNAL_MESSAGE];
+    (void)state;
+    for (size_t i = 0; i < 2; i++) {
+        ect_waves_t waves = {0};
+        scale_t scale = {0};
+        bool acted = false;
+        wire_t w;
+        twin.beside = (ect_beside_t){.plant = &plant, .instance = &scale, .size = sizeof scale};
+        wire_open_twins(&w, &twin, 1);
+        const ect_wave_t wave = wave_of(names[i], ECT_WAVE_RAMP, -1.5, 1.5, 12 * MS);
+        assert_true(ect_waves_set(&waves, w.chain, &wave, 0, message));
+        (void)ect_waves_run(&waves, w.chain, 0, &acted, NULL, NULL);
+        assert_true(i == 0 ? fabs(scale.real + 1.5) < 1e-9 : fabsf(scale.real32 + 1.5f) < 1e-6f);
+        (void)ect_waves_run(&waves, w.chain, MS, &acted, NULL, NULL);
+        assert_true(i == 0 ? fabs(scale.real + 1.25) < 1e-9 : fabsf(scale.real32 + 1.25f) < 1e-6f);
+        assert_string_equal(waves.all[0].last, "-1.25");
+        wire_close(&w);
+    }
+}
+
 static void note(void *ctx, const char *name, const char *why)
 {
     snprintf(ctx, ECT_SIGNAL_MESSAGE, "%s: %s", name, why);
@@ -237,6 +309,8 @@ int main(int argc, char **argv)
         {"Values are set each millisecond, if they differ", in_time, NULL, NULL, NULL},
         {"A wave around zero sets 0 once", around_zero, NULL, NULL, NULL},
         {"At most eight waves; one for each signal, until it is ended", ends, NULL, NULL, NULL},
+        {"Each twin has the waves of its own signals", of_two_twins, NULL, NULL, NULL},
+        {"A signal with a fraction follows a wave with its fraction", fractions, NULL, NULL, NULL},
         {"A wave whose value is refused ends, and the others continue", a_lost_signal, NULL, NULL, NULL},
         {"A scenario runs its waves", in_a_scenario, NULL, NULL, NULL},
     };
