@@ -161,6 +161,156 @@ static void repeated_request(void **state)
     }
 }
 
+enum { TAG = 9 };
+
+/* Counts the transfers of 2000h. */
+static void begin_count(wire_t *w)
+{
+    const ect_fault_t count = {
+        .kind = ECT_FAULT_COUNT, .slave = 2, .tag = TAG, .object = {.named = true, .index = 0x2000}};
+    assert_null(ect_chain_fault(w->chain, &count, w->now_ns));
+}
+
+/* A mail counts as a request of an SDO by its type, its service and its length. */
+static void requests_of_an_SDO(void **state)
+{
+    static const struct {
+        const char *title;
+        uint8_t mail[16];
+        bool counts;
+    } rows[] = {
+        {"an upload", {10, 0, 0, 0, 0, 0x03, 0, 0x20, 0x40, 0x00, 0x20}, true},
+        {"a download", {10, 0, 0, 0, 0, 0x03, 0, 0x20, 0x23, 0x00, 0x20, 0, 1}, true},
+        {"too short by a byte", {9, 0, 0, 0, 0, 0x03, 0, 0x20, 0x40, 0x00, 0x20}, false},
+        {"an SDO response", {10, 0, 0, 0, 0, 0x03, 0, 0x30, 0x40, 0x00, 0x20}, false},
+        {"an emergency", {10, 0, 0, 0, 0, 0x03, 0, 0x10, 0x40, 0x00, 0x20}, false},
+        {"an SDO information", {10, 0, 0, 0, 0, 0x03, 0, 0x80, 0x40, 0x00, 0x20}, false},
+        {"FoE", {10, 0, 0, 0, 0, 0x04, 0, 0x20, 0x40, 0x00, 0x20}, false},
+        {"an abort", {10, 0, 0, 0, 0, 0x03, 0, 0x20, 0x80, 0x00, 0x20}, false},
+        {"another object", {10, 0, 0, 0, 0, 0x03, 0, 0x20, 0x40, 0x01, 0x20}, false},
+    };
+    wire_t *w = *state;
+    begin_count(w);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const uint64_t before = ect_chain_fault_seen(w->chain, TAG);
+        uint8_t reply[ROOM];
+        assert_int_equal(wire_mail_send(w, 1, rows[i].mail, sizeof rows[i].mail), 1);
+        (void)wire_mail_receive(w, 1, reply, sizeof reply);
+        const uint64_t counted = ect_chain_fault_seen(w->chain, TAG) - before;
+        if (counted != rows[i].counts)
+            fail_msg("%s: counted %u times", rows[i].title, (unsigned int)counted);
+    }
+}
+
+/* A mail without a counter is never a repeated one. A restart forgets the counter. */
+static void repeated_counters(void **state)
+{
+    static const struct {
+        uint8_t counter;
+        bool restarts;
+        bool counts;
+    } rows[] = {{0, false, true}, {0, false, true},  {1, false, true}, {1, false, false}, {2, false, true},
+                {1, false, true}, {7, false, true},  {7, true, true},  {7, false, false}, {0, false, true},
+                {7, false, true}, {7, false, false}, {1, true, true},  {1, true, true}};
+    wire_t *w = *state;
+    begin_count(w);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const uint8_t counter = (uint8_t)(rows[i].counter << 4 | 3);
+        const uint8_t mail[16] = {10, 0, 0, 0, 0, counter, 0, 0x20, 0x40, 0x00, 0x20};
+        const uint64_t before = ect_chain_fault_seen(w->chain, TAG);
+        uint8_t reply[ROOM];
+        if (rows[i].restarts) {
+            set(w, "reset slave 2");
+            wire_assign_stations(w);
+            wire_configure_mailbox(w, 1);
+            wire_go(w, 1, ECT_STATE_PREOP);
+        }
+        assert_int_equal(wire_mail_send(w, 1, mail, sizeof mail), 1);
+        (void)wire_mail_receive(w, 1, reply, sizeof reply);
+        if (ect_chain_fault_seen(w->chain, TAG) - before != rows[i].counts)
+            fail_msg("row %zu: counter %u: expected it counted: %d", i, rows[i].counter, rows[i].counts);
+    }
+}
+
+/* A segment after an abort of the master belongs to no transfer. */
+static void aborted_by_the_master(void **state)
+{
+    static const uint8_t start[] = {0x00, 0x20, 0x40, 0x02, 0x20, 0, 0, 0, 0, 0};
+    static const uint8_t abort[] = {0x00, 0x20, 0x80, 0x02, 0x20, 0, 0, 0, 0, 0x08};
+    static const uint8_t segment[] = {0x00, 0x20, 0x60, 0, 0, 0, 0, 0, 0, 0};
+    wire_t *w = *state;
+    set(w, "abort 0x2002 0x08000021 step 2 slave 2");
+    for (unsigned int aborted = 0; aborted < 2; aborted++) {
+        uint8_t mail[ROOM];
+        assert_int_equal(wire_mail_request(w, 1, 3, start, sizeof start), 1);
+        assert_true(wire_mail_receive(w, 1, mail, ROOM) > 0);
+        if (aborted != 0)
+            assert_int_equal(wire_mail_request(w, 1, 3, abort, sizeof abort), 1);
+        assert_int_equal(wire_mail_request(w, 1, 3, segment, sizeof segment), 1);
+        assert_true(wire_mail_receive(w, 1, mail, ROOM) > 0);
+        assert_int_equal(mail[8], 0x80);
+        if ((ect_load_le32(mail + 12) == 0x08000021) != (aborted == 0))
+            fail_msg("aborted by the master %u: got 0x%08X", aborted, ect_load_le32(mail + 12));
+    }
+}
+
+/* The SyncManager of the requests has room for an SDO, and no more than the stack reads at once. */
+static void mailboxes_of_any_length(void **state)
+{
+    enum { START = 0x1000 };
+    static const struct {
+        uint16_t length;
+        bool counts;
+    } rows[] = {{15, false}, {16, true}, {17, true}, {2047, true}, {2048, true}, {2049, false}};
+    wire_t *w = *state;
+    begin_count(w);
+    const ect_pdi_t *pdi = ect_chain_slave(w->chain, 1)->config.pdi;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t *memory = ect_chain_esc(w->chain, 1)->memory;
+        uint8_t bytes[8];
+        memset(memory + START, 0, 16);
+        memcpy(memory + START, ((uint8_t[]){10, 0, 0, 0, 0, 0x03, 0, 0x20, 0x40, 0x00, 0x20}), 11);
+        ect_store_le16(memory + ECT_REG_SM + ECT_SM_LENGTH, rows[i].length);
+        memory[ECT_REG_SM + ECT_SM_STATUS] |= ECT_SM_STATUS_FULL;
+        const uint64_t before = ect_chain_fault_seen(w->chain, TAG);
+        (void)pdi->read(pdi->ctx, START, bytes, sizeof bytes);
+        if (ect_chain_fault_seen(w->chain, TAG) - before != rows[i].counts)
+            fail_msg("%u bytes: expected a request counted: %d", rows[i].length, rows[i].counts);
+    }
+}
+
+/* A request is read from its first byte on, in a full buffer in the RAM, within its length. */
+static void reads_of_a_request(void **state)
+{
+    enum { START = 0x1000, LENGTH = 128 };
+    static const struct {
+        const char *title;
+        uint16_t start, address, length;
+        bool full, counts;
+    } rows[] = {
+        {"all", START, START, LENGTH, true, true},
+        {"the first byte", START, START, 1, true, true},
+        {"not from the first byte on", START, START + 1, 8, true, false},
+        {"beyond the end", START, START, LENGTH + 1, true, false},
+        {"no mail", START, START, 8, false, false},
+        {"before the RAM", ECT_RAM - 1, ECT_RAM - 1, 8, true, false},
+    };
+    wire_t *w = *state;
+    begin_count(w);
+    const ect_pdi_t *pdi = ect_chain_slave(w->chain, 1)->config.pdi;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t *memory = ect_chain_esc(w->chain, 1)->memory;
+        uint8_t bytes[LENGTH + 1];
+        memcpy(memory + rows[i].start, ((uint8_t[]){10, 0, 0, 0, 0, 0x03, 0, 0x20, 0x40, 0x00, 0x20, 0}), 12);
+        ect_store_le16(memory + ECT_REG_SM + ECT_SM_START, rows[i].start);
+        memory[ECT_REG_SM + ECT_SM_STATUS] = rows[i].full ? ECT_SM_STATUS_FULL : 0;
+        const uint64_t before = ect_chain_fault_seen(w->chain, TAG);
+        (void)pdi->read(pdi->ctx, rows[i].address, bytes, rows[i].length);
+        if (ect_chain_fault_seen(w->chain, TAG) - before != rows[i].counts)
+            fail_msg("%s: expected a request counted: %d", rows[i].title, rows[i].counts);
+    }
+}
+
 /* --- mails -------------------------------------------------------------------------------------------------------- */
 
 static const uint8_t upload[] = {0x00, 0x20, 0x40, 0x00, 0x20, 0, 0, 0, 0, 0};
@@ -215,6 +365,146 @@ static void toggles(void **state)
     assert_int_equal(wire_mail_request(w, 1, 3, segment, sizeof segment), 1);
     assert_true(wire_mail_receive(w, 1, mail, ROOM) > 0);
     assert_int_equal(mail[8] & 0x10, 0x10);
+}
+
+/* The response to each segment of a download, and none other, has its toggle bit inverted. */
+static void toggles_of_a_download(void **state)
+{
+    static const uint8_t start[] = {0x00, 0x20, 0x21, 0x02, 0x20, 0, 0xE8, 0x03, 0, 0};
+    static const struct {
+        uint8_t command, want;
+    } rows[] = {{0x00, 0x30}, {0x10, 0x20}, {0x00, 0x30}};
+    wire_t *w = *state;
+    uint8_t mail[ROOM];
+    set(w, "mail toggle slave 2");
+    assert_int_equal(wire_mail_request(w, 1, 3, start, sizeof start), 1);
+    assert_true(wire_mail_receive(w, 1, mail, ROOM) > 0);
+    assert_int_equal(mail[8], 0x60);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const uint8_t segment[] = {0x00, 0x20, rows[i].command, 1, 2, 3, 4, 5, 6, 7};
+        assert_int_equal(wire_mail_request(w, 1, 3, segment, sizeof segment), 1);
+        assert_true(wire_mail_receive(w, 1, mail, ROOM) > 0);
+        assert_int_equal(mail[8], rows[i].want);
+    }
+}
+
+/* The counters are 1 to 7, then 1 again. */
+static void each_counter(void **state)
+{
+    wire_t *w = *state;
+    uint8_t mail[ROOM];
+    assert_int_equal(request(w, mail), 10);
+    unsigned int right = mail[5] >> 4;
+    set(w, "mail counter slave 2");
+    for (unsigned int n = 0; n < 9; n++) {
+        assert_int_equal(request(w, mail), 10);
+        assert_int_equal(mail[5] >> 4, right);
+        right = right % 7 + 1;
+    }
+}
+
+/* A mail of several faults has the effects of each; a lost one is neither late nor there twice. */
+static void mails_of_several(void **state)
+{
+    static const struct {
+        const char *faults[2];
+        int first, later; /* service data length at once and after 60 ms; -1: no mail */
+        uint8_t type;
+    } rows[] = {
+        {{"mail late 50ms slave 2", "mail type slave 2"}, -1, 10, 15},
+        {{"mail type slave 2", "mail late 50ms slave 2"}, -1, 10, 15},
+        {{"mail late 50ms slave 2", "mail lost slave 2"}, -1, -1, 0},
+        {{"mail lost slave 2", "mail late 50ms slave 2"}, -1, -1, 0},
+        {{"mail late 50ms slave 2", "mail late 40ms slave 2"}, -1, 10, 3},
+        {{"mail twice slave 2", "mail type slave 2"}, 10, 10, 15},
+    };
+    wire_t *w = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t mail[ROOM] = {0};
+        set(w, rows[i].faults[0]);
+        set(w, rows[i].faults[1]);
+        const int first = request(w, mail);
+        wire_advance(w, 60 * MS);
+        const int later = wire_mail_receive(w, 1, mail, ROOM);
+        if (first != rows[i].first || later != rows[i].later)
+            fail_msg("%s, %s: got %d, then %d", rows[i].faults[0], rows[i].faults[1], first, later);
+        if (later > 0)
+            assert_int_equal(mail[5] & 0x0F, rows[i].type);
+        ect_chain_fault_end(w->chain, 0);
+        wire_poll(w);
+        assert_int_equal(request(w, mail), 10);
+    }
+}
+
+/* An abort by the stack is a mail of the transfer too. */
+static void mail_of_an_abort(void **state)
+{
+    static const uint8_t download[] = {0x00, 0x20, 0x23, 0x00, 0x10, 0, 1, 0, 0, 0};
+    wire_t *w = *state;
+    uint8_t mail[ROOM];
+    set(w, "mail lost of 0x1000 slave 2");
+    assert_int_equal(wire_mail_request(w, 1, 3, download, sizeof download), 1);
+    assert_int_equal(wire_mail_receive(w, 1, mail, ROOM), -1);
+    wire_advance(w, MS);
+    ect_chain_fault_end(w->chain, 0);
+    assert_int_equal(wire_mail_request(w, 1, 3, download, sizeof download), 1);
+    assert_int_equal(wire_mail_receive(w, 1, mail, ROOM), 10);
+    assert_int_equal(mail[8], 0x80);
+}
+
+/* The poll returns the time at which the mail leaves. */
+static void late_to_the_nanosecond(void **state)
+{
+    wire_t *w = *state;
+    uint8_t mail[ROOM];
+    set(w, "mail late 50ms 1st slave 2");
+    w->now_ns += 1000 * MS;
+    wire_poll(w);
+    const uint64_t due_ns = w->now_ns + 50 * MS;
+    assert_int_equal(wire_mail_request(w, 1, 3, upload, sizeof upload), 1);
+    w->manual_poll = true;
+    w->now_ns += 20 * MS; /* link lamps */
+    while (w->now_ns < due_ns) {
+        const uint64_t next_ns = ect_chain_poll(w->chain, w->now_ns);
+        assert_int_equal(wire_mail_receive(w, 1, mail, ROOM), -1);
+        assert_true(next_ns > w->now_ns && next_ns <= due_ns);
+        w->now_ns = next_ns;
+    }
+    assert_int_equal(wire_mail_receive(w, 1, mail, ROOM), -1);
+    (void)ect_chain_poll(w->chain, due_ns);
+    assert_int_equal(wire_mail_receive(w, 1, mail, ROOM), 10);
+}
+
+/* Without a fault, and without a mail that is kept or comes again, the stack accesses the ESC directly. */
+static void direct_accesses(void **state)
+{
+    static const struct {
+        const char *fault;
+        bool requests;
+        uint64_t ns; /* after which the accesses are direct */
+    } rows[] = {{"mail type slave 2", false, 0},
+                {"mail late 50ms 1st slave 2", true, 50 * MS},
+                {"mail late 50ms slave 2", true, 50 * MS},
+                {"al never slave 2", false, 0}};
+    wire_t *w = *state;
+    const ect_pdi_t direct = *ect_chain_slave(w->chain, 1)->config.pdi;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t mail[ROOM];
+        const ect_pdi_t *pdi = ect_chain_slave(w->chain, 1)->config.pdi;
+        set(w, rows[i].fault);
+        assert_ptr_not_equal(pdi->ctx, direct.ctx);
+        if (rows[i].requests)
+            assert_int_equal(request(w, mail), -1);
+        ect_chain_fault_end(w->chain, 0);
+        ect_chain_wake(w->chain, 1);
+        wire_poll(w);
+        if ((pdi->ctx == direct.ctx) != (rows[i].ns == 0))
+            fail_msg("%s: direct at once: %d", rows[i].fault, pdi->ctx == direct.ctx);
+        wire_advance(w, rows[i].ns);
+        assert_memory_equal(pdi, &direct, sizeof direct);
+        if (rows[i].requests)
+            assert_int_equal(wire_mail_receive(w, 1, mail, ROOM), 10);
+    }
 }
 
 static void late(void **state)
@@ -390,6 +680,25 @@ static void refuses(void **state)
     wire_go(w, 1, 2);
     ect_chain_fault_end(w->chain, 0);
     assert_int_equal(enter_op(w), 8);
+}
+
+/* Faults of mails do not change requests for a state; the first fault of the state applies. */
+static void refuses_beside_others(void **state)
+{
+    wire_t *w = *state;
+    uint16_t code;
+    set(w, "mail type 0% slave 2");
+    set(w, "pdo-size 0 slave 2");
+    set(w, "al never to OP slave 2");
+    set(w, "al refuse 0x0030 to SAFEOP slave 2");
+    set(w, "al never to SAFEOP slave 2");
+    wire_configure_process_data(w, 1);
+    assert_int_equal(wire_al(w, 1, ECT_STATE_PREOP, &code), ECT_STATE_PREOP); /* the present state */
+    assert_int_equal(code, 0);
+    assert_int_equal(wire_al(w, 1, ECT_STATE_SAFEOP, &code), 0x12);
+    assert_int_equal(code, 0x0030);
+    assert_int_equal(wire_al(w, 1, 0x10 | ECT_STATE_INIT, &code), ECT_STATE_INIT);
+    assert_int_equal(code, 0);
 }
 
 static void never_comes(void **state)
@@ -568,6 +877,22 @@ static void over_after_one(void **state)
     }
 }
 
+/* The counts of a tag are added, in all twins and for all objects. */
+static void counts_of_a_tag(void **state)
+{
+    wire_t *w = *state;
+    uint8_t mail[ROOM];
+    begin_count(w);
+    begin_count(w);
+    const ect_fault_t other = {
+        .kind = ECT_FAULT_COUNT, .slave = 2, .tag = TAG + 1, .object = {.named = true, .index = 0x2000}};
+    assert_null(ect_chain_fault(w->chain, &other, w->now_ns));
+    assert_int_equal(request(w, mail), 10);
+    assert_int_equal(ect_chain_fault_seen(w->chain, TAG), 2);
+    assert_int_equal(ect_chain_fault_seen(w->chain, TAG + 1), 1);
+    assert_int_equal(ect_chain_fault_seen(w->chain, TAG + 2), 0);
+}
+
 /* A count is no fault: it is not listed, lasts beyond 'off', and ends by its tag. */
 static void counts(void **state)
 {
@@ -621,9 +946,21 @@ int main(int argc, char **argv)
         TEST("CF-030: a request that is aborted is read in pieces of any size", aborts_in_pieces),
         TEST("CF-033: a transfer is aborted at any of its requests", aborts_in_the_middle),
         TEST("CF-026: a repeated request gets the same abort", repeated_request),
+        TEST("CF-030: a request of an SDO has its type, its service and its length", requests_of_an_SDO),
+        TEST("CF-026: a request with the counter of the one before is counted once, unless the counter is 0",
+             repeated_counters),
+        TEST("CF-033: a segment after an abort of the master belongs to no transfer", aborted_by_the_master),
+        TEST("requests in mailboxes of 16 to 2048 bytes are counted", mailboxes_of_any_length),
+        TEST("a request is counted when its first byte is read from a full mailbox", reads_of_a_request),
         TEST("mails with a wrong type, length and counter", changed_headers),
+        TEST("mails with the counter of the mail before, at each counter", each_counter),
         TEST("segments with a wrong toggle bit", toggles),
+        TEST("responses to segments of a download with a wrong toggle bit", toggles_of_a_download),
         TEST("a mail is late, and INIT discards it", late),
+        TEST("a late mail leaves at the time that the poll returns", late_to_the_nanosecond),
+        TEST("a mail of several faults", mails_of_several),
+        TEST("the mail of an abort belongs to the transfer", mail_of_an_abort),
+        TEST("the stack accesses the ESC directly after the last fault", direct_accesses),
         TEST("a mail is lost, and the next request gets a reply", lost),
         TEST("a mail comes twice", twice),
         TEST("an emergency on demand", emergencies),
@@ -632,6 +969,7 @@ int main(int argc, char **argv)
         TEST("a slave leaves its state with any AL status code", drops),
         TEST("a fault moves a slave to a lower state only", drops_downwards_only),
         TEST("a slave refuses a state with any AL status code", refuses),
+        TEST("a slave refuses a state beside other faults", refuses_beside_others),
         TEST("a slave never reaches a state", never_comes),
         TEST("a slave never leaves INIT, without an error", never_leaves_INIT),
         TEST("process data of another size are refused, after a reset too", sizes),
@@ -642,6 +980,7 @@ int main(int argc, char **argv)
         TEST("the faults with a tag are ended, and all others stay", ended_by_tag),
         TEST("a fault of one transfer or mail is over with it", over_after_one),
         TEST("SDO transfers are counted", counts),
+        TEST("the counts of a tag are added", counts_of_a_tag),
         TEST("a share of the transfers, the same with the same seed", shares),
     };
     if (argc > 1)
