@@ -105,6 +105,88 @@ static void all_or_none(void **state)
     }
 }
 
+static const ect_signal_t steps[] = {
+    ECT_SIGNAL(testdev_t, array[0], "first", U16, WRITE, 0, 9, NULL, ""),
+    ECT_SIGNAL(testdev_t, array[1], "second", U16, WRITE, 0, 9, NULL, ""),
+    ECT_SIGNAL(testdev_t, array[2], "third", U16, WRITE, 0, 9, NULL, ""),
+    ECT_SIGNAL(testdev_t, array[3], "fourth", U16, WRITE, 0, 9, NULL, ""),
+};
+static const ect_signal_group_t step_group = {.signal_count = 4, .signals = steps};
+
+/* Each needs the next one first. */
+static const char *needs_the_next(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
+                                  uint64_t now_ns)
+{
+    const testdev_t *dev = instance;
+    const size_t n = (size_t)(signal - steps);
+    (void)number;
+    (void)value;
+    (void)now_ns;
+    return n < 3 && dev->array[n + 1] == 0 ? "needs the next one" : NULL;
+}
+
+/* The four signals, as digits in the order of the settings. */
+static void one_needs_another(void **state)
+{
+    static const ect_plant_t needs = {
+        .signal_groups = &step_group, .signal_group_count = 1, .signal_write = needs_the_next};
+    static const char *const orders[] = {"3210", "0123", "1023", "0213", "2013", "1203", "0132", "2103", "1302"};
+    static const char *const names[] = {"first", "second", "third", "fourth"};
+    (void)state;
+    for (size_t i = 0; i < sizeof orders / sizeof orders[0]; i++) {
+        const ect_twin_config_t twin = ect_twin_default(&testdev, &needs);
+        ect_setting_t settings[4];
+        char message[ECT_SIGNAL_MESSAGE];
+        wire_t w;
+        wire_open_twins(&w, &twin, 1);
+        for (size_t n = 0; n < 4; n++)
+            settings[n] = (ect_setting_t){names[orders[i][n] - '0'], "1"};
+        if (!ect_settings_apply(w.chain, 0, settings, 4, w.now_ns, message))
+            fail_msg("%s: %s", orders[i], message);
+        for (size_t n = 0; n < 4; n++)
+            assert_int_equal(testdev_of(&w, 0)->array[n], 1);
+        wire_close(&w);
+    }
+}
+
+/* Values at places found before; a place without a value is left out. */
+static void written_at_places(void **state)
+{
+    static const char *const names[] = {"low", "high", "temperature"};
+    static const struct {
+        const char *title;
+        const char *values[3];
+        uint16_t want[3];
+        const char *why; /* NULL: they are set */
+    } rows[] = {
+        {"none", {NULL, NULL, NULL}, {10, 20, 0}, NULL},
+        {"one", {NULL, "30", NULL}, {10, 30, 0}, NULL},
+        {"the last one", {NULL, NULL, "7"}, {10, 20, 7}, NULL},
+        {"all, in an order that waits", {"100", "200", "7"}, {100, 200, 7}, NULL},
+        {"one is refused", {"100", NULL, "7"}, {10, 20, 0}, "low: must be below high"},
+        {"one is out of range", {"11", NULL, "1001"}, {10, 20, 0}, "temperature takes 0..1000, not '1001'"},
+        {"the first is out of range", {"1001", "30", NULL}, {10, 20, 0}, "low takes 0..1000, not '1001'"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_setting_place_t places[3];
+        char message[ECT_SIGNAL_MESSAGE];
+        wire_t w;
+        open_count(&w, TWINS);
+        const testdev_t *dev = testdev_of(&w, 1);
+        for (size_t n = 0; n < 3; n++)
+            assert_true(ect_settings_find(w.chain, 1, names[n], &places[n], message));
+        const bool done = ect_settings_write(w.chain, places, rows[i].values, 3, w.now_ns, message);
+        if (done != (rows[i].why == NULL) || memcmp(dev->array, rows[i].want, sizeof rows[i].want) != 0)
+            fail_msg("%s: done %d, got %u, %u, %u: %s", rows[i].title, done, dev->array[0], dev->array[1],
+                     dev->array[2], message);
+        if (rows[i].why)
+            assert_string_equal(message, rows[i].why);
+        assert_int_equal(testdev_of(&w, 0)->array[0], 10);
+        wire_close(&w);
+    }
+}
+
 /* At most two characters differ, and fewer than the length of the wrong name. */
 static void names_nearby(void **state)
 {
@@ -292,6 +374,8 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         {"settings are made in any order, all or none, and refused with the first reason", all_or_none, NULL, NULL,
          NULL},
+        {"settings that need others are made after those, whatever their order", one_needs_another, NULL, NULL, NULL},
+        {"values are written at places, all or none", written_at_places, NULL, NULL, NULL},
         {"the refusal of an unknown signal names the nearest one, or the command that lists them", names_nearby, NULL,
          NULL, NULL},
         {"an unknown name longer than any signal's is refused in one line", endless_name, NULL, NULL, NULL},

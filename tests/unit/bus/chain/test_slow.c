@@ -408,6 +408,127 @@ static void idle_reads(void **state)
     }
 }
 
+/* Both ends of a range are drawn, and no value beyond; a range of many seconds is drawn in its whole width. */
+static void random_delays(void **state)
+{
+    enum { DRAWS = 400 };
+    static const struct {
+        ect_slow_range_t range;
+        uint64_t low_ns, high_ns; /* some values are below, some above */
+    } rows[] = {{{5, 7}, 6, 6}, {{1, 2}, 2, 1}, {{7, 7}, 8, 6}, {{1000 * MS, 101000 * MS}, 10000 * MS, 90000 * MS}};
+    chip_t *c = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_slow_config_t config = {.jitter = rows[i].range, .seed = 4};
+        ect_slow_t *slow = calloc(1, sizeof *slow);
+        unsigned int low = 0, high = 0;
+        assert_non_null(slow);
+        ect_slow_init(slow, &config, &c->esc, 1000 * MS);
+        for (unsigned int n = 0; n < DRAWS; n++) {
+            assert_false(ect_slow_begins(slow, 1000 * MS));
+            const uint64_t start_ns = ect_slow_next(slow, ECT_NEVER);
+            const uint64_t delay_ns = start_ns - 1000 * MS;
+            if (delay_ns < rows[i].range.min_ns || delay_ns > rows[i].range.max_ns)
+                fail_msg("row %zu: %llu ns", i, (unsigned long long)delay_ns);
+            low += delay_ns < rows[i].low_ns;
+            high += delay_ns > rows[i].high_ns;
+            assert_true(ect_slow_begins(slow, start_ns));
+            (void)ect_slow_end(slow, ECT_NEVER);
+        }
+        assert_true(low >= DRAWS / 20 && high >= DRAWS / 20);
+        free(slow);
+    }
+}
+
+/* A restart continues with the random numbers; a new twin begins with its seed. */
+static void random_after_a_restart(void **state)
+{
+    const ect_slow_config_t config = {.jitter = {1, 1000 * MS}, .seed = 4};
+    uint64_t delays[3][3];
+    chip_t *c = *state;
+    for (unsigned int run = 0; run < 3; run++) {
+        ect_slow_t *slow = calloc(1, sizeof *slow);
+        assert_non_null(slow);
+        ect_slow_init(slow, &config, &c->esc, 0);
+        for (unsigned int n = 0; n < 3; n++) {
+            if (run == 1 && n > 0)
+                ect_slow_init(slow, &slow->config, &c->esc, 0);
+            assert_false(ect_slow_begins(slow, 0));
+            delays[run][n] = ect_slow_next(slow, ECT_NEVER);
+            assert_true(ect_slow_begins(slow, delays[run][n]));
+        }
+        free(slow);
+    }
+    assert_memory_equal(delays[0], delays[1], sizeof delays[0]);
+    assert_memory_equal(delays[0], delays[2], sizeof delays[0]);
+    assert_true(delays[0][0] != delays[0][1]);
+}
+
+/* The code of the device runs once in each poll, at the first access to a buffer of process data. */
+static void time_of_the_device(void **state)
+{
+    enum { CYCLE_NS = 1000000, BUFFER = 0x1100 };
+    static const struct {
+        const char *title;
+        unsigned int n;
+        uint16_t start;
+        uint8_t control, activate;
+        bool process_data;
+    } rows[] = {
+        {"a buffer", 0, BUFFER, 0x00, 1, true},     {"written by the master", 2, BUFFER, 0x24, 1, true},
+        {"the last one", 7, BUFFER, 0x20, 1, true}, {"a mailbox", 2, BUFFER, 0x26, 1, false},
+        {"disabled", 2, BUFFER, 0x24, 0, false},    {"another buffer", 2, BUFFER + 1, 0x24, 1, false},
+    };
+    const ect_slow_config_t config = {.board = ect_board("lan9252-spi"), .cycle_ns = CYCLE_NS};
+    static ect_slow_t slow;
+    chip_t *c = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t *sm = c->memory + ECT_REG_SM + rows[i].n * ECT_SM_SIZE;
+        memset(c->memory + ECT_REG_SM, 0, 8 * ECT_SM_SIZE);
+        ect_store_le16(sm + ECT_SM_START, rows[i].start);
+        sm[ECT_SM_CONTROL] = rows[i].control;
+        sm[ECT_SM_ACTIVATE] = rows[i].activate;
+        memset(&slow, 0, sizeof slow);
+        ect_slow_init(&slow, &config, &c->esc, c->w.now_ns);
+        const ect_pdi_t pdi = ect_slow_pdi(&slow);
+        for (unsigned int poll = 0; poll < 2; poll++) {
+            const uint64_t begin_ns = slow.busy_ns;
+            uint8_t byte;
+            assert_true(ect_slow_begins(&slow, begin_ns));
+            (void)pdi.read(pdi.ctx, BUFFER, &byte, 1);
+            (void)pdi.read(pdi.ctx, BUFFER, &byte, 1);
+            (void)ect_slow_end(&slow, ECT_NEVER);
+            const uint64_t accesses_ns = 2 * ect_board_access_ns(config.board, BUFFER, 1, false);
+            const uint64_t device_ns = slow.busy_ns - begin_ns - accesses_ns;
+            if (device_ns != (rows[i].process_data ? CYCLE_NS : 0))
+                fail_msg("%s: expected the time of the device: %d, got %llu ns", rows[i].title, rows[i].process_data,
+                         (unsigned long long)device_ns);
+        }
+    }
+}
+
+/* Between two polls accesses take no time and are not delayed: they are those of the chain. */
+static void accesses_between_polls(void **state)
+{
+    const ect_slow_config_t config = {.board = ect_board("lan9252-spi")};
+    static ect_slow_t slow;
+    chip_t *c = *state;
+    uint32_t event;
+    uint8_t byte = 0;
+    memset(&slow, 0, sizeof slow);
+    ect_slow_init(&slow, &config, &c->esc, c->w.now_ns);
+    const ect_pdi_t pdi = ect_slow_pdi(&slow);
+    assert_int_equal(pdi.write(pdi.ctx, 0x1000, "\xA1", 1), 0);
+    assert_int_equal(c->memory[0x1000], 0xA1);
+    assert_int_equal(pdi.read(pdi.ctx, 0x1000, &byte, 1), 0);
+    assert_int_equal(byte, 0xA1);
+    assert_int_equal(pdi.al_event(pdi.ctx, &event), 0);
+    assert_true(slow.now_ns == c->w.now_ns);
+    assert_true(ect_slow_next(&slow, ECT_NEVER) == ECT_NEVER);
+    assert_true(ect_slow_begins(&slow, c->w.now_ns));
+    assert_int_equal(pdi.al_event(pdi.ctx, &event), 0);
+    assert_true(slow.now_ns == c->w.now_ns + ect_board_access_ns(config.board, ECT_REG_AL_EVENT, 4, false));
+}
+
 static void boards(void **state)
 {
     (void)state;
@@ -429,6 +550,11 @@ int main(void)
         {"PDI budget: the exchange of a twin like a board takes the time of its bus and of its instructions",
          exchange_on_board, NULL, NULL, NULL},
         {"the same seed gives the same delays", seeds, NULL, NULL, NULL},
+        {"a delay is at random within its range, both ends included", random_delays, chip_setup, chip_teardown, NULL},
+        {"a restart continues with the random delays", random_after_a_restart, chip_setup, chip_teardown, NULL},
+        {"the time of the device's own code counts once in a poll with process data", time_of_the_device, chip_setup,
+         chip_teardown, NULL},
+        {"accesses between polls take no time", accesses_between_polls, chip_setup, chip_teardown, NULL},
         {"receive times are those of the chain and a jitter, also after a reset", receive_times, NULL, NULL, NULL},
         {"a poll of a board begins with the next read of the event word", idle_reads, chip_setup, chip_teardown, NULL},
         {"writes of a board reach the chip at their times, or at once if they do not fit or before a read", queue,

@@ -251,6 +251,46 @@ static void ranges(void **state)
         {"hang slave 65536", "expected a whole number from 1 to 65535, not '65536'"},
         {"hang 5% slave 1", "expected nothing more, not '5%'"},
         {"hang slave 1 back", "expected nothing more, not 'back'"},
+        {"al 0x0001 slave 1", NULL},
+        {"al 0xFFFF slave 1", NULL},
+        {"al 0x0000 slave 1", "expected nothing more, not '0x0000'"},
+        {"al 0x10000 slave 1", "expected nothing more, not '0x10000'"},
+        {"al 0x slave 1", "expected nothing more, not '0x'"},
+        {"al 0x1G slave 1", "expected nothing more, not '0x1G'"},
+        {"al 0x001B 0x001B slave 1", "expected nothing more, not '0x001B'"},
+        {"abort 0x1C12 0x00010000 slave 1", NULL},
+        {"abort 0x1C12 0xFFFFFFFF slave 1", NULL},
+        {"abort 0x1C12 0x0000FFFF slave 1", "expected nothing more, not '0x0000FFFF'"},
+        {"abort 0x1C12 0x100000000 slave 1", "expected nothing more, not '0x100000000'"},
+        {"abort 0x1C12:255 0x06040043 slave 1", NULL},
+        {"abort 0x1C12:256 0x06040043 slave 1", "expected nothing more, not '0x1C12:256'"},
+        {"abort 0x1C12 0x06040043 step 1 slave 1", NULL},
+        {"abort 0x1C12 0x06040043 step 1000000 slave 1", NULL},
+        {"abort 0x1C12 0x06040043 step 0 slave 1", "expected a whole number from 1 to 1000000, not '0'"},
+        {"abort 0x1C12 0x06040043 step 1000001 slave 1", "expected a whole number from 1 to 1000000, not '1000001'"},
+        {"emergency 0x5530 register 255 slave 1", NULL},
+        {"emergency 0x5530 register 256 slave 1", "expected a whole number from 0 to 255, not '256'"},
+        {"emergency 0x5530 data 00000000ff slave 1", NULL},
+        {"emergency 0x5530 data 00000000f slave 1", "expected 10 hexadecimal digits after 'data', not '00000000f'"},
+        {"emergency 0x5530 data 00000000fff slave 1", "expected 10 hexadecimal digits after 'data', not '00000000fff'"},
+        {"emergency 0x5530 data 00000000fg slave 1", "expected 10 hexadecimal digits after 'data', not '00000000fg'"},
+        {"emergency 0x5530 slave 1 data", "expected 10 hexadecimal digits after 'data', not ''"},
+        {"mail late 1ms slave 1", NULL},
+        {"mail late 60000ms slave 1", NULL},
+        {"mail late 0ms slave 1", "expected a whole number from 1 to 60000 ms, not '0ms'"},
+        {"mail late 60001ms slave 1", "expected a whole number from 1 to 60000 ms, not '60001ms'"},
+        {"mail lost 1000000000th slave 1", NULL},
+        {"mail lost 1000000001st slave 1", "expected nothing more, not '1000000001st'"},
+        {"mail lost every 1000000000 slave 1", NULL},
+        {"mail lost every 1000000001 slave 1", "expected a whole number from 1 to 1000000000, not '1000000001'"},
+        {"mail lost 100% slave 1", NULL},
+        {"pdo-size -1024 slave 1", NULL},
+        {"pdo-size 1024 slave 1", NULL},
+        {"pdo-size -1025 slave 1", "expected a whole number from -1024 to 1024, not '-1025'"},
+        {"pdo-size 1025 slave 1", "expected a whole number from -1024 to 1024, not '1025'"},
+        {"to BOOT slave 1", NULL},
+        {"to BOOT PREOP slave 1", "expected nothing more, not 'PREOP'"},
+        {"al never to slave 1", "expected INIT, PREOP, BOOT, SAFEOP or OP after 'to', not 'slave'"},
         {"hang", "expected 'slave N', not ''"},
         {"damage back", "expected 'wire N': damage happens on a wire, not ''"},
         {"drop back", "expected 'wire N' with 'back', not 'back'"},
@@ -287,6 +327,165 @@ static void longest_texts(void **state)
     assert_non_null(strstr(message, "a fault has at most 12 words"));
     assert_true(ect_fault_parse("every 3 delay 7us wire 2 back", &fault, message));
     assert_true(ect_fault_parse("9% counter 7 wire 2 back  ", &fault, message));
+}
+
+static void objects(void **state)
+{
+    static const struct {
+        const char *text;
+        bool good;
+        uint16_t index;
+        int sub; /* -1: all entries */
+    } rows[] = {{"0x1018", true, 0x1018, -1},
+                {"1018h", true, 0x1018, -1},
+                {"0x0", true, 0, -1},
+                {"0h", true, 0, -1},
+                {"0xFFFF", true, 0xFFFF, -1},
+                {"ffffh", true, 0xFFFF, -1},
+                {"0x1018:0", true, 0x1018, 0},
+                {"1018h:255", true, 0x1018, 255},
+                {"0x1018:0x10", true, 0x1018, 16},
+                {"0x1018:010", true, 0x1018, 8},
+                {"1018", false, 0, 0},
+                {"0x", false, 0, 0},
+                {"h", false, 0, 0},
+                {"", false, 0, 0},
+                {"0x10180", false, 0, 0},
+                {"10180h", false, 0, 0},
+                {"0x1018h", false, 0, 0},
+                {"0x1018:", false, 0, 0},
+                {"0x1018:256", false, 0, 0},
+                {"0x1018:-1", false, 0, 0},
+                {"0x1018: 1", false, 0, 0},
+                {"0x1018:1x", false, 0, 0},
+                {"0x1018 1", false, 0, 0},
+                {"0x-1", false, 0, 0},
+                {"0x 1", false, 0, 0},
+                {"1018H", false, 0, 0},
+                {"1018h1", false, 0, 0}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_fault_object_t object = {0};
+        const bool good = ect_fault_read_object(rows[i].text, &object);
+        if (good != rows[i].good || object.named != good)
+            fail_msg("'%s': expected %s", rows[i].text, rows[i].good ? "an object" : "a refusal");
+        if (good && (object.index != rows[i].index || object.has_sub != (rows[i].sub >= 0) ||
+                     object.sub != (rows[i].sub >= 0 ? rows[i].sub : 0)))
+            fail_msg("'%s': got 0x%04X:%u, has a sub-index: %d", rows[i].text, object.index, object.sub,
+                     object.has_sub);
+    }
+}
+
+static void ordinals(void **state)
+{
+    static const struct {
+        const char *text;
+        uint32_t number; /* 0: none */
+    } rows[] = {{"1st", 1},
+                {"2nd", 2},
+                {"3rd", 3},
+                {"4th", 4},
+                {"9th", 9},
+                {"10th", 10},
+                {"11th", 11},
+                {"12th", 12},
+                {"13th", 13},
+                {"14th", 14},
+                {"20th", 20},
+                {"21st", 21},
+                {"22nd", 22},
+                {"23rd", 23},
+                {"24th", 24},
+                {"100th", 100},
+                {"101st", 101},
+                {"111th", 111},
+                {"112th", 112},
+                {"113th", 113},
+                {"114th", 114},
+                {"121st", 121},
+                {"999999999th", 999999999},
+                {"1000000000th", 1000000000},
+                {"1000000001st", 0},
+                {"4294967297th", 0},
+                {"0th", 0},
+                {"1th", 0},
+                {"2st", 0},
+                {"3nd", 0},
+                {"4rd", 0},
+                {"11st", 0},
+                {"12nd", 0},
+                {"13rd", 0},
+                {"21th", 0},
+                {"111st", 0},
+                {"1", 0},
+                {"st", 0},
+                {"", 0},
+                {"-1st", 0},
+                {" 1st", 0},
+                {"1 st", 0},
+                {"1sts", 0}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const uint32_t number = ect_fault_ordinal(rows[i].text);
+        if (number != rows[i].number)
+            fail_msg("'%s': expected %u, got %u", rows[i].text, rows[i].number, number);
+    }
+}
+
+/* The name of a twin is printed if there is room for it, and for the word that may follow; else its number. */
+static void names_with_room(void **state)
+{
+    static const char *const faults[] = {"hang slave 2", "drop 5% wire 2 back",
+                                         "abort 0x1C12:255 download 0x06040043 step 1000000 2nd slave 2",
+                                         "abort 0x1C12:255 download 0x06040043 step 1000000 1000000000th slave 2"};
+    unsigned int numbers = 0, named = 0;
+    (void)state;
+    for (size_t i = 0; i < sizeof faults / sizeof faults[0]; i++) {
+        for (size_t length = 1; length < ECT_NAME_ROOM; length++) {
+            char name[ECT_NAME_ROOM] = "", message[ECT_FAULT_MESSAGE], text[ECT_FAULT_TEXT], want[2 * ECT_FAULT_TEXT];
+            ect_names_t *names = ect_names_new(2);
+            ect_fault_t fault, again;
+            memset(name, 'n', length);
+            assert_true(names && ect_names_add(names, 1, name));
+            assert_true(ect_fault_parse(faults[i], &fault, message));
+            ect_fault_print_named(&fault, names, text);
+            const char *place =
+                strstr(faults[i], "slave 2") ? strstr(faults[i], "slave 2") : strstr(faults[i], "wire 2");
+            const int words = (int)(strchr(place, ' ') - faults[i]);
+            const bool fits = (size_t)words + length + sizeof " back" < ECT_FAULT_TEXT;
+            snprintf(want, sizeof want, "%.*s %s%s", words, faults[i], fits ? name : "2", fault.back ? " back" : "");
+            assert_string_equal(text, want);
+            assert_true(ect_fault_parse_named(text, names, &again, message));
+            assert_memory_equal(&fault, &again, sizeof fault);
+            numbers += !fits;
+            named += fits;
+            ect_names_free(names);
+        }
+    }
+    assert_true(numbers > 0 && named > 0);
+}
+
+/* Every n-th, the n-th, always, and a share of none and of all. */
+static void counts_of_a_fault(void **state)
+{
+    static const struct {
+        ect_fault_when_t when;
+        uint32_t number;
+        const char *applies; /* to the counts 1 to 8 */
+    } rows[] = {{ECT_FAULT_ALWAYS, 0, "########"}, {ECT_FAULT_SHARE, 0, "........"}, {ECT_FAULT_SHARE, 100, "########"},
+                {ECT_FAULT_EVERY, 1, "########"},  {ECT_FAULT_EVERY, 3, "..#..#.."}, {ECT_FAULT_ONCE, 1, "#......."},
+                {ECT_FAULT_ONCE, 8, ".......#"},   {ECT_FAULT_ONCE, 9, "........"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_fault_t fault = {.when = rows[i].when, .number = rows[i].number};
+        char got[9] = "";
+        uint32_t seed = 1;
+        for (uint64_t n = 1; n <= 8; n++)
+            got[n - 1] = ect_fault_applies(&fault, n, &seed) ? '#' : '.';
+        if (strcmp(got, rows[i].applies) != 0)
+            fail_msg("row %zu: expected %s, got %s", i, rows[i].applies, got);
+        assert_int_equal(seed != 1, rows[i].when == ECT_FAULT_SHARE);
+    }
 }
 
 /* For the completion of a shell: the first words, as often as kinds have them. */
@@ -1046,6 +1245,11 @@ int main(int argc, char **argv)
         {"a fault of 95 characters and one of twelve words are read, a longer one is refused", longest_texts, NULL,
          NULL, NULL},
         {"each kind of fault has its first word", words, NULL, NULL, NULL},
+        {"an object has an index of one to four digits, and perhaps a sub-index up to 255", objects, NULL, NULL, NULL},
+        {"an ordinal is a number with the end of that number", ordinals, NULL, NULL, NULL},
+        {"a fault is printed with the name of its twin, or with its number if the room ends", names_with_room, NULL,
+         NULL, NULL},
+        {"a fault applies to each, to every n-th, to the n-th, or to a share", counts_of_a_fault, NULL, NULL, NULL},
         TEST("faults of frames concern the frames that they name", selected_frames),
         TEST("the same seed makes the same run, of about the given share", same_seed_same_run),
         TEST("frames are lost and late in the given shares, half of the lost ones on their way back", shares),
