@@ -555,6 +555,52 @@ static void twice(void **state)
     assert_int_not_equal(again[5], first[5]);
 }
 
+/* The second one leaves when the master has fetched the first one, however often the stack runs before. */
+static void twice_after_a_while(void **state)
+{
+    wire_t *w = *state;
+    uint8_t mail[ROOM];
+    set(w, "mail twice 1st slave 2");
+    assert_int_equal(wire_mail_request(w, 1, 3, upload, sizeof upload), 1);
+    for (unsigned int n = 0; n < 5; n++) {
+        w->now_ns += MS;
+        ect_chain_wake(w->chain, 1);
+        wire_poll(w);
+    }
+    assert_int_equal(wire_mail_receive(w, 1, mail, ROOM), 10);
+    wire_poll(w);
+    assert_int_equal(wire_mail_receive(w, 1, mail, ROOM), 10);
+    wire_poll(w);
+    assert_int_equal(wire_mail_receive(w, 1, mail, ROOM), -1);
+}
+
+/* The SyncManager of the mails has more room than an SDO, and no more than 2048 bytes, behind the registers. */
+static void mails_of_any_length(void **state)
+{
+    static const struct {
+        uint16_t start, size;
+        bool changed;
+    } rows[] = {{0x1080, 16, false},  {0x1080, 17, true},    {0x1080, 128, true},
+                {0x1080, 2048, true}, {0x1080, 2049, false}, {ECT_RAM, 128, true}};
+    wire_t *w = *state;
+    set(w, "mail type slave 2");
+    w->poll = keep_still;
+    const ect_pdi_t *pdi = ect_chain_slave(w->chain, 1)->config.pdi;
+    wire_set_sm(w, 1, 0, ECT_RAM, 0, 0x26); /* the RAM is free */
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        static const uint8_t mail[16] = {10, 0, 0, 0, 0, 0x13, 0, 0x30, 0x4F, 0x00, 0x20};
+        const uint8_t *memory = ect_chain_esc(w->chain, 1)->memory;
+        wire_set_sm(w, 1, 1, rows[i].start, 0, 0x22);
+        wire_set_sm(w, 1, 1, rows[i].start, rows[i].size, 0x22);
+        assert_int_equal(pdi->write(pdi->ctx, rows[i].start, mail, rows[i].size > 16 ? 16 : 15), 0);
+        assert_int_equal(pdi->write(pdi->ctx, (uint16_t)(rows[i].start + rows[i].size - 1), "", 1), 0);
+        if (memory[rows[i].start + 5] != (rows[i].changed ? 0x1F : 0x13))
+            fail_msg("%u bytes at 0x%04X: got type and counter 0x%02X", rows[i].size, rows[i].start,
+                     memory[rows[i].start + 5]);
+    }
+    w->poll = NULL;
+}
+
 static void emergencies(void **state)
 {
     wire_t *w = *state;
@@ -963,6 +1009,8 @@ int main(int argc, char **argv)
         TEST("the stack accesses the ESC directly after the last fault", direct_accesses),
         TEST("a mail is lost, and the next request gets a reply", lost),
         TEST("a mail comes twice", twice),
+        TEST("a mail comes again when the first one has been fetched", twice_after_a_while),
+        TEST("mails in mailboxes of 17 to 2048 bytes are changed", mails_of_any_length),
         TEST("an emergency on demand", emergencies),
         TEST("an emergency on demand needs a device that has emergencies", no_emergencies),
         TEST("an abort concerns SDO alone", aborts_of_SDO_alone),

@@ -97,6 +97,29 @@ static void counted_commands(void **state)
     }
 }
 
+/* Datagrams differ by command, address and length; one may have no data. */
+static void different_datagrams(void **state)
+{
+    static const struct {
+        uint8_t command;
+        uint32_t address;
+        uint16_t bytes;
+        size_t count; /* of datagrams, after this one */
+    } rows[] = {{LRW, 0, 4, 1}, {LRW, 0, 4, 1}, {LRD, 0, 4, 2}, {LRW, 1, 4, 3}, {LRW, 0, 5, 4}, {LRW, 0, 0, 5},
+                {LRW, 0, 0, 5}, {LRW, 0, 4, 5}, {LRD, 0, 4, 5}, {LRW, 1, 4, 5}, {LRW, 0, 5, 5}};
+    ect_datagrams_t d = {0};
+    (void)state;
+    ect_datagrams_want(&d, 0, UINT64_MAX);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        uint8_t frame[ROOM];
+        const size_t length = build(frame, rows[i].command, rows[i].address, rows[i].bytes, 1);
+        ect_datagrams_count(&d, frame, length, i);
+        if (d.count != rows[i].count)
+            fail_msg("row %zu: expected %zu datagrams, got %zu", i, rows[i].count, d.count);
+    }
+    assert_int_equal(d.all[0].replies, 3);
+}
+
 /* The newest ones are kept. */
 static void many_datagrams(void **state)
 {
@@ -160,6 +183,7 @@ int main(int argc, char **argv)
         {"Datagrams are counted until a time, and after it from zero", while_wanted, NULL, NULL, NULL},
         {"The highest working counter, and the replies below it", lower_counters, NULL, NULL, NULL},
         {"Broadcast reads, system times and logical commands are counted", counted_commands, NULL, NULL, NULL},
+        {"Datagrams with another command, address or length are counted apart", different_datagrams, NULL, NULL, NULL},
         {"The newest of many datagrams are kept", many_datagrams, NULL, NULL, NULL},
         {"Tags, UDP and cut frames", frames, NULL, NULL, NULL},
     };
