@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bus/chain/settings.h"
 #include "bus/chain/slow.h"
 #include "devices/eclink/eclink.h"
 #include "devices/fzm1/fzm1.h"
@@ -317,6 +318,43 @@ static void receive_times(void **state)
     wire_close(&w);
 }
 
+/* The time between the arrivals of a frame from the far end at ports 1 and 0 of the second twin, whose input is cut: no
+ * frame arrives at port 0, which keeps its delay. */
+static int32_t between_the_ports(wire_t *w)
+{
+    uint8_t any[4] = {0};
+    wire_build(w, BWR, 0, 0x0900, any, sizeof any);
+    assert_int_equal(ect_chain_pass(w->chain, ECT_END_OUT, w->frame, w->frame_length, w->now_ns), ECT_END_OUT);
+    const uint8_t *times = ect_chain_esc(w->chain, 1)->memory + 0x0900;
+    return (int32_t)(ect_load_le32(times) - ect_load_le32(times + 4));
+}
+
+/* Each change of a link computes the delays again: the jitter of the times before is no part of them. */
+static void jitter_does_not_grow(void **state)
+{
+    enum { TWINS = 2, JITTER_NS = 40, CHANGES = 100 };
+    const ect_setting_t pulled = {.name = "ecat.plug_in", .value = "0"};
+    ect_twin_config_t twins[TWINS] = {ect_twin_default(&testdev, NULL), ect_twin_default(&testdev, NULL)};
+    char message[ECT_SIGNAL_MESSAGE];
+    int32_t before_ns;
+    wire_t w;
+    (void)state;
+    for (size_t i = 0; i < TWINS; i++)
+        twins[i].slow = (ect_slow_config_t){.receive_ns = JITTER_NS, .seed = 2};
+    wire_open_twins(&w, twins, TWINS);
+    ect_chain_set_link(w.chain, ECT_END_OUT, true);
+    assert_true(ect_settings_apply(w.chain, 1, &pulled, 1, w.now_ns, message));
+    wire_poll(&w);
+    before_ns = between_the_ports(&w);
+    for (unsigned int n = 0; n < CHANGES; n++) {
+        ect_chain_set_link(w.chain, ECT_END_IN, n % 2 != 0);
+        ect_chain_wake(w.chain, 1);
+        wire_advance(&w, MS);
+        assert_in_range(between_the_ports(&w) - before_ns + 4 * JITTER_NS, 0, 8 * JITTER_NS);
+    }
+    wire_close(&w);
+}
+
 /* A reset during delayed writes: none of them reaches the chip afterwards. */
 static void reset_under_way(void **state)
 {
@@ -556,6 +594,7 @@ int main(void)
          chip_teardown, NULL},
         {"accesses between polls take no time", accesses_between_polls, chip_setup, chip_teardown, NULL},
         {"receive times are those of the chain and a jitter, also after a reset", receive_times, NULL, NULL, NULL},
+        {"the jitter of receive times does not grow with changes of links", jitter_does_not_grow, NULL, NULL, NULL},
         {"a poll of a board begins with the next read of the event word", idle_reads, chip_setup, chip_teardown, NULL},
         {"writes of a board reach the chip at their times, or at once if they do not fit or before a read", queue,
          chip_setup, chip_teardown, NULL},
