@@ -192,11 +192,6 @@ static int64_t extended(const ect_build_idn_t *idn, ect_esi_number_t number)
     return negative ? (int64_t)((uint64_t)number.value | ~(2 * sign - 1)) : number.value;
 }
 
-static uint64_t mask_of(uint32_t bytes)
-{
-    return bytes >= 8 ? UINT64_MAX : (UINT64_C(1) << 8 * bytes) - 1;
-}
-
 /* @return an initial value as a number with its sign */
 static int64_t initial_of(const ect_build_idn_t *idn)
 {
@@ -520,7 +515,7 @@ static void add_entry(ect_build_t *build, ect_build_idn_t *idn, uint16_t *next)
                             ((idn->row.flags & ECT_SOE_IN_MDT) != 0 ? ECT_ACCESS_RXPDO : 0);
     ect_build_object_t *object = ect_build_object(build, *next, ECT_OBJECT_VAR, idn->row.name);
     ect_build_entry_t *entry = ect_build_add(build, object, 0, entry_type(idn), bits, access, idn->row.name);
-    ect_build_initial(build, entry, idn->row.initial & mask_of(bits / 8));
+    ect_build_initial(build, entry, idn->row.initial);
     idn->entry = (*next)++;
     idn->row.mapping = ECT_MAP(idn->entry, 0, bits);
 }

@@ -158,6 +158,89 @@ static void of_the_file(void **state)
     close_rig(&r);
 }
 
+enum { PROFILE = 5u << 16 | 401 };
+
+/* A list of elements with the default 7, their number with the default 0; without elements a value with the default 9. */
+static void own_list(char *text, size_t room, uint16_t index, unsigned int first, unsigned int last,
+                     unsigned int bits)
+{
+    size_t used = (size_t)snprintf(text, room,
+                                   "<Dictionary><DataTypes><DataType><Name>USINT</Name><BitSize>8</BitSize></DataType>"
+                                   "<DataType><Name>E</Name><BaseType>%s</BaseType><BitSize>%u</BitSize></DataType>"
+                                   "<DataType><Name>L</Name><BitSize>%u</BitSize>",
+                                   bits == 8    ? "USINT"
+                                   : bits == 16 ? "UINT"
+                                   : bits == 32 ? "UDINT"
+                                                : "ULINT",
+                                   bits, 16 + last * bits);
+    for (unsigned int i = first; i <= last; i++)
+        used += (size_t)snprintf(text + used, room - used,
+                                 "<SubItem><SubIdx>%u</SubIdx><Name>N%u</Name><Type>%s</Type><BitSize>%u</BitSize>"
+                                 "<BitOffs>%u</BitOffs></SubItem>",
+                                 i, i, i == 0 ? "USINT" : "E", i == 0 ? 8 : bits, i == 0 ? 0 : 16 + (i - 1) * bits);
+    used += (size_t)snprintf(text + used, room - used,
+                             "</DataType></DataTypes><Objects><Object><Index>#x%04X</Index><Name>L</Name><Type>%s</Type>"
+                             "<BitSize>%u</BitSize><Info>",
+                             index, last == 0 ? "E" : "L", last == 0 ? bits : 16 + last * bits);
+    for (unsigned int i = first; i <= last && last > 0; i++)
+        used += (size_t)snprintf(text + used, room - used,
+                                 "<SubItem><Name>N%u</Name><Info><DefaultValue>%u</DefaultValue></Info></SubItem>", i,
+                                 i == 0 ? 0u : 7u);
+    (void)snprintf(text + used, room - used, "%s</Info><Flags><Access>rw</Access></Flags></Object></Objects></Dictionary>",
+                   last == 0 ? "<DefaultValue>9</DefaultValue>" : "");
+}
+
+/* A list of the file, as long as it may be; four slots have a module each. */
+static void lengths(void **state)
+{
+    static const struct {
+        const char *what;
+        uint16_t index;
+        unsigned int first, last, bits; /* sub-indices of the file, and their width */
+        uint32_t values[6];
+    } rows[] = {
+        {"F050h, shorter than the slots", 0xF050, 0, 3, 32, {3, IN, IN, IN}},
+        {"F050h, one element for each slot", 0xF050, 0, 4, 32, {4, IN, IN, IN, IN}},
+        {"F050h, longer than the slots", 0xF050, 0, 5, 32, {4, IN, IN, IN, IN, 7}},
+        {"F050h of 16 bits", 0xF050, 0, 2, 16, {2, IN, IN}},
+        {"F050h of 8 bits", 0xF050, 0, 2, 8, {0, 7, 7}},
+        {"F050h of 64 bits", 0xF050, 0, 2, 64, {0, 7, 7}},
+        {"F050h, a single element", 0xF050, 0, 1, 32, {1, IN}},
+        {"F050h without the number of elements", 0xF050, 1, 2, 32, {2, IN, IN}},
+        {"F050h, a value without elements", 0xF050, 0, 0, 32, {9}},
+        {"F030h, shorter than the slots", 0xF030, 0, 3, 32, {3, 0, 0, 0}},
+        {"F030h, longer than the slots", 0xF030, 0, 5, 32, {4, 0, 0, 0, 0, 7}},
+        {"F040h, shorter than the slots", 0xF040, 0, 3, 16, {3, 1, 2, 3}},
+        {"F040h, longer than the slots", 0xF040, 0, 5, 16, {4, 1, 2, 3, 4, 7}},
+        {"F020h, longer than the slots", 0xF020, 0, 5, 16, {4, 0, 0, 0, 0, 7}},
+        {"F010h, longer than the slots", 0xF010, 0, 5, 32, {4, PROFILE, PROFILE, PROFILE, PROFILE, 7}},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char list[6000], text[12000];
+        const char *at = strstr(MANY_SLOTS, "</ProfileNo></Profile>");
+        own_list(list, sizeof list, rows[i].index, rows[i].first, rows[i].last, rows[i].bits);
+        const int head = (int)(at - MANY_SLOTS);
+        (void)snprintf(text, sizeof text, "%.*s</ProfileNo>%s%s", head, MANY_SLOTS, list, at + strlen("</ProfileNo>"));
+        made_t m = make_text(rows[i].what, text);
+        static uint64_t memory[16384];
+        assert_true(device_of(&m)->instance_size <= sizeof memory);
+        memset(memory, 0, sizeof memory);
+        const ect_od_t od = ect_device_od(device_of(&m), memory);
+        ect_od_set_defaults(&od);
+        for (uint8_t k = 0; k <= rows[i].last; k++) {
+            uint64_t got = 0;
+            const ect_entry_t *entry = ect_od_entry(ect_od_find(&od, rows[i].index), k);
+            assert_non_null(entry);
+            ect_od_read(&od, entry, 0, (uint8_t *)&got, ect_od_bytes(entry));
+            if (ect_load_le32((const uint8_t *)&got) != rows[i].values[k])
+                fail_msg("%s: %04X:%u: expected %X, got %X", rows[i].what, rows[i].index, k,
+                         (unsigned int)rows[i].values[k], (unsigned int)got);
+        }
+        free_made(&m);
+    }
+}
+
 /* A file without slots, as of a clone. */
 #define SLOTLESS(detected)                                                                                             \
     ESI_HEAD "\n<Device Physics='YY'><Type ProductCode='#x1' RevisionNo='#x2'>D</Type><Name>A clone</Name><Profile>"   \
@@ -212,6 +295,8 @@ int main(int argc, char **argv)
         {"CLN-015 MDP-007: a file without slots compares F030h with a F050h that has modules", without_slots, NULL,
          NULL, NULL},
         {"MDP-002: the lists of the file have the idents, in its types", of_the_file, NULL, NULL, NULL},
+        {"MDP-002: the lists of the file have their own length; an element without a slot keeps its default", lengths,
+         NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

@@ -2,6 +2,7 @@
 /* The parameters of a SoE drive, as its dictionary, telegrams and start-up commands in an ESI file make them. */
 #include "from_text.h"
 #include "seams/soe.h"
+#include "wire/bytes.h"
 
 #define TYPE(name, bits) "<DataType><Name>" name "</Name><BitSize>" bits "</BitSize></DataType>"
 #define BITS(name, bits)                                                                                               \
@@ -465,6 +466,159 @@ static void widths(void **state)
     }
 }
 
+/* --- standard parameters ------------------------------------------------------------------------------------------ */
+
+#define LIST_OF_IDNS (ECT_SOE_16 | ECT_SOE_LIST | ECT_SOE_IDNS | 1u)
+#define IN_PREOP     (ECT_SOE_LOCK_SAFEOP | ECT_SOE_LOCK_OP)
+
+static void expect_row(const char *what, const ect_soe_idn_t *idn, uint32_t attribute, uint16_t size, uint16_t used)
+{
+    if (idn->attribute != attribute || idn->size != size || idn->used != used)
+        fail_msg("%s, IDN %u: expected attribute 0x%08X, %u of %u bytes, got 0x%08X, %u of %u", what, idn->idn,
+                 (unsigned int)attribute, used, size, (unsigned int)idn->attribute, idn->used, idn->size);
+}
+
+static void standard_ones(void **state)
+{
+    static const struct {
+        uint16_t idn;
+        uint32_t attribute;
+        uint16_t size;
+        uint64_t initial;
+        const char *name;
+    } rows[] = {
+        {15, ECT_SOE_16 | IN_PREOP | 1, 0, 7, "Telegram type"},
+        {16, LIST_OF_IDNS | IN_PREOP, 0, 0, "Configuration list of the AT"},
+        {17, LIST_OF_IDNS | ECT_SOE_READ_ONLY, 0, 0, "IDN list of all operation data"},
+        {21, LIST_OF_IDNS | ECT_SOE_READ_ONLY, 64, 0, "IDN list of invalid operation data for SAFEOP"},
+        {22, LIST_OF_IDNS | ECT_SOE_READ_ONLY, 64, 0, "IDN list of invalid operation data for OP"},
+        {24, LIST_OF_IDNS | IN_PREOP, 0, 0, "Configuration list of the MDT"},
+        {32, ECT_SOE_16 | IN_PREOP | 1, 0, 1, "Primary operation mode"},
+        {99, ECT_SOE_16 | ECT_SOE_COMMAND | 1, 0, 0, "Reset class 1 diagnostic"},
+        {187, LIST_OF_IDNS | ECT_SOE_READ_ONLY, 0, 0, "IDN list of configurable data in the AT"},
+        {188, LIST_OF_IDNS | ECT_SOE_READ_ONLY, 0, 0, "IDN list of configurable data in the MDT"},
+    };
+    (void)state;
+    made_t m = make_text("standard parameters", DRIVE("", "", "<SoE/>"));
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_soe_idn_t *idn = find(&m, rows[i].idn);
+        expect_row("standard parameters", idn, rows[i].attribute, rows[i].size, 0);
+        assert_string_equal(idn->name, rows[i].name);
+        assert_int_equal(idn->initial, rows[i].initial);
+        assert_int_equal(idn->flags, 0);
+    }
+    free_made(&m);
+}
+
+/* The dictionary keeps its name, rights and display format; kind, width and content are those of the standard. */
+static void forced(void **state)
+{
+    static const struct {
+        const char *what, *text;
+        uint16_t idn;
+        uint32_t attribute;
+        uint16_t size;
+        uint64_t initial;
+    } rows[] = {
+#define OF(index, attribute, type, bits)                                                                               \
+    DRIVE(OBJECT_AT(index, type, bits, INFO("<DefaultData>0400080001020304</DefaultData>") ATTRIBUTE(attribute)), "",  \
+          "<SoE/>")
+        {"a telegram type of 32 bits", OF("000F", "00120002", "DINT", "32"), 15, 0x00110002, 0, 7},
+        {"a list of all IDNs with content", OF("0011", "00350002", "LIST2", "96"), 17, 0x00350002, 0, 0},
+        {"a list of errors that is a number", OF("0015", "00320002", "DINT", "32"), 21, 0x00350002, 64, 0x00080004},
+        {"a list of errors of the dictionary", OF("0016", "00350002", "LIST2", "96"), 22, 0x00350002, 64, 0},
+        {"an operation mode of 32 bits", OF("0020", "00120002", "DINT", "32"), 32, 0x00120002, 0, 0x00080004},
+        {"a reset that is no command", OF("0063", "00120002", "DINT", "32"), 99, 0x00190002, 0, 0x00080004},
+        {"a list of choices of 32 bits", OF("00BB", "00360002", "LIST2", "96"), 187, 0x00350002, 0, 0},
+#undef OF
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        made_t m = make_text(rows[i].what, rows[i].text);
+        const ect_soe_idn_t *idn = find(&m, rows[i].idn);
+        const bool mode = rows[i].idn == 32;
+        expect_row(rows[i].what, idn, rows[i].attribute, rows[i].size, 0);
+        assert_string_equal(idn->name, "N");
+        if (idn->initial != rows[i].initial || idn->flags != (mode ? ECT_SOE_DEFAULT : 0))
+            fail_msg("%s: expected the value %u, got %u with flags 0x%02X", rows[i].what, (unsigned int)rows[i].initial,
+                     (unsigned int)idn->initial, idn->flags);
+        free_made(&m);
+    }
+}
+
+/* The lists of telegrams have room for all numbers that may be in the telegram, of their own drive and direction. */
+static void rooms(void **state)
+{
+#define MAPPED(index, mapping) OBJECT_AT(index, "UINT", "16", "<Flags><PdoMapping>" mapping "</PdoMapping></Flags>")
+    static const struct {
+        const char *what, *text;
+        uint16_t at_size, at_used, mdt_size, mdt_used;
+        const char *at, *mdt;
+    } rows[] = {
+        {"two of three",
+         DRIVE(MAPPED("8002", "T") MAPPED("8003", "T") MAPPED("8004", "T") MAPPED("8005", "R"),
+               AT(ENTRY("8003", "16", "UINT") ENTRY("8002", "16", "UINT")), "<SoE/>"),
+         6, 4, 2, 0, "\x03\x80\x02\x80", ""},
+        {"both directions",
+         DRIVE(MAPPED("8002", "RT"), AT(ENTRY("8002", "16", "UINT")) MDT(ENTRY("8002", "16", "UINT")), "<SoE/>"), 2, 2,
+         2, 2, "\x02\x80", "\x02\x80"},
+        {"one value twice", DRIVE("", MDT(ENTRY("8002", "16", "UINT") ENTRY("8002", "16", "UINT")), "<SoE/>"), 0, 0, 4,
+         4, "", "\x02\x80\x02\x80"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        made_t m = make_text(rows[i].what, rows[i].text);
+        expect_row(rows[i].what, find(&m, 16), LIST_OF_IDNS | IN_PREOP, rows[i].at_size, rows[i].at_used);
+        expect_row(rows[i].what, find(&m, 24), LIST_OF_IDNS | IN_PREOP, rows[i].mdt_size, rows[i].mdt_used);
+        assert_memory_equal(find(&m, 16)->content, rows[i].at, rows[i].at_used);
+        assert_memory_equal(find(&m, 24)->content, rows[i].mdt, rows[i].mdt_used);
+        free_made(&m);
+    }
+}
+
+/* A number of a telegram has an entry from 5000h on, which has its default. */
+static void entries(void **state)
+{
+    static const struct {
+        const char *bits, *type, *data;
+        uint16_t code;
+        uint64_t initial;
+    } rows[] = {
+        {"8", "USINT", "81", ECT_TYPE_UNSIGNED8, 0x81},
+        {"16", "INT", "0180", ECT_TYPE_INTEGER16, 0x8001},
+        {"16", "UINT", "FFFF", ECT_TYPE_UNSIGNED16, 0xFFFF},
+        {"32", "DINT", "03000080", ECT_TYPE_INTEGER32, 0x80000003},
+        {"32", "REAL", "0100803F", ECT_TYPE_REAL32, 0x3F800001},
+        {"64", "LINT", "0102030405060788", ECT_TYPE_INTEGER64, 0x8807060504030201},
+        {"64", "LREAL", "010000000000F03F", ECT_TYPE_REAL64, 0x3FF0000000000001},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char text[4000];
+        (void)snprintf(
+            text, sizeof text,
+            DRIVE(OBJECT("%s", "%s", INFO("<DefaultData>%s</DefaultData>")), MDT(ENTRY("8001", "%s", "%s")), "<SoE/>"),
+            rows[i].type, rows[i].bits, rows[i].data, rows[i].bits, rows[i].type);
+        made_t m = make_text(rows[i].type, text);
+        static uint64_t memory[16384];
+        assert_true(device_of(&m)->instance_size <= sizeof memory);
+        memset(memory, 0, sizeof memory);
+        const ect_od_t od = ect_device_od(device_of(&m), memory);
+        ect_od_set_defaults(&od);
+        const ect_soe_idn_t *idn = find(&m, 0x8001);
+        const ect_entry_t *entry = ect_od_entry(ect_od_find(&od, (uint16_t)(idn->mapping >> 16)), 0);
+        uint8_t bytes[8] = {0};
+        assert_non_null(entry);
+        assert_in_range(idn->mapping >> 16, 0x5000, 0x5FFF);
+        ect_od_read(&od, entry, 0, bytes, ect_od_bytes(entry));
+        const uint64_t got = ect_load_le32(bytes) | (uint64_t)ect_load_le32(bytes + 4) << 32;
+        if (entry->data_type != rows[i].code || got != rows[i].initial || idn->initial != rows[i].initial)
+            fail_msg("%s: expected type %04X with the default %llX, got %04X with %llX", rows[i].type, rows[i].code,
+                     (unsigned long long)rows[i].initial, entry->data_type, (unsigned long long)got);
+        free_made(&m);
+    }
+}
+
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
@@ -481,6 +635,11 @@ int main(void)
         {"SOE-036: PDOs that are telegrams", telegrams, NULL, NULL, NULL},
         {"SOE-037: the width and kind of a value that a telegram alone has", widths, NULL, NULL, NULL},
         {"SOE-036: the list of a telegram is that of a PDO of words and values", unlisted, NULL, NULL, NULL},
+        {"the standard parameters of a drive that describes none", standard_ones, NULL, NULL, NULL},
+        {"SOE-045: the shape of a standard parameter that the dictionary describes in another way", forced, NULL, NULL,
+         NULL},
+        {"SOE-036: content and room of the lists of telegrams", rooms, NULL, NULL, NULL},
+        {"SOE-045: the entry of a number in a telegram has its type and default", entries, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("parameters of SoE drives in ESI files", tests, NULL, NULL);
 }

@@ -310,6 +310,43 @@ static void without_pdo_assign(void **state)
     }
 }
 
+/* A mapping has as many elements as its object in the dictionary, and at least those of the PDO. */
+static void elements_of_a_mapping(void **state)
+{
+#define ELEMENT(n, offset)                                                                                             \
+    "<SubItem><SubIdx>" n "</SubIdx><Name>M" n "</Name><Type>UDINT</Type><BitSize>32</BitSize><BitOffs>" offset        \
+    "</BitOffs></SubItem>"
+#define DESCRIBED(elements)                                                                                            \
+    ESI_DEVICE("<Profile><Dictionary><DataTypes><DataType><Name>M</Name><BitSize>112</BitSize><SubItem><SubIdx>0"      \
+               "</SubIdx><Name>N</Name><Type>USINT</Type><BitSize>8</BitSize><BitOffs>0</BitOffs></SubItem>" elements  \
+               "</DataType></DataTypes><Objects>" OBJECT("#x1A00", "M", "112",                                         \
+                                                         "") "</Objects></Dictionary></Profile>" ESI_MAILBOX_SMS       \
+                   ESI_PROCESS_SMS TX("Sm='3'", "#x1A00", A8 B8) "<Mailbox><CoE PdoConfig='1'/></Mailbox>" ESI_EEPROM)
+    static const struct {
+        const char *what, *text, *names[3];
+        uint8_t elements;
+    } table[] = {
+        {"none in the dictionary", DESCRIBED(""), {"Mapped object", "Mapped object"}, 2},
+        {"one less than the PDO", DESCRIBED(ELEMENT("1", "16")), {"M1", "Mapped object"}, 2},
+        {"those of the PDO", DESCRIBED(ELEMENT("1", "16") ELEMENT("2", "48")), {"M1", "M2"}, 2},
+        {"one more than the PDO",
+         DESCRIBED(ELEMENT("1", "16") ELEMENT("2", "48") ELEMENT("3", "80")),
+         {"M1", "M2", "M3"},
+         3},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        made_t m = make_text(table[i].what, table[i].text);
+        const ect_od_t od = od_of(&m);
+        const ect_object_t *mapping = ect_od_find(&od, 0x1A00);
+        if (mapping->max_subindex != table[i].elements || mapping->entries[0].value != 2)
+            fail_msg("%s: expected %u elements, got %u", table[i].what, table[i].elements, mapping->max_subindex);
+        for (uint8_t k = 0; k < table[i].elements; k++)
+            assert_string_equal(ect_od_entry(mapping, (uint8_t)(k + 1))->name, table[i].names[k]);
+        free_made(&m);
+    }
+}
+
 static void mailbox_timeouts(void **state)
 {
 #define TIMES(request, response)                                                                                       \
@@ -801,6 +838,8 @@ int main(void)
         {"1486 bytes of process data fit a frame, 1487 are refused", longest_image, NULL, NULL, NULL},
         {"without CoE a PDO has an index of a mapping that no other PDO has", substitutes, NULL, NULL, NULL},
         {"only with PdoAssign can 1C13h be written, and have more than the default", without_pdo_assign, NULL, NULL,
+         NULL},
+        {"a mapping has the elements of the dictionary, and at least those of the PDO", elements_of_a_mapping, NULL, NULL,
          NULL},
         {"timeouts of the mailbox are 0 when absent, and at most 65535 ms", mailbox_timeouts, NULL, NULL, NULL},
         {"the chip and the EEPROM are the smallest that have the memory", chips_and_memory, NULL, NULL, NULL},

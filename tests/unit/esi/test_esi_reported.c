@@ -75,6 +75,46 @@ static void lists(void **state)
     close_rig(&r);
 }
 
+/* A list of mappable objects is that of the reported rights, in each of its fragments. */
+static void fragments(void **state)
+{
+    enum { OBJECTS = 150, TX_MAPPABLE = 3, CONTINUED = 0x80, MAIL_HEAD = 6, INFO_HEAD = 6 };
+    static char text[OBJECTS * 400];
+    size_t used = (size_t)snprintf(text, sizeof text, "%s",
+                                   ESI_HEAD "\n<Device Physics='YY'><Type ProductCode='#x1' RevisionNo='#x2'>DEV</Type>"
+                                            "<Name>A device</Name><Profile><Dictionary><Objects>");
+    for (unsigned int i = 0; i < OBJECTS; i++)
+        used += (size_t)snprintf(text + used, sizeof text - used,
+                                 OBJECT("%04X", "<Properties>" PROPERTY("SdoInfoAccess", "%s") "</Properties>"),
+                                 0x2000 + i, i % 3 == 0 ? "#x3F" : "#xBF");
+    (void)snprintf(text + used, sizeof text - used, "%s",
+                   "</Objects></Dictionary></Profile>" ESI_MAILBOX_SMS "<Mailbox><CoE " INFO "/></Mailbox>" ESI_EEPROM
+                   "</Device>" ESI_TAIL);
+    rig_t r;
+    uint8_t mail[128 + MAIL_HEAD];
+    uint8_t *reply = mail + MAIL_HEAD;
+    const uint8_t request[] = {0, COE_INFO, GET_LIST, 0, 0, 0, TX_MAPPABLE, 0};
+    unsigned int expected = 1, count = 1;
+    (void)state;
+    open_rig(&r, text, PREOP);
+    int length = wire_coe(&r.wire, 0, request, sizeof request, reply, 128);
+    int at = INFO_HEAD + 2;
+    for (;; count++) {
+        assert_true(length >= at);
+        for (; at < length; at += 2) {
+            assert_int_equal(ect_load_le16(reply + at), 0x2000 + expected);
+            expected += expected % 3 == 1 ? 1 : 2;
+        }
+        if ((reply[2] & CONTINUED) == 0)
+            break;
+        length = wire_mail_receive(&r.wire, 0, mail, sizeof mail);
+        at = INFO_HEAD;
+    }
+    assert_int_equal(count, 2);
+    assert_int_equal(expected, OBJECTS + 1);
+    close_rig(&r);
+}
+
 static void without_information(void **state)
 {
     rig_t r;
@@ -94,6 +134,8 @@ int main(int argc, char **argv)
         {"a property of an entry changes its rights and its length in SDO information alone", entries, NULL, NULL,
          NULL},
         {"a list, and an entry after a restart of the mailbox", lists, NULL, NULL, NULL},
+        {"a list of mappable objects has those of the reported rights, also in its second fragment", fragments, NULL,
+         NULL, NULL},
         {"a twin without SDO information has none by a property", without_information, NULL, NULL, NULL},
     };
     if (argc > 1)
