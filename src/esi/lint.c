@@ -245,11 +245,7 @@ static void check_head(lint_t *l, const xmlNode *root, const xmlNode *descriptio
 {
     check_orders(l, root);
     check_orders(l, descriptions);
-    const xmlNode *vendor = ect_esi_child(root, "Vendor");
-    if (vendor == NULL) {
-        finding(l, true, root, "there is no Vendor");
-        return;
-    }
+    const xmlNode *vendor = ect_esi_child(root, "Vendor"); /* exists: ect_esi_select */
     check_orders(l, vendor);
     require_text(l, vendor, "Name");
     check_picture(l, vendor);

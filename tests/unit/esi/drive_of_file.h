@@ -45,14 +45,20 @@ static inline const ect_device_t *device(void)
     return ect_esi_twin_product(twin)->device;
 }
 
-static inline void open_drive(const char *type)
+/* In PREOP. */
+static inline void open_twin(void)
 {
-    twin = make(type, ECT_BEHAVIOUR_BY_FILE);
     ect_twin_config_t config = ect_twin_default(device(), ect_esi_twin_product(twin)->plant);
     memset(&wire, 0, sizeof wire);
     memset(out, 0, sizeof out);
     wire_open_twins(&wire, &config, 1);
     wire_go(&wire, 0, PREOP);
+}
+
+static inline void open_drive(const char *type)
+{
+    twin = make(type, ECT_BEHAVIOUR_BY_FILE);
+    open_twin();
 }
 
 static inline int close_drive(void **state)

@@ -791,6 +791,34 @@ static void rooms_of_sms(void **state)
     }
 }
 
+static void long_mailboxes(void **state)
+{
+#define MAILBOX(most)                                                                                                  \
+    ESI_DEVICE(                                                                                                        \
+        "<Sm DefaultSize='128' MaxSize='" most "' StartAddress='#x1000' ControlByte='#x26' Enable='1'>MBoxOut"         \
+        "</Sm><Sm DefaultSize='128' StartAddress='#x1800' ControlByte='#x22' Enable='1'>MBoxIn</Sm>" COE ESI_EEPROM)
+    static const struct {
+        const char *what, *text, *note;
+        unsigned int maximum;
+    } table[] = {
+        {"a frame less one", MAILBOX("1485"), NULL, 1485},
+        {"a frame", MAILBOX("1486"), NULL, 1486},
+        {"more than a frame", MAILBOX("1487"),
+         "line 2: a mailbox of 1487 bytes does not fit a frame; the twin's has at most 1486", 1486},
+        {"more than the gap to the next SyncManager", MAILBOX("3000"),
+         "line 2: a mailbox of 2048 bytes does not fit a frame; the twin's has at most 1486", 1486},
+        {"less than the default", MAILBOX("64"), NULL, 128},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        made_t m = make_text(table[i].what, table[i].text);
+        if (device_of(&m)->sm[0].maximum != table[i].maximum)
+            fail_msg("%s: expected at most %u, got %u", table[i].what, table[i].maximum, device_of(&m)->sm[0].maximum);
+        expect_note(table[i].what, &m, table[i].note);
+        free_made(&m);
+    }
+}
+
 /* --- identity and the rest ---------------------------------------------------------------------------------------- */
 
 static void names_of_devices(void **state)
@@ -1141,6 +1169,7 @@ int main(void)
         {"devices that no controller can be are refused", refusals, NULL, NULL, NULL},
         {"an assignment has room for all PDOs that do not exclude each other", assignments, NULL, NULL, NULL},
         {"the longest process data of a SyncManager", rooms_of_sms, NULL, NULL, NULL},
+        {"a mailbox has at most the bytes of a frame", long_mailboxes, NULL, NULL, NULL},
         {"command names and type names", names_of_devices, NULL, NULL, NULL},
         {"One letter for each port gives the ports", ports_of_physics, NULL, NULL, NULL},
         {"timeouts: the file's, else the standard's", timeouts, NULL, NULL, NULL},

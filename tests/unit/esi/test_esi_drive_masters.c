@@ -245,6 +245,27 @@ static void starts(void **state)
     }
 }
 
+/* SERVO with SYNC0 among the AL events (0151h bit 3), unlike in its file. */
+static void open_with_sync0_event(void)
+{
+    enum { SYNC_CONFIG = 6 };
+    static const char config[] = "0504034464000000";
+    static char text[200000];
+    char why[300] = "";
+    FILE *file = fopen(ESI_FILES "/drives.xml", "r");
+    assert_non_null(file);
+    const size_t length = fread(text, 1, sizeof text - 1, file);
+    text[length] = '\0';
+    (void)fclose(file);
+    for (char *at = strstr(text, config); at != NULL; at = strstr(at, config))
+        memcpy(at + SYNC_CONFIG, "CC", 2);
+    twin = ect_esi_twin_take(ect_esi_parse("drives.xml", text, length, why, sizeof why), "SERVO", NULL, 0, why,
+                             sizeof why);
+    if (twin == NULL || !ect_esi_twin_behave(twin, ECT_BEHAVIOUR_BY_FILE, why, sizeof why))
+        fail_msg("expected a twin, got: %s", why);
+    open_twin();
+}
+
 /* SYNC0 of 1 ms: its order does not matter, another 60C2h ends OP after a time. */
 static void orders_of_sync0(void **state)
 {
@@ -254,14 +275,24 @@ static void orders_of_sync0(void **state)
         const char *what;
         int order;
         uint8_t cycle_ms, al;
-    } rows[] = {{"before the mapping", BEFORE_MAPPING, 1, OP},
-                {"in PREOP", IN_PREOP, 1, OP},
-                {"in SAFEOP", IN_SAFEOP, 1, OP},
-                {"60C2h, before the mapping", BEFORE_MAPPING, 2, SAFEOP},
-                {"60C2h, in PREOP", IN_PREOP, 2, SAFEOP},
-                {"60C2h, in SAFEOP", IN_SAFEOP, 2, SAFEOP}};
+        bool event;
+    } rows[] = {{"before the mapping", BEFORE_MAPPING, 1, OP, false},
+                {"in PREOP", IN_PREOP, 1, OP, false},
+                {"in SAFEOP", IN_SAFEOP, 1, OP, false},
+                {"60C2h, before the mapping", BEFORE_MAPPING, 2, SAFEOP, false},
+                {"60C2h, in PREOP", IN_PREOP, 2, SAFEOP, false},
+                {"60C2h, in SAFEOP", IN_SAFEOP, 2, SAFEOP, false},
+                {"an event, before the mapping", BEFORE_MAPPING, 1, OP, true},
+                {"an event, in PREOP", IN_PREOP, 1, OP, true},
+                {"an event, in SAFEOP", IN_SAFEOP, 1, OP, true},
+                {"an event, 60C2h, before the mapping", BEFORE_MAPPING, 2, SAFEOP, true},
+                {"an event, 60C2h, in PREOP", IN_PREOP, 2, SAFEOP, true},
+                {"an event, 60C2h, in SAFEOP", IN_SAFEOP, 2, SAFEOP, true}};
     for (size_t i = 0; i < COUNT(rows); i++) {
-        open_drive("SERVO");
+        if (rows[i].event)
+            open_with_sync0_event();
+        else
+            open_drive("SERVO");
         set("axis1.sync_check", "1");
         if (rows[i].order == BEFORE_MAPPING)
             start_sync0(MS);

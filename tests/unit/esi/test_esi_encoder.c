@@ -90,6 +90,15 @@ static void no_encoder(void **state)
     "</Objects></Dictionary>"
 #define OBJECT(index) "<Object><Index>#x" index "</Index><Name>N</Name><Type>UDINT</Type><BitSize>32</BitSize></Object>"
 
+#define TWELVE_OBJECTS                                                                                                 \
+    OBJECT("6200")                                                                                                     \
+    OBJECT("6201")                                                                                                     \
+    OBJECT("6202")                                                                                                     \
+    OBJECT("6203")                                                                                                     \
+    OBJECT("6204")                                                                                                     \
+    OBJECT("6205")                                                                                                     \
+    OBJECT("6206") OBJECT("6207") OBJECT("6208") OBJECT("6209") OBJECT("620A") OBJECT("620B")
+
 /* A file without ProfileNo needs a position and its resolution, and no control word of a drive. */
 static void by_their_objects(void **state)
 {
@@ -104,6 +113,12 @@ static void by_their_objects(void **state)
         {"another profile", ENCODER("<ProfileNo>401</ProfileNo>", OBJECT("6001") OBJECT("6004")), NULL},
         {"the profile, position alone", ENCODER("<ProfileNo>406</ProfileNo>", OBJECT("6004")),
          "CiA 406: encoder 1 position"},
+        {"twelve objects without behaviour", ENCODER("<ProfileNo>406</ProfileNo>", OBJECT("6004") TWELVE_OBJECTS),
+         "CiA 406: encoder 1 position; without behaviour: 6200 6201 6202 6203 6204 6205 6206 6207 6208 6209 620A 620B"},
+        {"thirteen objects without behaviour",
+         ENCODER("<ProfileNo>406</ProfileNo>", OBJECT("6004") TWELVE_OBJECTS OBJECT("620C")),
+         "CiA 406: encoder 1 position; without behaviour: 6200 6201 6202 6203 6204 6205 6206 6207 6208 6209 620A 620B "
+         "and 1 more"},
     };
     (void)state;
     for (size_t i = 0; i < COUNT(rows); i++) {

@@ -160,9 +160,9 @@ static void of_the_file(void **state)
 
 enum { PROFILE = 5u << 16 | 401 };
 
-/* A list of elements with the default 7, their number with the default 0; without elements a value with the default 9. */
-static void own_list(char *text, size_t room, uint16_t index, unsigned int first, unsigned int last,
-                     unsigned int bits)
+/* A list of elements with the default 7, their number with the default 0; without elements a value with the default 9.
+ */
+static void own_list(char *text, size_t room, uint16_t index, unsigned int first, unsigned int last, unsigned int bits)
 {
     size_t used = (size_t)snprintf(text, room,
                                    "<Dictionary><DataTypes><DataType><Name>USINT</Name><BitSize>8</BitSize></DataType>"
@@ -178,15 +178,17 @@ static void own_list(char *text, size_t room, uint16_t index, unsigned int first
                                  "<SubItem><SubIdx>%u</SubIdx><Name>N%u</Name><Type>%s</Type><BitSize>%u</BitSize>"
                                  "<BitOffs>%u</BitOffs></SubItem>",
                                  i, i, i == 0 ? "USINT" : "E", i == 0 ? 8 : bits, i == 0 ? 0 : 16 + (i - 1) * bits);
-    used += (size_t)snprintf(text + used, room - used,
-                             "</DataType></DataTypes><Objects><Object><Index>#x%04X</Index><Name>L</Name><Type>%s</Type>"
-                             "<BitSize>%u</BitSize><Info>",
-                             index, last == 0 ? "E" : "L", last == 0 ? bits : 16 + last * bits);
+    used +=
+        (size_t)snprintf(text + used, room - used,
+                         "</DataType></DataTypes><Objects><Object><Index>#x%04X</Index><Name>L</Name><Type>%s</Type>"
+                         "<BitSize>%u</BitSize><Info>",
+                         index, last == 0 ? "E" : "L", last == 0 ? bits : 16 + last * bits);
     for (unsigned int i = first; i <= last && last > 0; i++)
         used += (size_t)snprintf(text + used, room - used,
                                  "<SubItem><Name>N%u</Name><Info><DefaultValue>%u</DefaultValue></Info></SubItem>", i,
                                  i == 0 ? 0u : 7u);
-    (void)snprintf(text + used, room - used, "%s</Info><Flags><Access>rw</Access></Flags></Object></Objects></Dictionary>",
+    (void)snprintf(text + used, room - used,
+                   "%s</Info><Flags><Access>rw</Access></Flags></Object></Objects></Dictionary>",
                    last == 0 ? "<DefaultValue>9</DefaultValue>" : "");
 }
 

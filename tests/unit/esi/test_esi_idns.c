@@ -619,6 +619,38 @@ static void entries(void **state)
     }
 }
 
+/* A drive moves only with a control word and a status word of 16 bits. */
+static void words_of_a_drive(void **state)
+{
+#define PDO_WITH(element, sm, index, entry)                                                                            \
+    "<" element " Sm='" sm "'><Index>#x" index "</Index><Name>P</Name>" entry "</" element ">"
+#define CONTROL_OF(bits, type) PDO_WITH("RxPdo", "2", "0018", ENTRY("86", bits, type))
+#define STATUS_OF(bits, type)  PDO_WITH("TxPdo", "3", "0010", ENTRY("87", bits, type))
+    static const struct {
+        const char *what, *text;
+        bool moves;
+    } rows[] = {
+        {"both words", DRIVE("", CONTROL_OF("16", "UINT") STATUS_OF("16", "UINT"), "<SoE/>"), true},
+        {"no control word", DRIVE("", STATUS_OF("16", "UINT"), "<SoE/>"), false},
+        {"no status word", DRIVE("", CONTROL_OF("16", "UINT"), "<SoE/>"), false},
+        {"a control word of 8 bits", DRIVE("", CONTROL_OF("8", "USINT") STATUS_OF("16", "UINT"), "<SoE/>"), false},
+        {"a control word of 32 bits", DRIVE("", CONTROL_OF("32", "UDINT") STATUS_OF("16", "UINT"), "<SoE/>"), false},
+        {"a status word of 8 bits", DRIVE("", CONTROL_OF("16", "UINT") STATUS_OF("8", "USINT"), "<SoE/>"), false},
+        {"a status word of 32 bits", DRIVE("", CONTROL_OF("16", "UINT") STATUS_OF("32", "UDINT"), "<SoE/>"), false},
+        {"words in the dictionary alone",
+         DRIVE(OBJECT_AT("0086", "UINT", "16", "") OBJECT_AT("0087", "UINT", "16", ""), "", "<SoE/>"), true},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char why[200] = "";
+        made_t m = make_text(rows[i].what, rows[i].text);
+        assert_true(ect_esi_twin_behave(m.twin, ECT_BEHAVIOUR_BY_FILE, why, sizeof why));
+        if ((note_of(&m, "S-0-0134, S-0-0135: axis 1") != NULL) != rows[i].moves)
+            fail_msg("%s: expected %s", rows[i].what, rows[i].moves ? "an axis" : "no axis");
+        free_made(&m);
+    }
+}
+
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
@@ -640,6 +672,7 @@ int main(void)
          NULL},
         {"SOE-036: content and room of the lists of telegrams", rooms, NULL, NULL, NULL},
         {"SOE-045: the entry of a number in a telegram has its type and default", entries, NULL, NULL, NULL},
+        {"words that make a drive of SoE move", words_of_a_drive, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("parameters of SoE drives in ESI files", tests, NULL, NULL);
 }

@@ -313,15 +313,16 @@ static void without_pdo_assign(void **state)
 /* A mapping has as many elements as its object in the dictionary, and at least those of the PDO. */
 static void elements_of_a_mapping(void **state)
 {
+#define NUMBER                                                                                                         \
+    "<SubItem><SubIdx>0</SubIdx><Name>N</Name><Type>USINT</Type><BitSize>8</BitSize><BitOffs>0</BitOffs></SubItem>"
 #define ELEMENT(n, offset)                                                                                             \
     "<SubItem><SubIdx>" n "</SubIdx><Name>M" n "</Name><Type>UDINT</Type><BitSize>32</BitSize><BitOffs>" offset        \
     "</BitOffs></SubItem>"
 #define DESCRIBED(elements)                                                                                            \
-    ESI_DEVICE("<Profile><Dictionary><DataTypes><DataType><Name>M</Name><BitSize>112</BitSize><SubItem><SubIdx>0"      \
-               "</SubIdx><Name>N</Name><Type>USINT</Type><BitSize>8</BitSize><BitOffs>0</BitOffs></SubItem>" elements  \
-               "</DataType></DataTypes><Objects>" OBJECT("#x1A00", "M", "112",                                         \
-                                                         "") "</Objects></Dictionary></Profile>" ESI_MAILBOX_SMS       \
-                   ESI_PROCESS_SMS TX("Sm='3'", "#x1A00", A8 B8) "<Mailbox><CoE PdoConfig='1'/></Mailbox>" ESI_EEPROM)
+    ESI_DEVICE("<Profile><Dictionary><DataTypes><DataType><Name>M</Name><BitSize>112</BitSize>" NUMBER elements        \
+               "</DataType></DataTypes><Objects>" OBJECT(                                                              \
+                   "#x1A00", "M", "112", "") "</Objects></Dictionary></Profile>" ESI_MAILBOX_SMS ESI_PROCESS_SMS       \
+                   TX("Sm='3'", "#x1A00", A8 B8) "<Mailbox><CoE PdoConfig='1'/></Mailbox>" ESI_EEPROM)
     static const struct {
         const char *what, *text, *names[3];
         uint8_t elements;
@@ -839,8 +840,8 @@ int main(void)
         {"without CoE a PDO has an index of a mapping that no other PDO has", substitutes, NULL, NULL, NULL},
         {"only with PdoAssign can 1C13h be written, and have more than the default", without_pdo_assign, NULL, NULL,
          NULL},
-        {"a mapping has the elements of the dictionary, and at least those of the PDO", elements_of_a_mapping, NULL, NULL,
-         NULL},
+        {"a mapping has the elements of the dictionary, and at least those of the PDO", elements_of_a_mapping, NULL,
+         NULL, NULL},
         {"timeouts of the mailbox are 0 when absent, and at most 65535 ms", mailbox_timeouts, NULL, NULL, NULL},
         {"the chip and the EEPROM are the smallest that have the memory", chips_and_memory, NULL, NULL, NULL},
         {"a bootstrap mailbox needs 8 bytes and a length", boot_mailboxes, NULL, NULL, NULL},

@@ -122,6 +122,88 @@ static uint32_t write16(rig_t *r, uint16_t index, uint8_t subindex, uint16_t val
     return wire_sdo_download(&r->wire, 0, index, subindex, false, bytes, subindex == 0 ? 1 : 2);
 }
 
+/* --- beside the behaviour of a profile -----------------------------------------------------------------------------
+ */
+
+#define SUB(n, type, bits, offset, flags)                                                                              \
+    "<SubItem><SubIdx>" n "</SubIdx><Name>N" n "</Name><Type>" type "</Type><BitSize>" bits                            \
+    "</BitSize><BitOffs>" offset "</BitOffs><Flags>" flags "</Flags></SubItem>"
+#define VALUE(index, type, bits)                                                                                       \
+    "<Object><Index>#x" index "</Index><Name>V</Name><Type>" type "</Type><BitSize>" bits "</BitSize><Flags><Access>"  \
+    "rw</Access><PdoMapping>RT</PdoMapping></Flags></Object>"
+#define MAPPED(index, sub, bits, type)                                                                                 \
+    "<Entry><Index>#x" index "</Index><SubIndex>" sub "</SubIndex><BitLen>" bits                                       \
+    "</BitLen><Name>V</Name><DataType>" type "</DataType></Entry>"
+/* Inputs: the toggle in bit 0, the value of the profile from byte 1 on. */
+#define TOGGLING(profile, objects, entry, mailbox)                                                                     \
+    ESI_DEVICE(                                                                                                        \
+        "<Profile><ProfileNo>" profile "</ProfileNo><Dictionary><DataTypes><DataType><Name>UDINT</Name>"               \
+        "<BitSize>32</BitSize></DataType><DataType><Name>UINT</Name><BitSize>16</BitSize></DataType><DataType>"        \
+        "<Name>USINT</Name><BitSize>8</BitSize></DataType><DataType><Name>BOOL</Name><BitSize>1</BitSize>"             \
+        "</DataType><DataType><Name>P</Name><BitSize>24</BitSize>" SUB("0", "USINT", "8", "0", "")                     \
+            SUB("9", "BOOL", "1", "16",                                                                                \
+                "<PdoMapping>T</PdoMapping>") "</DataType></DataTypes><Objects>"                                       \
+                                              "<Object><Index>#x1800</Index><Name>TxPDO "                              \
+                                              "parameter</Name><Type>P</Type><BitSize>24</BitSize></Object>" objects   \
+                                              "</Objects></Dictionary></Profile><Fmmu>Outputs</Fmmu><Fmmu>Inputs</"    \
+                                              "Fmmu>" ESI_MAILBOX_SMS ESI_PROCESS_SMS                                  \
+                                              "<TxPdo Sm='3'><Index>#x1A00</Index><Name>P</Name>" MAPPED(              \
+                                                  "1800", "9", "1",                                                    \
+                                                  "BOOL") "<Entry><"                                                   \
+                                                          "Index>0</Index><BitLen>7</BitLen></Entry>" entry            \
+                                                          "</TxPdo><Mailbox>" mailbox "</Mailbox>" ESI_EEPROM)
+
+static void beside_a_profile(void **state)
+{
+    static const struct {
+        const char *what, *text, *note, *signal, *setting;
+        uint32_t value; /* in the inputs behind the toggle, with the setting */
+    } rows[] = {
+        {"an encoder",
+         TOGGLING("406", VALUE("6004", "UDINT", "32") VALUE("6001", "UDINT", "32"), MAPPED("6004", "0", "32", "UDINT"),
+                  "<CoE/>"),
+         "CiA 406: encoder 1", "encoder1.position", "0.5", 32768},
+        {"a measuring input",
+         TOGGLING("404", VALUE("6130", "UDINT", "32"), MAPPED("6130", "0", "32", "UDINT"), "<CoE/>"),
+         "CiA 404: input 1", "measure1.value", "7", 7},
+        {"a drive",
+         TOGGLING("402", VALUE("6040", "UINT", "16") VALUE("6041", "UINT", "16"), MAPPED("6041", "0", "16", "UINT"),
+                  "<CoE/>"),
+         "CiA 402: axis 1", NULL, NULL, 0x40},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        rig_t r;
+        char why[300] = "";
+        uint8_t image[5] = {0};
+        memset(&r, 0, sizeof r);
+        r.made = make_text(rows[i].what, rows[i].text);
+        assert_true(ect_esi_twin_behave(r.made.twin, ECT_BEHAVIOUR_BY_FILE, why, sizeof why));
+        if (note_of(&r.made, rows[i].note) == NULL)
+            fail_msg("%s: expected the note \"%s…\"", rows[i].what, rows[i].note);
+        const ect_product_t *product = ect_esi_twin_product(r.made.twin);
+        const ect_twin_config_t config = ect_twin_default(product->device, product->plant);
+        const ect_sm_t *sm = &product->device->sm[3];
+        const uint16_t size = ect_device_sm_bytes(product->device, 3);
+        wire_open_twins(&r.wire, &config, 1);
+        wire_go(&r.wire, 0, SAFEOP);
+        if (rows[i].signal != NULL)
+            set(&r, rows[i].signal, rows[i].setting);
+        unsigned int before = 2;
+        for (unsigned int n = 0; n < 5; n++) {
+            assert_int_equal(wire_read(&r.wire, 0, sm->start, image, size), 1);
+            wire_poll(&r.wire);
+            if (before < 2 && image[0] != (before ^ 1))
+                fail_msg("%s, cycle %u: expected %02X, got %02X", rows[i].what, n, before ^ 1, image[0]);
+            before = image[0];
+        }
+        const uint32_t value = image[1] | (uint32_t)image[2] << 8 | (uint32_t)image[3] << 16;
+        if ((value & (rows[i].signal != NULL ? 0xFFFFFFu : 0x4Fu)) != rows[i].value)
+            fail_msg("%s: expected %u, got %u", rows[i].what, (unsigned int)rows[i].value, (unsigned int)value);
+        close_rig(&r);
+    }
+}
+
 static void parameters(void **state)
 {
     rig_t r;
@@ -183,6 +265,8 @@ int main(int argc, char **argv)
         {"MDP-034: inputs that no master has read do not change the toggle again", once_in_a_cycle, NULL, NULL, NULL},
         {"MDP-034: a toggle that is held keeps its value", held, NULL, NULL, NULL},
         {"MDP-032 MDP-034: the state is 1 in a simulated fault, in the inputs and by SDO", faulty, NULL, NULL, NULL},
+        {"MDP-034: the toggle of a twin with the behaviour of a profile changes in each cycle", beside_a_profile, NULL,
+         NULL, NULL},
         {"MDP-033: toggle and state are entries of 1 bit, and signals", mapped, NULL, NULL, NULL},
         {"MDP-030 MDP-031: 1800h is no mapping; its sub-index 6 has the excluded PDOs of the file", parameters, NULL,
          NULL, NULL},
