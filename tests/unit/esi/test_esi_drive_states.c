@@ -666,6 +666,50 @@ static void mapped_objects_by_mailbox(void **state)
     assert_int_equal(read_sdo(CONTROL, 0), ENABLE);
 }
 
+/* Objects are those of the drive in each AL state with a mailbox; no process data needs to be exchanged. */
+static void objects_below_op(void **state)
+{
+    static const uint8_t states[] = {PREOP, SAFEOP};
+    for (size_t i = 0; i < COUNT(states); i++) {
+        open_drive("SERVO");
+        if (states[i] == SAFEOP)
+            next_state(SAFEOP);
+        assert_int_equal(state_of(read_sdo(STATUS, 0) & 0xFFFF), SOD);
+        set("axis1.fault", "16912");
+        wire_advance(&wire, MS);
+        expect_emergency(16912, 0x09);
+        assert_int_equal(read_sdo(0x603F, 0), 16912);
+        assert_int_equal(state_of(read_sdo(STATUS, 0) & 0xFFFF), FAULT);
+        set("axis1.fault", "0");
+        assert_int_equal(write_sdo(CONTROL, 0, 0, 2), 0); /* the first word has no edge */
+        assert_int_equal(write_sdo(CONTROL, 0, RESET, 2), 0);
+        wire_advance(&wire, MS);
+        expect_emergency(0, 0);
+        assert_int_equal(read_sdo(0x603F, 0), 0);
+        assert_int_equal(state_of(read_sdo(STATUS, 0) & 0xFFFF), SOD);
+        close_drive(state);
+    }
+}
+
+/* The shaft of a drive that has left OP runs down; objects follow it without process data. */
+static void rundown_in_preop(void **state)
+{
+    enum { SPEED = 0x606C };
+    (void)state;
+    servo(PV, 10000);
+    enable(0);
+    put(0x60FF, 20000);
+    cycles(500);
+    assert_true(get(SPEED) > 19000);
+    wire_go(&wire, 0, PREOP);
+    expect_emergency(0x7500, 0x11); /* communication */
+    const int64_t position = read_sdo(ACTUAL, 0);
+    for (unsigned int n = 0; n < 100 && read_sdo(SPEED, 0) != 0; n++)
+        wire_advance(&wire, 100 * MS);
+    assert_int_equal(read_sdo(SPEED, 0), 0);
+    assert_true(read_sdo(ACTUAL, 0) > position + 100);
+}
+
 int main(void)
 {
 #define TEST(title, function) {title, function, NULL, close_drive, NULL}
@@ -699,6 +743,8 @@ int main(void)
         TEST("DRV-091 1610h and 1A10h are those of the second axis", pdos_of_axes),
         TEST("DRV-001 1000h of each shape of file: servo, CiA 402", device_types),
         TEST("DRV-099 a mapped object by SDO is the value taken last", mapped_objects_by_mailbox),
+        TEST("DRV-099 a fault of a signal is in the objects below OP", objects_below_op),
+        TEST("DRV-099 DRV-157 the objects of a shaft that runs down in PREOP", rundown_in_preop),
         TEST("DRV-263 DRV-065 60C2h: range, whole steps, not in SAFEOP and OP", cycle_time),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
