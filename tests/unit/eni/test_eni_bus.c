@@ -243,6 +243,33 @@ static const ect_esi_device_t *model_of(const char *what, const char *text, ect_
     return model;
 }
 
+static void ENI_014_a_pdo_of_a_sync_manager_that_the_slave_lacks_has_none(void **state)
+{
+#define SM_AND_PDO(sm)                                                                                                 \
+    ENI_ONE("", "<ProcessData><Sm0><Type>Outputs</Type><StartAddress>4096</StartAddress><ControlByte>100"              \
+                "</ControlByte></Sm0><Sm1><Type>Inputs</Type><StartAddress>4352</StartAddress><ControlByte>32"         \
+                "</ControlByte></Sm1><RxPdo" sm "><Index>#x1600</Index><Name>A</Name></RxPdo></ProcessData>")
+    static const struct {
+        const char *what, *text;
+        int sm;
+    } rows[] = {
+        {"none", SM_AND_PDO(""), -1},
+        {"the first", SM_AND_PDO(" Sm='0'"), 0},
+        {"the last", SM_AND_PDO(" Sm='1'"), 1},
+        {"the one behind the last", SM_AND_PDO(" Sm='2'"), -1},
+        {"a later one", SM_AND_PDO(" Sm='9'"), -1},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_esi_t *esi;
+        const ect_esi_device_t *model = model_of(rows[i].what, rows[i].text, &esi);
+        assert_int_equal(model->pdo_count, 1);
+        if (model->pdos[0].sm != rows[i].sm)
+            fail_msg("%s: expected SyncManager %d, got %d", rows[i].what, rows[i].sm, model->pdos[0].sm);
+        ect_esi_close(esi);
+    }
+}
+
 /* The line of the file is that of an error of the SyncManager. */
 static void ENI_013_a_sync_manager_has_the_line_of_its_element_or_of_its_write(void **state)
 {
@@ -501,6 +528,7 @@ int main(void)
         cmocka_unit_test(ENI_011_every_port_of_Physics_is_one_of_the_twin),
         cmocka_unit_test(ENI_014_a_pdo_belongs_to_the_sync_manager_that_lists_it),
         cmocka_unit_test(a_boot_mailbox_and_an_explicit_device_id_are_taken_over),
+        cmocka_unit_test(ENI_014_a_pdo_of_a_sync_manager_that_the_slave_lacks_has_none),
         cmocka_unit_test(ENI_013_a_sync_manager_has_the_line_of_its_element_or_of_its_write),
         cmocka_unit_test(ENI_013_sync_managers_of_assigned_pdos_lie_behind_the_mailboxes),
         cmocka_unit_test(ENI_015_pdos_that_are_assigned_and_not_described_have_no_entries),

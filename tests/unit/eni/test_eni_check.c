@@ -39,6 +39,11 @@ static void collect(void *ctx, const char *line)
     "<CopyInfos><CopyInfo><SrcBitOffs>" source "</SrcBitOffs><DstBitOffs>" target "</DstBitOffs><BitSize>" bits        \
     "</BitSize></CopyInfo></CopyInfos>"
 
+#define FOE(size, body)                                                                                                \
+    ENI_ONE("", "<Mailbox>" BOX("Send", 4096, size) BOX("Recv", 4224, 128) "<FoE><InitCmds><InitCmd>" body             \
+                                                                           "</InitCmd></InitCmds></FoE></Mailbox>")
+#define NAME_70 "1234567890123456789012345678901234567890123456789012345678901234567890"
+
 static const struct {
     const char *title, *text, *lines;
 } rows[] = {
@@ -90,6 +95,22 @@ static const struct {
     {"ENI-012 the second mailbox one byte below the memory",
      ENI_ONE("", "<Mailbox>" BOX("Send", 4224, 128) BOX("Recv", 4095, 128) "</Mailbox>"),
      "t.xml:2: slave 1: a mailbox begins below 0x1000, where there are registers\n"},
+    {"ENI-025 a request of FoE that fills the mailbox", FOE(20, "<FileName>12345678</FileName>"), ""},
+    {"ENI-025 a request of FoE one byte too long", FOE(19, "<FileName>12345678</FileName>"),
+     "t.xml:2: slave 1: the FoE request of the file '12345678' has 20 bytes, the mailbox 19\n"},
+    {"ENI-025 a request of FoE with a long name", FOE(80, "<FileName>" NAME_70 "</FileName>"),
+     "t.xml:2: slave 1: the FoE request of the file '123456789012345678901234567890123456789012345678901234567890' has "
+     "82 "
+     "bytes, the mailbox 80\n"},
+    {"ENI-025 FoE reads a file, and has data", FOE(128, "<OpCode>1</OpCode><FileName>a</FileName><Data>00</Data>"),
+     "t.xml:2: slave 1: the FoE command reads the file 'a', and has Data\n"},
+    {"ENI-025 FoE writes a file", FOE(128, "<OpCode>2</OpCode><FileName>a</FileName><Data>00</Data>"), ""},
+    {"ENI-025 FoE writes an empty file", FOE(128, "<OpCode>2</OpCode><FileName>a</FileName>"), ""},
+    {"ENI-025 a mail of another protocol that is longer than the mailbox",
+     ENI_ONE("", "<Mailbox>" BOX("Send", 4096, 8)
+                     BOX("Recv", 4224, 128) "<EoE><InitCmd><Type>2</Type><Data>"
+                                            "00112233445566778899</Data></InitCmd></EoE></Mailbox>"),
+     ""},
     {"ENI-016 cyclic frames without commands, and no frames",
      ENI_HEAD ENI_SLAVE("", "") "<Cyclic/><Cyclic><Frame/></Cyclic><ProcessImage/>" ENI_TAIL, ""},
     {"ENI-014 bits that agree", DATA(BITS("Send", 12) RXPDO(12), ""), ""},

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Network files in all found forms are read, or refused with one line. */
+#define _POSIX_C_SOURCE 200809L
 #include "from_text.h"
 
 #include <inttypes.h>
@@ -88,6 +89,49 @@ static void a_file_that_cannot_be_read_is_refused_with_its_line(void **state)
         if (eni != NULL || strcmp(why, refused[i].why) != 0)
             fail_msg("%s: expected \"%s\", got \"%s\"", refused[i].title, refused[i].why, why);
     }
+}
+
+static void ENI_004_a_command_has_at_most_the_data_of_a_datagram(void **state)
+{
+    enum { MOST = 1486 };
+    (void)state;
+    for (size_t bytes = MOST; bytes <= MOST + 1; bytes++) {
+        static char text[3 * MOST];
+        char why[400] = "", data[2 * MOST + 3];
+        memset(data, '0', 2 * bytes);
+        data[2 * bytes] = '\0';
+        (void)snprintf(text, sizeof text, ENI_COMMAND("<Cmd>7</Cmd><Ado>0</Ado><Data>%s</Data>"), data);
+        ect_eni_t *eni = ect_eni_parse("t.xml", text, strlen(text), why, sizeof why);
+        assert_int_equal(eni != NULL, bytes == MOST);
+        assert_string_equal(why, bytes == MOST ? "" : "t.xml:2: Data has 1487 bytes; a frame takes 1486");
+        if (eni != NULL)
+            assert_int_equal(slave_of(eni, 0)->commands[0].data.length, MOST);
+        ect_eni_close(eni);
+    }
+}
+
+static void a_network_has_at_most_65535_slaves(void **state)
+{
+    enum { MOST = 65535 };
+    static const char slave[] = ENI_SLAVE("", "");
+    const size_t room = (size_t)(MOST + 1) * sizeof slave + sizeof ENI_HEAD ENI_TAIL;
+    char *text = malloc(room);
+    (void)state;
+    assert_non_null(text);
+    for (size_t count = MOST; count <= MOST + 1; count++) {
+        char why[400] = "";
+        char *end = stpcpy(text, ENI_HEAD);
+        for (size_t i = 0; i < count; i++)
+            end = stpcpy(end, slave);
+        (void)strcpy(end, ENI_TAIL);
+        ect_eni_t *eni = ect_eni_parse("t.xml", text, strlen(text), why, sizeof why);
+        assert_int_equal(eni != NULL, count == MOST);
+        assert_string_equal(why, count == MOST ? "" : "t.xml:1: more than 65535 slaves");
+        if (eni != NULL)
+            assert_int_equal(ect_eni_network(eni)->slave_count, MOST);
+        ect_eni_close(eni);
+    }
+    free(text);
 }
 
 static void ENI_022_deep_nesting_and_no_xml_are_refused(void **state)
@@ -609,6 +653,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         CASE(a_file_that_cannot_be_read_is_refused_with_its_line),
+        CASE(ENI_004_a_command_has_at_most_the_data_of_a_datagram),
+        CASE(a_network_has_at_most_65535_slaves),
         CASE(ENI_022_deep_nesting_and_no_xml_are_refused),
         CASE(a_file_is_refused_without_memory),
         CASE(every_prefix_of_a_file_is_refused_with_one_line),

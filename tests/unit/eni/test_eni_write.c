@@ -220,6 +220,31 @@ static void each_transition_has_the_timeout_of_the_device(void **state)
     }
 }
 
+static void ENI_013_the_sizes_of_a_SyncManager_come_back(void **state)
+{
+    static const struct {
+        uint16_t minimum, maximum;
+    } rows[] = {{0, 0}, {1, 1}, {0, 34}, {34, 0}, {34, 1486}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_device_t device = *ect_catalogue_find("fzm1")->device;
+        written_t w = {.count = 0};
+        device.sm[0].minimum = device.sm[2].minimum = rows[i].minimum;
+        device.sm[0].maximum = device.sm[2].maximum = rows[i].maximum;
+        add_part(&w, "fzm1");
+        w.parts[0].device = &device;
+        write_parts("sizes", &w);
+        for (unsigned int n = 0; n <= 2; n += 2) {
+            const ect_eni_sm_t *sm = &slave_of(w.eni, 0)->sms[n];
+            if (sm->minimum != rows[i].minimum || sm->maximum != rows[i].maximum)
+                fail_msg("SyncManager %u: expected %u to %u bytes, got %u to %u", n, rows[i].minimum, rows[i].maximum,
+                         (unsigned int)sm->minimum, (unsigned int)sm->maximum);
+        }
+        assert_int_equal(strstr(w.file, "<MinSize>0<") == NULL && strstr(w.file, "<MaxSize>0<") == NULL, true);
+        drop(&w);
+    }
+}
+
 static const ect_dc_mode_t *clock_of(const ect_device_t *device)
 {
     for (unsigned int i = 0; i < device->dc_mode_count; i++) {
@@ -895,6 +920,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(CF_N01_a_written_file_is_read_as_the_same_bus),
         cmocka_unit_test(CF_N01_a_written_file_has_frames_checks_and_mailbox_of_the_device),
         cmocka_unit_test(each_transition_has_the_timeout_of_the_device),
+        cmocka_unit_test(ENI_013_the_sizes_of_a_SyncManager_come_back),
         cmocka_unit_test(CF_N01_a_known_bus_has_the_file_of_the_tests_byte_for_byte),
         cmocka_unit_test(ENI_020_the_states_of_mailboxes_are_read_with_one_command),
         cmocka_unit_test(ENI_010_ENI_021_place_and_alias_of_a_slave_come_back),
