@@ -154,6 +154,7 @@ static void write_all(ect_capture_t *c)
     size_t head;
     while ((head = atomic_load_explicit(&c->head, memory_order_acquire)) != tail) {
         size_t length = next_batch(c, tail, head - tail);
+        errno = 0; /* a short read or write sets none */
         if (atomic_load(&c->failed) == 0 && !write_batch(c, tail, length)) {
             atomic_store(&c->failed, errno != 0 ? errno : EIO);
             (void)!ftruncate(c->fd, (off_t)c->end); /* removes a partial block */

@@ -157,16 +157,17 @@ static ect_item_kind_t take_block(ect_reader_t *r, uint32_t type, const uint8_t 
     }
 }
 
-/* Reads the byte order from the section header. @param head  type and length of the block */
-static bool find_byte_order(ect_reader_t *r, const uint8_t *head)
+/* Reads the byte order from the section header. @param head  type and length of the block @return the mistake; NULL:
+ * none */
+static const char *find_byte_order(ect_reader_t *r, const uint8_t *head)
 {
     uint8_t magic[4];
     if (ect_load_le32(head) != ECT_PCAPNG_SECTION)
-        return true;
+        return NULL;
     if (!take(r, magic, sizeof magic) || fseek(r->file, -4, SEEK_CUR) != 0)
-        return false;
+        return "the file ends within a block";
     r->swapped = ect_load_le32(magic) != ECT_PCAPNG_MAGIC;
-    return get32(r, magic) == ECT_PCAPNG_MAGIC;
+    return get32(r, magic) == ECT_PCAPNG_MAGIC ? NULL : "a section of an unknown byte order";
 }
 
 static ect_item_kind_t next_of_pcapng(ect_reader_t *r, ect_item_t *item)
@@ -176,8 +177,9 @@ static ect_item_kind_t next_of_pcapng(ect_reader_t *r, ect_item_t *item)
         size_t got = fread(head, 1, sizeof head, r->file);
         if (got == 0)
             return ECT_ITEM_END;
-        if (got < sizeof head || !find_byte_order(r, head))
-            return wrong(r, got < sizeof head ? "the file ends within a block" : "a section of an unknown byte order");
+        const char *mistake = got < sizeof head ? "the file ends within a block" : find_byte_order(r, head);
+        if (mistake != NULL)
+            return wrong(r, "%s", mistake);
         uint32_t total = get32(r, head + 4);
         if (total < 12 || total % 4 != 0 || total - BLOCK_HEAD > ECT_READER_BLOCK)
             return wrong(r, "a block of %" PRIu32 " bytes", total);

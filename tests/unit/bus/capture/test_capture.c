@@ -399,6 +399,46 @@ static void failed_write(void **state)
     assert_int_equal(count(r, ECT_PCAPNG_INTERFACE), 2); /* and whole blocks only */
 }
 
+/* Another process shortens the file, whose newer half cannot be moved then. */
+static void shortened(void **state)
+{
+    rig_t *r = *state;
+    enum { COUNT = 5000 };
+    ect_capture_config_t config = config_of(r);
+    config.most = ECT_CAPTURE_SMALLEST;
+    begin(r, &config);
+    unsigned int added = 0;
+    for (unsigned int i = 0; i < COUNT; i++) {
+        added += add(r, i, FRAME);
+        if (i % 50 == 0) {
+            assert_int_equal(truncate(r->path, 100), 0);
+            errno = ENOENT; /* of an earlier call */
+            ect_capture_flush(r->capture);
+        }
+    }
+    assert_in_range(added, 1, COUNT - 1);
+    assert_int_equal(ect_capture_close(r->capture, NULL, 0, 0), EIO);
+}
+
+static void heads_refused(void **state)
+{
+    rig_t *r = *state;
+    struct rlimit before, small;
+    char message[ECT_CAPTURE_MESSAGE] = "", expected[ECT_CAPTURE_MESSAGE];
+    const ect_capture_config_t config = config_of(r);
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    small = before;
+    small.rlim_cur = 20;
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
+    ect_capture_t *c = ect_capture_open(&config, message);
+    const int reason = errno;
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+    (void)snprintf(expected, sizeof expected, "cannot write '%s': File too large", r->path);
+    assert_null(c);
+    assert_int_equal(reason, EFBIG);
+    assert_string_equal(message, expected);
+}
+
 static void refused(void **state)
 {
     rig_t *r = *state;
@@ -484,6 +524,8 @@ int main(void)
         CASE("frames that were dropped at the end are counted by the last block, which is there for that",
              dropped_at_the_end),
         CASE("after a failed write frames are dropped, and the end reports the reason", failed_write),
+        CASE("a file that another process shortens ends with an error", shortened),
+        CASE("a file without room for its heads is refused with one line", heads_refused),
         CASE("a file that cannot be written gives one line", refused),
         CASE("a second capture does not touch the file of the first", taken),
         CASE("local data are blocks between the frames", local_data),
