@@ -216,6 +216,8 @@ class Program:
             self.tests[name] = BUILD / "tests" / name if name in self.as_built else BUILD / name
 
     def link(self, library, instead):
+        if instead and self.as_built >= self.own.keys():
+            return  # no test has the shared library
         if instead and not instead.keys() & self.library.keys():
             library.symlink_to(BUILD / library.name)
             return
@@ -598,10 +600,15 @@ def blocks_of(program, sources):
     return blocks
 
 
+@functools.cache
+def link_words(target):
+    lines = run_for_text("ninja", "-C", str(BUILD), "-t", "commands", "-s", target).strip().split("\n")
+    return tuple(word for word in shlex.split(lines[-1]) if word not in (":", "&&"))
+
+
 def link_command(target):
     """CMake's link command of a target, as words."""
-    lines = run_for_text("ninja", "-C", str(BUILD), "-t", "commands", "-s", target).strip().split("\n")
-    return [word for word in shlex.split(lines[-1]) if word not in (":", "&&")]
+    return list(link_words(target))
 
 
 def link_as_built(target, program, instead, own, *flags):
