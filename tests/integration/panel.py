@@ -68,6 +68,7 @@ class Page:
         self.socket.sendall(("GET / HTTP/1.1\r\n" + "".join(f"{n}: {v}\r\n" for n, v in lines.items() if v) + "\r\n").encode())
         self.received = b""
         self.replies, self.pings = True, 0
+        self.ping_contents = set()
         self.kept = []
         self.status = self._head()
         if token is not None and self.status == 101:
@@ -114,6 +115,7 @@ class Page:
                         return None
                     if data[0] & 15 == 9:
                         self.pings += 1
+                        self.ping_contents.add(data[at:at + length])
                         if self.replies:
                             self.frame(10, data[at:at + length])
                     continue
@@ -414,6 +416,7 @@ def held():
                 break
             steady.socket.close()
         check("a page that replies to pings holds its signal", True, kept)
+        check("a ping has one byte", {b"\0"}, steady.ping_contents)
         check("before the panel ends", {"ok": True}, steady.request(bus, deflect, 3, rest=0))
         panel.process.send_signal(signal.SIGTERM)
         panel.process.wait(120)

@@ -469,6 +469,10 @@ static void too_many_signals(void **state)
     bus_poll(bus, true);
     from_bus(OK SIGNAL_A "\n" OK);
     assert_true(bus->listed);
+    skip_message();
+    expect("{\"event\":\"signals\",\"bus\":1,\"of\":1,\"from\":0,\"signals\":[" SIGNAL_A "]}");
+    assert_int_equal(from_page("{\"open\":1}"), PAGE_LEAVE); /* anew: the trouble is over */
+    expect("{\"event\":\"signals\",\"bus\":1,\"of\":1,\"from\":0,\"signals\":[" SIGNAL_A "]}");
 }
 
 /* Half a reply of a connection is no part of a reply of the next one. */
