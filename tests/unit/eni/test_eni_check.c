@@ -23,6 +23,9 @@ static void collect(void *ctx, const char *line)
     "<RxPdo "                                                                                                          \
     "Sm='2'><Index>#x1600</Index><Name>A</Name><Entry><Index>#x7000</Index><SubIndex>1</SubIndex><BitLen>" #bits       \
     "</BitLen></Entry></RxPdo>"
+#define RXPDO_OF(sm, index, bits)                                                                                      \
+    "<RxPdo Sm='" sm "'><Index>#x" #index "</Index><Name>A</Name><Entry><Index>#x7000</Index><SubIndex>1</SubIndex>"   \
+    "<BitLen>" #bits "</BitLen></Entry></RxPdo>"
 #define WRITE(ado, data) "<InitCmd><Cmd>5</Cmd><Adp>1001</Adp><Ado>" #ado "</Ado><Data>" data "</Data></InitCmd>"
 #define WRITE_BOOT(ado, data)                                                                                          \
     "<InitCmd><Transition>IB</Transition><Cmd>5</Cmd><Adp>1001</Adp><Ado>" #ado "</Ado><Data>" data "</Data></"        \
@@ -121,6 +124,36 @@ static const struct {
      DATA(BITS("Send", 8) "<Sm2><Pdo>#x1601</Pdo></Sm2>" RXPDO(12), ""), ""},
     {"ENI-014 no bits of PDOs that are assigned", DATA(RXPDO(8), ""),
      "t.xml:2: slave 1: Send has 0 bits, its assigned PDOs 8\n"},
+    {"ENI-014 a PDO of the first SyncManager", DATA(BITS("Send", 13) RXPDO_OF("0", 1600, 12), ""),
+     "t.xml:2: slave 1: Send has 13 bits, its assigned PDOs 12\n"},
+    {"ENI-014 a PDO of the last SyncManager", DATA(BITS("Send", 13) RXPDO_OF("15", 1600, 12), ""),
+     "t.xml:2: slave 1: Send has 13 bits, its assigned PDOs 12\n"},
+    {"ENI-014 a PDO that the last SyncManager lists",
+     DATA(BITS("Send", 13) "<Sm15><Pdo>#x1600</Pdo></Sm15>" RXPDO_OF("0", 1600, 12), ""),
+     "t.xml:2: slave 1: Send has 13 bits, its assigned PDOs 24\n"},
+    {"ENI-014 PDOs of two SyncManagers", DATA(BITS("Send", 24) RXPDO_OF("0", 1600, 12) RXPDO_OF("2", 1601, 12), ""),
+     ""},
+    {"ENI-014 PDOs of two SyncManagers, each rounded to bytes",
+     DATA(BITS("Send", 32) RXPDO_OF("0", 1600, 12) RXPDO_OF("2", 1601, 12), ""), ""},
+    {"ENI-014 two PDOs of one SyncManager are rounded together",
+     DATA(BITS("Send", 32) RXPDO_OF("2", 1600, 12) RXPDO_OF("2", 1601, 12), ""),
+     "t.xml:2: slave 1: Send has 32 bits, its assigned PDOs 24\n"},
+    {"ENI-014 bits of outputs are those of RxPDOs", DATA(BITS("Recv", 12) RXPDO(12), ""),
+     "t.xml:2: slave 1: Send has 0 bits, its assigned PDOs 12\n"},
+    {"ENI-014 bits in two parts", DATA(BITS("Send", 5) BITS("Send", 7) RXPDO(12), ""), ""},
+    {"ENI-013 a mailbox for requests at another place",
+     ENI_ONE("", "<Mailbox>" BOX("Send", 4096, 128) BOX("Recv", 4352, 128) "</Mailbox><InitCmds>" WRITE(
+                     2048, "80108000260001000011800022000100") "</InitCmds>"),
+     "t.xml:2: slave 1: SyncManager 0 is written with 128 bytes at 0x1080; the mailbox has 128 at 0x1000\n"},
+    {"ENI-013 a mailbox that is written disabled",
+     ENI_ONE("", "<Mailbox>" BOX("Send", 4096, 128) BOX("Recv", 4352, 128) "</Mailbox><InitCmds>" WRITE(
+                     2048, "80108000260000000011800022000100") "</InitCmds>"),
+     ""},
+    {"ENI-013 an FMMU of the first byte of the memory",
+     DATA(BITS("Recv", 13), WRITE(1536, "00000100020000030010000101000000")),
+     "t.xml:2: slave 1: Recv has 13 bits, its FMMUs 12\n"},
+    {"ENI-013 an FMMU of the byte below the memory",
+     DATA(BITS("Recv", 13), WRITE(1536, "0000010002000003ff0f000101000000")), ""},
     {"ENI-013 an FMMU that agrees", DATA(BITS("Recv", 12), WRITE(1536, "00000100020000030011000101000000")), ""},
     {"ENI-013 an FMMU of other bits", DATA(BITS("Recv", 12), WRITE(1536, "00000100010000030011000101000000")),
      "t.xml:2: slave 1: Recv has 12 bits, its FMMUs 4\n"},
