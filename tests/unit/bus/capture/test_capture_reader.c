@@ -155,7 +155,9 @@ static void resolutions(void **state)
         {9, 0x123456789A, 0x123456789A},
         {3, 1500, 1500000000},
         {0, 2, 2000000000},
+        {10, 15000000009, 1500000000},
         {12, 1500000000999, 1500000000},
+        {18, 1500000000999999999, 1500000000},
         {0x80 | 0, 2, 2000000000},
         {0x80 | 1, 3, 1500000000},
         {0x80 | 10, 1024 + 512, 1500000000},
@@ -240,6 +242,148 @@ static void place_of_a_mistake(void **state)
     put32(&f, 0);
     assert_int_equal(read_all(&f, &packet, message), 2);
     assert_string_equal(message, "a block of 13 bytes, at byte 232");
+}
+
+/* A packet with an option behind its bytes. */
+static void put_optioned(file_t *f, uint16_t code, uint16_t size, uint32_t value)
+{
+    const uint32_t total = 32 + FRAME + 12;
+    put32(f, ECT_PCAPNG_PACKET);
+    put32(f, total);
+    put32(f, 0);
+    put32(f, 0);
+    put32(f, 1);
+    put32(f, FRAME - 2); /* two bytes of padding */
+    put32(f, 1500);
+    memset(f->bytes + f->size, 0x5A, FRAME);
+    f->size += FRAME;
+    put16s(f, code, size);
+    put32(f, value);
+    put32(f, 0);
+    put32(f, total);
+}
+
+/* The two lowest bits of the flags; other options, and flags of another size, have no direction. */
+static void directions(void **state)
+{
+    static const struct {
+        uint16_t code, size;
+        uint32_t value;
+        unsigned int direction;
+    } rows[] = {
+        {ECT_PCAPNG_FLAGS, 4, 0, 0},
+        {ECT_PCAPNG_FLAGS, 4, 1, ECT_PCAPNG_INBOUND},
+        {ECT_PCAPNG_FLAGS, 4, 2, ECT_PCAPNG_OUTBOUND},
+        {ECT_PCAPNG_FLAGS, 4, 0xFFFFFFFE, ECT_PCAPNG_OUTBOUND},
+        {ECT_PCAPNG_FLAGS, 4, 0xFFFFFFFC, 0},
+        {ECT_PCAPNG_FLAGS, 3, 1, 0},
+        {ECT_PCAPNG_FLAGS, 2, 1, 0},
+        {ECT_PCAPNG_FLAGS, 9, 1, 0}, /* beyond the block */
+        {ECT_PCAPNG_FLAGS + 1, 4, 1, 0},
+        {ECT_PCAPNG_FLAGS - 1, 4, 1, 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < 2 * sizeof rows / sizeof rows[0]; i++) {
+        file_t f = {.big = i % 2 != 0};
+        char message[ECT_READER_MESSAGE];
+        ect_item_t packet = {0};
+        put_section(&f);
+        put_interface(&f, 9, 1);
+        put_optioned(&f, rows[i / 2].code, rows[i / 2].size, rows[i / 2].value);
+        assert_int_equal(read_all(&f, &packet, message), 1);
+        assert_string_equal(message, "");
+        assert_int_equal(packet.captured, FRAME - 2);
+        assert_int_equal(packet.length, 1500);
+        if (packet.direction != rows[i / 2].direction)
+            fail_msg("option %u of %u bytes, %08X: expected direction %u, got %u", rows[i / 2].code, rows[i / 2].size,
+                     (unsigned int)rows[i / 2].value, rows[i / 2].direction, packet.direction);
+    }
+}
+
+/* A resolution has one byte; another size, and an option behind the end of the options, mean microseconds. */
+static void no_resolution(void **state)
+{
+    static const struct {
+        uint16_t first, size;
+    } rows[] = {{0, 0}, {ECT_PCAPNG_RESOLUTION, 0}, {ECT_PCAPNG_RESOLUTION, 2}, {ECT_PCAPNG_RESOLUTION, 4}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const uint32_t padded = (rows[i].size + 3u) / 4 * 4, total = 20 + 4 + padded + 8;
+        file_t f = {0};
+        put_section(&f);
+        put32(&f, ECT_PCAPNG_INTERFACE);
+        put32(&f, total);
+        put16s(&f, 1, 0);
+        put32(&f, 0);
+        put16s(&f, rows[i].first, rows[i].size);
+        if (padded > 0)
+            put32(&f, 3);
+        put16s(&f, ECT_PCAPNG_RESOLUTION, 1);
+        put32(&f, 3);
+        put32(&f, total);
+        put_packet(&f, 0, 1500000, FRAME, FRAME);
+        expect_time(&f, 1500000000);
+    }
+}
+
+/* The last interface that is read, packets of which less is in the file, and a block between them. */
+static void each_item(void **state)
+{
+    enum { LAST = ECT_READER_INTERFACES - 1, OTHER = 0x0BAD };
+    file_t f = {.size = 0};
+    ect_item_t item;
+    (void)state;
+    put_section(&f);
+    for (unsigned int i = 0; i <= LAST; i++)
+        put_interface(&f, i == LAST ? 9 : 3, i == LAST ? 1 : 113);
+    put_packet(&f, LAST, 7, 14, 1514);
+    put32(&f, OTHER);
+    put32(&f, 12);
+    put32(&f, 12);
+    f.size += ect_pcapng_local(f.bytes + f.size, "0123456789", 10);
+    put_packet(&f, LAST, 8, 0, 0);
+    ect_reader_t r = open_file(&f);
+    assert_int_equal(ect_reader_next(&r, &item), ECT_ITEM_SECTION);
+    assert_int_equal(ect_reader_next(&r, &item), ECT_ITEM_PACKET);
+    assert_true(item.number == 1 && item.interface == LAST && item.time_ns == 7);
+    assert_true(item.captured == 14 && item.length == 1514 && item.bytes[13] == 0x5A);
+    assert_int_equal(ect_reader_next(&r, &item), ECT_ITEM_LOCAL);
+    assert_int_equal(item.captured, 12);
+    assert_memory_equal(item.bytes, "0123456789\0\0", 12);
+    assert_int_equal(ect_reader_next(&r, &item), ECT_ITEM_PACKET);
+    assert_true(item.number == 2 && item.time_ns == 8 && item.captured == 0 && item.length == 0);
+    assert_int_equal(ect_reader_next(&r, &item), ECT_ITEM_END);
+    close_file(&r);
+}
+
+static void each_packet_of_pcap(void **state)
+{
+    (void)state;
+    for (unsigned int i = 0; i < 2; i++) {
+        file_t f = {.big = i != 0};
+        ect_item_t item;
+        put_pcap(&f, 0xA1B23C4D, 0xF0000001); /* of Ethernet, with a length of the check sequence */
+        put_pcap_packet(&f, 7, 5, FRAME);
+        put32(&f, UINT32_MAX);
+        put32(&f, 999999999);
+        put32(&f, 4);
+        put32(&f, 1514);
+        put32(&f, 0x01010101);
+        put32(&f, 0);
+        put32(&f, 0);
+        put32(&f, 61);
+        put32(&f, 60);
+        ect_reader_t r = open_file(&f);
+        assert_int_equal(ect_reader_next(&r, &item), ECT_ITEM_SECTION);
+        assert_int_equal(ect_reader_next(&r, &item), ECT_ITEM_PACKET);
+        assert_true(item.number == 1 && item.time_ns == 7000000005 && item.captured == FRAME && item.length == FRAME);
+        assert_int_equal(ect_reader_next(&r, &item), ECT_ITEM_PACKET);
+        assert_true(item.number == 2 && item.time_ns == 4294967295999999999 && item.interface == 0);
+        assert_true(item.captured == 4 && item.length == 1514 && item.bytes[3] == 1 && item.direction == 0);
+        assert_int_equal(ect_reader_next(&r, &item), ECT_ITEM_WRONG);
+        assert_string_equal(r.message, "a packet of 61 bytes, at byte 120");
+        close_file(&r);
+    }
 }
 
 static void old_format(void **state)
@@ -435,6 +579,11 @@ int main(void)
         {"a resolution is found behind an option of any length", options_before, NULL, NULL, NULL},
         {"the options of an interface end with its block", options_end_with_their_block, NULL, NULL, NULL},
         {"pcap in microseconds and nanoseconds, in both byte orders", old_format, NULL, NULL, NULL},
+        {"the direction is in the flags of a packet", directions, NULL, NULL, NULL},
+        {"a resolution of another size than a byte, or behind the last option", no_resolution, NULL, NULL, NULL},
+        {"packets and local data have numbers, times and both lengths", each_item, NULL, NULL, NULL},
+        {"packets of pcap have numbers, times and both lengths; a mistake has its byte", each_packet_of_pcap, NULL,
+         NULL, NULL},
         {"each section has interfaces and a byte order of its own", sections_anew, NULL, NULL, NULL},
         {"Attack: lengths and counts of pcapng that lie", lies, NULL, NULL, NULL},
         {"Attack: blocks of pcapng that are too short", short_blocks, NULL, NULL, NULL},
