@@ -421,7 +421,6 @@ static void take_trace_socket(void *ctx, bus_t *bus, int fd, long process)
 {
     (void)process;
     bus->trace.socket = adopt(ctx, bus, fd, "trace");
-    trace_restart(&bus->trace);
 }
 
 /* A twin reports every change only while a page plots a signal. */

@@ -133,13 +133,17 @@ class Page:
         """Opens the bus with these devices. Returns its number, and its signals by slave and name."""
         buses = self.wait("buses", lambda m: any(b["about"].get("devices") == devices for b in m["buses"]))["buses"]
         bus = next(b["bus"] for b in buses if b["about"].get("devices") == devices)
+        return bus, self.open_bus(bus)
+
+    def open_bus(self, bus):
+        """Opens a bus. Returns its signals by slave and name."""
         self.send({"open": bus})
         signals = []
         while True:
             message = self.wait("signals")
             signals += message["signals"]
             if len(signals) == message["of"]:
-                return bus, {(s["slave"], s["name"]): i for i, s in enumerate(signals)}
+                return {(s["slave"], s["name"]): i for i, s in enumerate(signals)}
 
     def request(self, bus, request, number=1, **more):
         self.send({"id": number, "bus": bus, "request": request, **more})
@@ -300,12 +304,17 @@ def buses():
     with running() as panel:
         page = Page(panel, panel.token)
         check("without a twin the list is empty", [], page.wait("buses")["buses"])
+        idle = panel.descriptors()
         with twins("fzm1", "--name", "press"):
             found = page.wait("buses", lambda m: m["buses"])["buses"][0]
             check("a twin that starts is in the list", ("press", 1), (found["about"]["name"], found["about"]["slaves"]))
-            page.send({"open": found["bus"]})
-            page.wait("signals")
+            page.send({"trace": [page.open_bus(found["bus"])[1, "ready"]]})
+            page.wait("changes")
         check("a twin that ends leaves it", [], page.wait("buses", lambda m: not m["buses"])["buses"])
+        deadline = time.monotonic() + 120
+        while panel.descriptors() != idle and time.monotonic() < deadline:
+            time.sleep(0.05)
+        check("both connections to it are closed", idle, panel.descriptors())
 
 
 def hostile():
