@@ -471,7 +471,7 @@ static void too_many_signals(void **state)
     assert_true(bus->listed);
     skip_message();
     expect("{\"event\":\"signals\",\"bus\":1,\"of\":1,\"from\":0,\"signals\":[" SIGNAL_A "]}");
-    assert_int_equal(from_page("{\"open\":1}"), PAGE_LEAVE); /* anew: the trouble is over */
+    assert_int_equal(from_page("{\"open\":1}"), PAGE_LEAVE); /* once more: the trouble is over */
     expect("{\"event\":\"signals\",\"bus\":1,\"of\":1,\"from\":0,\"signals\":[" SIGNAL_A "]}");
 }
 
