@@ -180,6 +180,19 @@ def pages():
         check("the page is served", (200, True), (page.status, b"<title>" in page.text))
         check("pages may load and run nothing else", "default-src 'none'; script-src 'self'; style-src 'self'",
               page.headers["content-security-policy"][:55])
+        folder = pathlib.Path(__file__).resolve().parents[2] / "programs/ectwin-panel/page"
+        check("each file of the page is served whole", [],
+              [file.name for file in folder.iterdir()
+               if panel.get("/" if file.name == "index.html" else f"/{file.name}").text != file.read_bytes()])
+        connection = http.client.HTTPConnection("127.0.0.1", panel.port, timeout=120)
+        replies = []
+        for name in ("panel.css", "nothing", "main.js", "icon.svg"):
+            connection.request("GET", f"/{name}")
+            reply = connection.getresponse()
+            replies.append((reply.status, len(reply.read())))
+        connection.close()
+        check("a connection takes several requests", [(200, (folder / "panel.css").stat().st_size), (404, 0),
+                                                      (200, (folder / "main.js").stat().st_size), (200, (folder / "icon.svg").stat().st_size)], replies)
         check("no script and no style is inline", False, b"style=" in page.text or b"<style" in page.text or b"<script>" in page.text)
         check("types are not guessed", "nosniff", page.headers["x-content-type-options"])
         check("nothing is kept", "no-store", page.headers["cache-control"])
