@@ -201,15 +201,17 @@ bool in_process_prepare(in_process_t *p, char *message)
 
 bool in_process_finish(in_process_t *p, bool *met)
 {
-    char marks[4096] = "";
+    char marks[4096];
     char path[MARK_PATH];
     mark_of(p, path);
     int fd = open(path, O_RDONLY | O_CLOEXEC);
-    ssize_t length = fd >= 0 ? read(fd, marks, sizeof marks) : 0;
-    int opened = 0, good = 0;
-    for (ssize_t i = 0; i < length; i++) {
-        opened += marks[i] == ECT_BUS_MARK_OPENED;
-        good += marks[i] == ECT_BUS_MARK_MET;
+    ssize_t length;
+    size_t opened = 0, good = 0;
+    while (fd >= 0 && (length = read(fd, marks, sizeof marks)) > 0) {
+        for (ssize_t i = 0; i < length; i++) {
+            opened += marks[i] == ECT_BUS_MARK_OPENED;
+            good += marks[i] == ECT_BUS_MARK_MET;
+        }
     }
     if (fd >= 0)
         close(fd);

@@ -4,6 +4,7 @@
 #include "bus/library.h"
 
 #include <fcntl.h>
+#include <inttypes.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -262,6 +263,33 @@ static void time_that_goes_back(void **state)
     ectwin_bus_close(bus);
 }
 
+/* The time of a call, as that of a frame in `lengths`: a frame with an earlier time enters at the time of the call. */
+static void times_of_calls(void **state)
+{
+    static const char *const words[WORDS] = {"--fault", "delay 2000us", "fzm1"};
+    const uint64_t call_ns = START_NS + 1 * MS;
+    char why[ECTWIN_MESSAGE];
+    (void)state;
+    for (unsigned int call = 0; call < 5; call++) {
+        ectwin_bus_t *bus = must_open(words);
+        (void)ectwin_bus_run(bus, START_NS);
+        if (call == 0)
+            (void)ectwin_bus_run(bus, call_ns);
+        else if (call == 1)
+            ectwin_bus_link(bus, OUTPUT_END, 0, call_ns);
+        else if (call == 2)
+            ectwin_bus_power_cycle(bus, call_ns);
+        else if (call == 3)
+            assert_int_equal(ectwin_bus_set(bus, 1, "data1", "1", call_ns, why, sizeof why), 0);
+        else
+            assert_int_equal(ectwin_bus_fault(bus, "drop 0%", call_ns, why, sizeof why), 0);
+        const uint64_t reply_ns = pass(bus, INPUT_END, 1, START_NS);
+        if (reply_ns != call_ns + 2 * MS)
+            fail_msg("call %u: expected a reply at %" PRIu64 " ns, got %" PRIu64, call, call_ns + 2 * MS, reply_ns);
+        ectwin_bus_close(bus);
+    }
+}
+
 /* A late reply and the registers go; faults and cables stay. */
 static void power_cycle(void **state)
 {
@@ -500,6 +528,7 @@ int main(int argc, char **argv)
         TEST("a reply is cut to the room, and the length of the frame is returned", rooms),
         TEST("a late reply leaves when it is due, before the later ones", late_replies),
         TEST("a call with an earlier time uses the last time", time_that_goes_back),
+        TEST("the time of each call is that of the bus", times_of_calls),
         TEST("a power cycle drops late replies and keeps faults and cables", power_cycle),
         TEST("a signal is read as text, if it has room", get_signals),
         TEST("a signal is set from text, or the reason is returned and nothing changes", set_signals),
