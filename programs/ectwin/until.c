@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "connection.h"
+#include "text/number.h"
 
 const char *until_read(until_t *until, const char *text)
 {
@@ -49,8 +50,11 @@ static bool is_of_signal(const until_t *until, const cJSON *line)
         return true;
     if (strcmp(connection_text(line, "name", room), until->name) != 0)
         return false;
-    return strcmp(until->slave, "0") == 0 || strcmp(connection_text(line, "slave", room), until->slave) == 0 ||
-           strcmp(connection_text(line, "twin", room), until->slave) == 0;
+    uint64_t slave;
+    const cJSON *number = cJSON_GetObjectItemCaseSensitive(line, "slave");
+    if (ect_number(until->slave, 0, UINT16_MAX, &slave))
+        return slave == 0 || (cJSON_IsNumber(number) && number->valuedouble == (double)slave);
+    return strcmp(connection_text(line, "twin", room), until->slave) == 0;
 }
 
 bool until_met(void *ctx, const cJSON *line)

@@ -58,16 +58,14 @@ static void a_file_for_each_family(void **state)
     assert_int_equal(rmdir("all"), 0); /* no other file */
 }
 
+#define TEST(title, function) {title, function, NULL, NULL, NULL}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_file_for_each_family),
+        TEST("`esi --all` writes a file for each family of devices", a_file_for_each_family),
     };
-    char folder[] = "/tmp/ectwin-command-XXXXXX";
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
-    if (!mkdtemp(folder) || chdir(folder) != 0)
-        return 1;
-    const int failed = cmocka_run_group_tests_name("Files of commands", tests, NULL, NULL);
-    return rmdir(folder) == 0 ? failed : 1;
+    return cmocka_run_group_tests_name("Files of commands", tests, commands_begin, commands_end);
 }
