@@ -51,7 +51,8 @@ JUDGEMENTS = ["runner.c", "sha256.c", "report/decode.c", "report/words.c", "step
 
 # The tests of each program, by name in CTest: scripts that take seconds, and write to no fixed folder.
 PROGRAMS = {
-    "programs/ectwin": ["test_clone_notes", "test_command_*", "test_defects", "test_in_process_env", "test_library", "test_replay_bus", "test_facts*", "test_verify*",
+    "programs/ectwin": ["test_clone_notes", "test_command_*", "test_defects", "test_in_process_env",
+                        "test_library", "test_replay_*", "test_facts*", "test_verify*",
                         "test_eni_*", "bus_file", "bus_options", "clone", "command", "completion", "control", "controller", "eni",
                         "eoe", "esi_files", "external", "in_process_command", "modbus_command", "new_device", "replay",
                         "save_bus", "scenarios", "session", "session_*", "verify"],
