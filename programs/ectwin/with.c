@@ -272,6 +272,7 @@ static void run_slave(const void *ctx)
     const start_t *start = ctx;
     char descriptor[12];
     unblock_signals();
+    signal(SIGPIPE, SIG_DFL); /* as for CMD */
     snprintf(descriptor, sizeof descriptor, "%d", start->ready);
     setenv("ECTWIN_READY_FD", descriptor, 1);
     (void)dup2(STDERR_FILENO, STDOUT_FILENO);

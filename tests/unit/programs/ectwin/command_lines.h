@@ -123,8 +123,8 @@ static inline void command_serve(command_twin_t *twin, char *requests)
 }
 
 /* Runs a line to its end. @return its exit status; 256 and more: the signal that has ended it */
-static inline int command_run(const command_line_t *row, const ect_product_t *products, size_t count, char *text,
-                              char *requests)
+static inline int command_line_run(const command_line_t *row, const ect_product_t *products, size_t count, char *text,
+                                   char *requests)
 {
     int errors[2], outputs[2], status;
     char output[COMMAND_TEXT] = "";
@@ -206,7 +206,7 @@ static inline void command_expect(const command_line_t *row, const ect_product_t
     static char text[COMMAND_TEXT], requests[COMMAND_TEXT];
     if (row->table)
         command_write_table(row->table);
-    const int status = command_run(row, products, count, text, requests);
+    const int status = command_line_run(row, products, count, text, requests);
     command_cut_help(text);
     (void)unlink("t.csv");
     if (status != row->status || strcmp(text, row->text) != 0 ||

@@ -6,6 +6,7 @@
 #include <dirent.h>
 
 #include "devices/fzm1/fzm1.h"
+#include "output.h"
 #include "support/gauge.h"
 #include "support/terminal.h"
 
@@ -58,12 +59,46 @@ static void a_file_for_each_family(void **state)
     assert_int_equal(rmdir("all"), 0); /* no other file */
 }
 
+/* SOES has mailboxes in SyncManagers 0 and 1, outputs in 2, inputs in 3; the last two may be unused. */
+static void sync_managers_of_soes(void **state)
+{
+    enum { OUT = ECT_SM_MAILBOX_OUT, IN = ECT_SM_MAILBOX_IN, OUTPUTS = ECT_SM_OUTPUTS, INPUTS = ECT_SM_INPUTS };
+    static const struct {
+        unsigned int types[4], count;
+        bool suits;
+    } rows[] = {
+        {{OUT, IN, OUTPUTS, INPUTS}, 4, true},
+        {{OUT, IN, ECT_SM_UNUSED, INPUTS}, 4, true},
+        {{OUT, IN, OUTPUTS, ECT_SM_UNUSED}, 4, true},
+        {{OUT, IN, ECT_SM_UNUSED, ECT_SM_UNUSED}, 4, true},
+        {{OUT, IN, OUTPUTS, INPUTS}, 3, false},
+        {{OUT, IN, OUTPUTS, INPUTS}, 5, false},
+        {{ECT_SM_UNUSED, IN, OUTPUTS, INPUTS}, 4, false},
+        {{OUT, ECT_SM_UNUSED, OUTPUTS, INPUTS}, 4, false},
+        {{IN, OUT, OUTPUTS, INPUTS}, 4, false},
+        {{OUT, IN, INPUTS, INPUTS}, 4, false},
+        {{OUT, IN, INPUTS, OUTPUTS}, 4, false},
+        {{OUT, IN, OUTPUTS, OUTPUTS}, 4, false},
+        {{OUTPUTS, INPUTS, ECT_SM_UNUSED, ECT_SM_UNUSED}, 4, false},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_device_t device = ect_fzm1;
+        device.sm_count = (uint8_t)rows[i].count;
+        for (size_t n = 0; n < 4; n++)
+            device.sm[n].type = (uint8_t)rows[i].types[n];
+        if (output_suits_soes(&device) != rows[i].suits)
+            fail_msg("row %zu: expected %d, got %d", i, rows[i].suits, !rows[i].suits);
+    }
+}
+
 #define TEST(title, function) {title, function, NULL, NULL, NULL}
 
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         TEST("`esi --all` writes a file for each family of devices", a_file_for_each_family),
+        TEST("SOES has two mailboxes, outputs and inputs", sync_managers_of_soes),
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);

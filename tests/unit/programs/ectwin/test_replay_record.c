@@ -207,7 +207,11 @@ static void differences(void **state)
         {STATION "2 FPWR 1001 0800 0010800026000100 = 0010800026000100#1\n3 FPWR 1001 0808 8010800022000100 = "
                  "8010800022000100#1\n4 FPWR 1001 0120 0200 = 0200#1\nRUN 0 4\n"
                  "5 FPWR 1001 1000 0A00000000130020400010~128 = 0A00000000130020400010~128#0",
-         1, "r.pcapng: frame 10, 0.004000000 s after the first: the reply differs\n  datagram 1 of 1, slave 1\n  request  FPWR 1001:1000 mailbox out, 128 bytes | mail of 10 bytes, counter 1: CoE SDO request upload 1000h:00 | 0A 00 00 00 00 13 00 20 40 00 10 00 00 00 00 00\n  expected FPWR 1001:1000 mailbox out, 128 bytes, WKC 0\n  got      FPWR 1001:1000 mailbox out, 128 bytes, WKC 1\n"},
+         1,
+         "r.pcapng: frame 10, 0.004000000 s after the first: the reply differs\n  datagram 1 of 1, slave 1\n  request  "
+         "FPWR 1001:1000 mailbox out, 128 bytes | mail of 10 bytes, counter 1: CoE SDO request upload 1000h:00 | 0A 00 "
+         "00 00 00 13 00 20 40 00 10 00 00 00 00 00\n  expected FPWR 1001:1000 mailbox out, 128 bytes, WKC 0\n  got    "
+         "  FPWR 1001:1000 mailbox out, 128 bytes, WKC 1\n"},
     };
     (void)state;
     REPLAY(rows);
