@@ -56,7 +56,7 @@ PROGRAMS = {
                         "test_eni_*", "bus_file", "bus_options", "clone", "command", "completion", "control", "controller", "eni",
                         "eoe", "esi_files", "external", "in_process_command", "modbus_command", "new_device", "replay",
                         "save_bus", "scenarios", "session", "session_*", "verify"],
-    "programs/ectwin-board": ["lan9252", "session_board"],
+    "programs/ectwin-board": ["test_board", "lan9252", "session_board"],
     "programs/ectwin-conform": ["test_conform_*", "conformance", "conform_others", "conform_whole", "conform_command"],
     "programs/ectwin-panel": ["test_panel_*", "panel"],
     "programs/ectwin-probe": ["capture", "replay", "session_probe", "verify"],
