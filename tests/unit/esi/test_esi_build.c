@@ -908,22 +908,22 @@ static void timeouts(void **state)
 
 static void protocols(void **state)
 {
-#define MAILBOX(in) ESI_DEVICE(MAIL "<Mailbox>" in "</Mailbox>" ESI_EEPROM)
+#define PROTOCOLS(in) ESI_DEVICE(MAIL "<Mailbox>" in "</Mailbox>" ESI_EEPROM)
     static const struct {
         const char *what, *text;
         uint8_t protocols, details, served;
         const char *note;
     } table[] = {
         {"none", ESI_DEVICE(ESI_EEPROM), 0, 0, 0, NULL},
-        {"CoE", MAILBOX("<CoE/>"), ECT_MAILBOX_COE, ECT_COE_SDO, 2, NULL},
-        {"information", MAILBOX("<CoE SdoInfo='1'/>"), ECT_MAILBOX_COE, ECT_COE_SDO | ECT_COE_SDO_INFO, 3, NULL},
-        {"all of CoE", MAILBOX("<CoE SdoInfo='true' PdoAssign='1' PdoConfig='1' PdoUpload='1' CompleteAccess='1'/>"),
+        {"CoE", PROTOCOLS("<CoE/>"), ECT_MAILBOX_COE, ECT_COE_SDO, 2, NULL},
+        {"information", PROTOCOLS("<CoE SdoInfo='1'/>"), ECT_MAILBOX_COE, ECT_COE_SDO | ECT_COE_SDO_INFO, 3, NULL},
+        {"all of CoE", PROTOCOLS("<CoE SdoInfo='true' PdoAssign='1' PdoConfig='1' PdoUpload='1' CompleteAccess='1'/>"),
          ECT_MAILBOX_COE, 0x3F, 3, NULL},
-        {"AoE, which is served", MAILBOX("<AoE/>"), ECT_MAILBOX_AOE, 0, 1, NULL},
-        {"EoE, which is served", MAILBOX("<EoE/>"), ECT_MAILBOX_EOE, 0, 1, NULL},
-        {"EoE and FoE", MAILBOX("<EoE/><FoE/>"), ECT_MAILBOX_EOE | ECT_MAILBOX_FOE, 0, 2,
+        {"AoE, which is served", PROTOCOLS("<AoE/>"), ECT_MAILBOX_AOE, 0, 1, NULL},
+        {"EoE, which is served", PROTOCOLS("<EoE/>"), ECT_MAILBOX_EOE, 0, 1, NULL},
+        {"EoE and FoE", PROTOCOLS("<EoE/><FoE/>"), ECT_MAILBOX_EOE | ECT_MAILBOX_FOE, 0, 2,
          "FoE answered with \"unsupported protocol\""},
-        {"SoE and VoE beside CoE", MAILBOX("<CoE/><SoE/><VoE/>"), ECT_MAILBOX_COE | ECT_MAILBOX_SOE | ECT_MAILBOX_VOE,
+        {"SoE and VoE beside CoE", PROTOCOLS("<CoE/><SoE/><VoE/>"), ECT_MAILBOX_COE | ECT_MAILBOX_SOE | ECT_MAILBOX_VOE,
          ECT_COE_SDO, 4, "VoE answered with \"unsupported protocol\""},
         {"without SyncManagers", ESI_DEVICE("<Mailbox><CoE/></Mailbox>" ESI_EEPROM), 0, 0, 0,
          "it has mailbox protocols and no mailbox SyncManagers 0 and 1: the device has no mailbox"},
