@@ -816,20 +816,36 @@ static void loop_opens_in_time(void **state)
     }
 }
 
+/* A SYNC0 every 300 us, from 500 us on. */
+static void begin_pulses(wire_t *w, size_t position)
+{
+    uint8_t start[8], cycle[4];
+    ect_store_le64(start, ect_esc_system_time(ect_chain_esc(w->chain, position), w->now_ns) + 500000);
+    ect_store_le32(cycle, 300000);
+    assert_int_equal(wire_write(w, position, ECT_REG_DC_SYNC0_CYCLE, cycle, 4), 1);
+    assert_int_equal(wire_write(w, position, ECT_REG_DC_START_TIME, start, 8), 1);
+    assert_int_equal(wire_write8(w, position, ECT_REG_DC_ACTIVATION, 0x03), 1);
+}
+
 /* One of two equal chains is polled after each frame, the other never: recorded times wait, whatever their source. */
-static void times_wait(void **state)
+static void wait_for_times(bool pulses)
 {
     enum { SLAVES = 3, TOLD = 20 };
-    static const ect_device_t *const devices[SLAVES] = {&testdev, &testdev, &testdev};
     static const uint16_t compared_registers[] = {ECT_REG_DC_SYSTEM_TIME, ECT_REG_DC_DIFFERENCE,
                                                   ECT_REG_DC_SPEED_DIFFERENCE};
+    ect_device_t device = testdev;
+    ect_twin_config_t twins[SLAVES];
     wire_t w[2];
-    (void)state;
+    device.esc_config[3] = 0x08; /* SYNC0 is an AL event */
+    for (size_t i = 0; i < SLAVES; i++) {
+        twins[i] = ect_twin_default(&device, NULL);
+        twins[i].drift_ppb = (int32_t)i * 50000;
+    }
     for (unsigned int k = 0; k < 2; k++) {
-        wire_open(&w[k], devices, SLAVES);
+        wire_open_twins(&w[k], twins, SLAVES);
         w[k].manual_poll = true;
-        for (size_t i = 0; i < SLAVES; i++)
-            ect_esc_set_drift(ect_chain_esc(w[k].chain, i), (int32_t)i * 50000);
+        for (size_t i = 0; pulses && i < SLAVES; i++)
+            begin_pulses(&w[k], i);
     }
     for (unsigned int n = 0; n < TOLD; n++) {
         uint16_t source = (uint16_t)(n % (SLAVES + 1)); /* the last one: no slave */
@@ -854,6 +870,19 @@ static void times_wait(void **state)
     }
     wire_close(&w[0]);
     wire_close(&w[1]);
+}
+
+static void times_wait(void **state)
+{
+    (void)state;
+    wait_for_times(false);
+}
+
+/* An ESC that is due gets the times of earlier frames first. */
+static void times_before_pulses(void **state)
+{
+    (void)state;
+    wait_for_times(true);
 }
 
 static void expect_lamp(const wire_t *w, size_t position, const char *want)
@@ -996,6 +1025,33 @@ static void an_alias_that_is_switched_off(void **state)
         assert_int_equal(type != 0, on);
         assert_int_equal(wire_send(&w, FRMW, ALIAS, ECT_REG_DC_SYSTEM_TIME, time, 8), 2);
         assert_int_equal(ect_load_le64(time) != 100, on); /* read from the slave */
+    }
+    wire_close(&w);
+}
+
+/* Each FMMU of each slave maps two bytes of its own: a frame with all of them gets the replies of all. */
+static void all_fmmus(void **state)
+{
+    enum { SLAVES = 3, FMMUS = ECT_ESC_MAX_FMMU, BYTES = 2 * SLAVES * FMMUS, PHYSICAL = 0x1100 };
+    static const ect_device_t *const devices[SLAVES] = {&testdev, &testdev, &testdev};
+    uint8_t image[BYTES], want[BYTES];
+    wire_t w;
+    (void)state;
+    wire_open(&w, devices, SLAVES);
+    for (size_t i = 0; i < SLAVES; i++) {
+        for (uint16_t n = 0; n < FMMUS; n++) {
+            const size_t at = 2 * (i * FMMUS + n);
+            uint8_t *memory = ect_chain_esc(w.chain, i)->memory + PHYSICAL + 2 * n;
+            memory[0] = want[at] = (uint8_t)(at + 1);
+            memory[1] = want[at + 1] = (uint8_t)(0x80 | at);
+            wire_set_fmmu(&w, i, n, (uint32_t)(0x10000 + at), 2, 0, 7, (uint16_t)(PHYSICAL + 2 * n), 0, 1);
+        }
+    }
+    for (unsigned int reads = 0; reads < 2; reads++) {
+        memset(image, 0, sizeof image);
+        assert_int_equal(wire_logical(&w, LRD, 0x10000, image, BYTES), SLAVES);
+        assert_memory_equal(image, want, BYTES);
+        wire_set_fmmu(&w, 0, 0, 0x10000, 2, 0, 7, PHYSICAL, 0, 1); /* the tables are made again */
     }
     wire_close(&w);
 }
@@ -1206,10 +1262,13 @@ int main(int argc, char **argv)
          NULL, NULL},
         {"CF-088: a recorded system time is applied before any access, also when more are sent than are kept",
          times_wait, NULL, NULL, NULL},
+        {"CF-088 CF-089: a recorded system time is applied before a pulse of SYNC0", times_before_pulses, NULL, NULL,
+         NULL},
         {"CF-002: a broadcast read of AL status gets all bits of all slaves, in one byte or two", status_of_all, NULL,
          NULL, NULL},
         {"CF-004: a station alias that is switched off gets no reply and no system time", an_alias_that_is_switched_off,
          NULL, NULL, NULL},
+        {"CF-028: a frame with all FMMUs of all slaves", all_fmmus, NULL, NULL, NULL},
         {"a line without memory is refused, and allocates none", memory_runs_out, NULL, NULL, NULL},
         {"a chain without memory is refused, and allocates none", chain_without_memory, NULL, NULL, NULL},
         {"a call without memory is refused, and changes nothing", calls_without_memory, NULL, NULL, NULL},

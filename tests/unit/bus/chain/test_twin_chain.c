@@ -173,6 +173,36 @@ static void off_from_the_start(void **state)
     wire_close(&w);
 }
 
+/* Every 10 ms from 1 s on: off the bus, back, and so on. */
+static uint64_t leaves_and_returns(void *instance, uint64_t now_ns)
+{
+    const ect_host_t *host = ((const testdev_t *)instance)->host;
+    host->off_bus(host->ctx, now_ns / (10 * MS) % 2 != 0);
+    return (now_ns / (10 * MS) + 1) * 10 * MS;
+}
+
+/* No frame and no other twin is needed for the change of the links. */
+static void off_by_itself(void **state)
+{
+    ect_device_t device = testdev;
+    const ect_twin_config_t twins[] = {ect_twin_default(&testdev, NULL), ect_twin_default(&device, NULL),
+                                       ect_twin_default(&testdev, NULL)};
+    wire_t w;
+    (void)state;
+    device.tick = leaves_and_returns;
+    wire_open_twins(&w, twins, 3);
+    w.manual_poll = true;
+    for (unsigned int n = 0; n < 6; n++) {
+        uint8_t data = 0;
+        w.now_ns = 2000 * MS + n * 10 * MS;
+        (void)ect_chain_poll(w.chain, w.now_ns);
+        assert_int_equal(wire_send(&w, BRD, 0, 0, &data, 1), n % 2 == 0 ? 3 : 1);
+        (void)ect_chain_poll(w.chain,
+                             w.now_ns); /* the twins that the frame has reached: none is due at the next time */
+    }
+    wire_close(&w);
+}
+
 /* The ESC raises the event at the poll of its deadline: no frame and no other poll is needed. */
 static void watchdog_at_its_deadline(void **state)
 {
@@ -813,6 +843,8 @@ int main(int argc, char **argv)
          NULL, NULL},
         {"a slave that is off the bus from its power-on ends the line before it, until it is on the bus",
          off_from_the_start, NULL, NULL, NULL},
+        {"a slave that leaves the bus, or returns, at a time of its own changes the links at this time", off_by_itself,
+         NULL, NULL, NULL},
         {"CF-042: the poll at which the watchdog expires already runs the slave", watchdog_at_its_deadline, NULL, NULL,
          NULL},
         {"the poll returns the time at which the link lamps stop flickering", lamps_deadline, NULL, NULL, NULL},
