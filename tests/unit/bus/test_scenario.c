@@ -290,6 +290,26 @@ static void is_left(void **state)
     expect_left(r, "drop 0%; corrupt 0%; al never slave 2; ");
 }
 
+/* Each function handles the last one, and none behind it. */
+static void the_most_steps(void **state)
+{
+    char text[ECT_STEP_LINE];
+    rig_t *r = *state;
+    for (unsigned int n = 1; n < ECT_SCENARIO_STEPS; n++)
+        read_line(r, n % 2 == 0 ? "at 10ms drop 0% for 10ms" : "expect ecat.state=2 within 30ms");
+    START(r, "expect slave 2 ecat.state=1 for 10ms");
+    assert_int_equal(r->s.step_count, ECT_SCENARIO_STEPS);
+    assert_int_equal(ect_scenario_highest_slave(&r->s), 2);
+    assert_true(ect_scenario_left(&r->s, r->w.chain, ECT_SCENARIO_STEPS - 1, text));
+    assert_string_equal(text, "expect slave 2 ecat.state=1 for 10ms");
+    assert_false(ect_scenario_left(&r->s, r->w.chain, ECT_SCENARIO_STEPS, text));
+    advance(r, 20 * MS);
+    assert_true(r->s.steps[ECT_SCENARIO_STEPS - 1].met);
+    assert_int_equal(r->s.steps_left, ECT_SCENARIO_STEPS / 2);
+    assert_int_equal(ect_scenario_end(&r->s).failed, ECT_SCENARIO_STEPS / 2);
+    assert_int_equal(r->s.steps_left, 0);
+}
+
 static void the_longest_line_is_left(void **state)
 {
     static const char fault[] = "hang slave 2";
@@ -1153,6 +1173,7 @@ int main(int argc, char **argv)
         TEST("a step without a slave waits for SDO transfers of any", transfers_of_any),
         TEST("faults end after a time, at a time, in a state, and come again with it", ends),
         TEST("a saved script has faults that last and steps that are not over", is_left),
+        TEST("a script of 256 steps", the_most_steps),
         TEST("a line of 255 characters is left whole", the_longest_line_is_left),
         TEST("a slave hangs for a time", hangs_for_a_time),
         TEST("CF-055: an EEPROM is busy, does not reply, or has a wrong bit for a time", eeprom_for_a_time),

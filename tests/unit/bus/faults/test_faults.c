@@ -1195,6 +1195,7 @@ static void script_limits(void **state)
     while (r->s.step_count < ECT_SCENARIO_STEPS)
         read_line(r, "at 1s off");
     assert_int_equal(r->s.steps_left, ECT_SCENARIO_STEPS);
+    assert_int_equal(ect_scenario_highest_slave(&r->s), 65535);
     assert_false(ect_scenario_read(&r->s, "at 1s off", r->message));
     assert_string_equal(r->message, "a script has at most 256 steps");
     assert_int_equal(r->s.steps_left, ECT_SCENARIO_STEPS);
