@@ -175,6 +175,23 @@ static void cycles(void **state)
     assert_int_equal(set_count(r), 1);
 }
 
+/* Cycles, like times, are counted from the previous milestone on. */
+static void cycles_after_a_milestone(void **state)
+{
+    rig_t *r = *state;
+    START(r, "drop 0% at slave 2 PREOP after 2 cycles after 3 cycles", "hang slave 1 at slave 2 PREOP for 4 cycles");
+    for (unsigned int i = 0; i < 7; i++)
+        cycle(r);
+    wire_go(&r->w, 1, 2);
+    for (unsigned int i = 0; i < 5; i++) {
+        assert_int_equal(set_count(r), 0);
+        assert_int_equal(r->s.steps_left, i < 4 ? 2 : 1);
+        cycle(r);
+    }
+    assert_int_equal(set_count(r), 1);
+    assert_int_equal(r->s.steps_left, 0);
+}
+
 /* A frame counts once, whichever of its datagrams has process data. */
 static void frames_with_process_data(void **state)
 {
@@ -1140,6 +1157,10 @@ static void any_order(void **state)
         {"set 2:a=1 b=2 at 1s", "at 1000ms set slave 2 a=1 b=2"},
         {"hang slave arm until 5s", "hang slave 2 until 5s"},
         {"off at slave arm OP", "at slave 2 in OP off"},
+        {"hang slave 2 at PREOP at SAFEOP at OP", "at slave 2 PREOP at slave 2 SAFEOP at slave 2 OP hang slave 2"},
+        {"off at PREOP at SAFEOP", "off at slave 1 PREOP at slave 1 SAFEOP"},
+        {"drop wire 2 while OP", "drop wire 2 while slave 1 in OP"},
+        {"expect 2:a=1 at the 2nd upload of 0x1018 for 1s", "at the 2nd upload of 1018h for 1000ms expect slave 2 a=1"},
         {"set arm.a=1 arm:b=2 at slave arm OP", "set 2:a=1 b=2 at slave 2 OP"},
         {"expect arm.ecat.state=4", "expect ecat.state=4 slave arm"},
         {"expect arm.ecat.state=4", "expect slave 2 ecat.state=4"},
@@ -1167,6 +1188,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         TEST("a step waits for frames with process data", cycles),
+        TEST("cycles are counted from the previous milestone on", cycles_after_a_milestone),
         TEST("frames with a logical address are those with process data", frames_with_process_data),
         TEST("milestones are reached one after the other", one_after_the_other),
         TEST("a step waits for SDO transfers of the slave that it names", transfers),
