@@ -354,6 +354,5 @@ uint16_t ect_step_highest_slave(const ect_step_t *step)
     uint16_t highest = step->action == ECT_ACTION_FAULT ? step->fault.slave : step->slave;
     for (size_t i = 0; i < step->when_count; i++)
         highest = step->when[i].slave > highest ? step->when[i].slave : highest;
-    bool of_slave = step->until.kind >= ECT_MILESTONE_STATE;
-    return of_slave && step->until.slave > highest ? step->until.slave : highest;
+    return step->until.slave > highest ? step->until.slave : highest;
 }

@@ -8,7 +8,7 @@
 #include "seams/wave.h"
 #include "wire/assert.h"
 
-enum { SHORTEST_NS = 10000000 };
+enum { SHORTEST_NS = 10000000, TEXT = sizeof((ect_wave_t *)NULL)->last };
 
 static const char *const shapes[] = {[ECT_WAVE_SINE] = "sine", [ECT_WAVE_RAMP] = "ramp", [ECT_WAVE_SQUARE] = "square"};
 
@@ -37,10 +37,10 @@ double ect_wave_value(const ect_wave_t *wave, uint64_t now_ns)
     return part < 0.5 ? wave->high : wave->low;
 }
 
-static void write_value(const ect_signal_t *signal, double value, char text[32])
+static void write_value(const ect_signal_t *signal, double value, char text[TEXT])
 {
     const bool real = signal->type == ECT_SIGNAL_REAL || signal->type == ECT_SIGNAL_REAL32;
-    snprintf(text, 32, real ? "%.9g" : "%.0f", value);
+    snprintf(text, TEXT, real ? "%.9g" : "%.0f", value);
     if (strcmp(text, "-0") == 0)
         strcpy(text, "0");
 }
@@ -65,7 +65,7 @@ static bool check(const ect_chain_t *chain, const ect_wave_t *wave, char *messag
         return false;
     }
     for (size_t i = 0; i < 2; i++) {
-        char text[32];
+        char text[TEXT];
         write_value(ref.signal, ends[i], text);
         if (!ect_signal_check(&ref, text, message))
             return false;
@@ -106,7 +106,7 @@ bool ect_waves_end(ect_waves_t *waves, size_t position, const char *name)
 /* @return the reason of a refusal; NULL: set, or the value is the same */
 static const char *play(ect_wave_t *wave, ect_chain_t *chain, uint64_t now_ns, bool *acted, char *message)
 {
-    char text[32];
+    char text[TEXT];
     ect_signal_ref_t ref;
     if (!ect_chain_signal(chain, wave->position, wave->name, &ref))
         return "the signal is gone";
