@@ -535,6 +535,9 @@ static void signal_ranges(void **state)
 
 static void signal_places(void **state)
 {
+#define ON_REGISTERS(pdos)                                                                                             \
+    ESI_DEVICE("<Sm DefaultSize='1' StartAddress='#x0910' ControlByte='#x00' Virtual='1'>Inputs</Sm>"                  \
+               "<Sm StartAddress='#x1400' ControlByte='#x20' Enable='1'>Inputs</Sm>" pdos ESI_EEPROM)
     static const struct {
         const char *what, *text, *prefix, *name;
         bool there;
@@ -549,6 +552,13 @@ static void signal_places(void **state)
         {"another entry has one in the second group", WITH(TX("", "#x1A00", A8 B8) TX("Sm='3'", "#x1A01", A8)), "p_2",
          "b", true, ECT_SIGNAL_WRITE},
         {"an index outside those of PDOs", WITH(TX("", "#x19FF", A8)), "p", "a", false, 0},
+        {"a virtual PDO of a virtual SyncManager", ON_REGISTERS(TX("Sm='0' Virtual='1'", "#x1A00", A8)), "p", "a",
+         false, 0},
+        {"the entry of one is not an object's", ON_REGISTERS(TX("Sm='0' Virtual='1'", "#x1A00", A8)), "od", "6000_01",
+         false, 0},
+        {"the entry of one and of another PDO",
+         ON_REGISTERS(TX("Sm='0' Virtual='1'", "#x1A00", A8) TX("Sm='1'", "#x1A01", A8)), "p", "a", true,
+         ECT_SIGNAL_WRITE},
         {"0FFFh", WITH(DICT(OBJECT("#x0FFF", "USINT", "8", ""))), "od", "0fff_00", true, ECT_SIGNAL_WRITE},
         {"1000h", WITH(DICT(OBJECT("#x1000", "UDINT", "32", ""))), "od", "1000_00", false, 0},
         {"1FFFh", WITH(DICT(OBJECT("#x1FFF", "USINT", "8", ""))), "od", "1fff_00", false, 0},

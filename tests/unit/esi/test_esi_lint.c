@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -303,6 +304,30 @@ static const char *write_schema(const char *text)
     "<xs:schema xmlns:xs='http://www.w3.org/2001/XMLSchema'><xs:element name='EtherCATInfo' type='" type               \
     "'/></xs:schema>"
 
+static FILE *errors_file;
+
+/* Redirects stderr into a file. @return its duplicate */
+static int begin_errors(void)
+{
+    const int before = dup(STDERR_FILENO);
+    errors_file = tmpfile();
+    assert_true(before >= 0 && errors_file != NULL);
+    (void)fflush(stderr);
+    assert_true(dup2(fileno(errors_file), STDERR_FILENO) >= 0);
+    return before;
+}
+
+/* @return bytes written to stderr meanwhile */
+static long end_errors(int before)
+{
+    (void)fflush(stderr);
+    const long bytes = lseek(fileno(errors_file), 0, SEEK_END);
+    assert_true(dup2(before, STDERR_FILENO) >= 0);
+    (void)close(before);
+    (void)fclose(errors_file);
+    return bytes;
+}
+
 static void schemas(void **state)
 {
     static const struct {
@@ -317,15 +342,20 @@ static void schemas(void **state)
         {"another file of XML", "<EtherCATInfo/>", false, 0, ""},
         {"a schema with a missing type", SCHEMA("none"), false, 0, ""},
     };
-    char why[300] = "";
+    char why[300] = "", expected[300];
     (void)state;
     ect_esi_t *esi = ect_esi_parse("f.xml", GOOD, strlen(GOOD), why, sizeof why);
     assert_non_null(esi);
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
         findings_t found = {.wrong = 0};
         const char *path = write_schema(table[i].schema);
+        const int errors = begin_errors();
         ect_esi_schema_t *schema = ect_esi_schema_open(path, why, sizeof why);
         bool read = schema != NULL;
+        if (end_errors(errors) != 0)
+            fail_msg("%s: expected no text of libxml2 at stderr", table[i].what);
+        (void)snprintf(expected, sizeof expected, "%s: the schema, or a file that it includes, cannot be read", path);
+        assert_string_equal(read ? expected : why, expected);
         (void)remove(path);
         if (read)
             ect_esi_validate(esi, schema, take, &found);
