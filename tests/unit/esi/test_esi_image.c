@@ -248,6 +248,58 @@ static void each_type_of_a_sync_manager_has_its_name(void **state)
     }
 }
 
+/* Categories of any number of elements; an element that is not whole is none. */
+static void each_element_of_a_category_is_read(void **state)
+{
+    enum { MOST = 16, SM = 8, MODE = 24 };
+    (void)state;
+    for (size_t count = 0; count <= MOST; count++) {
+        for (size_t more = 0; more < SM; more += 2) {
+            uint8_t sms[(MOST + 1) * SM] = {0}, modes[(MOST + 1) * MODE] = {0}, fmmus[MOST + 2];
+            image_t image;
+            char why[TEXT];
+            for (size_t i = 0; i <= MOST; i++) {
+                ect_store_le16(sms + SM * i, (uint16_t)(0x1000 + 0x100 * i));
+                ect_store_le16(sms + SM * i + 2, (uint16_t)(100 + i));
+                sms[SM * i + 4] = (uint8_t)(0x20 + i);
+                sms[SM * i + 7] = ECT_SM_INPUTS;
+                ect_store_le32(modes + MODE * i, (uint32_t)(1000000 + i));
+                ect_store_le32(modes + MODE * i + 4, (uint32_t)(-1 - (int)i));
+                ect_store_le32(modes + MODE * i + 8, (uint32_t)(-101 - (int)i));
+                ect_store_le16(modes + MODE * i + 12, (uint16_t)(-201 - (int)i));
+                ect_store_le16(modes + MODE * i + 14, (uint16_t)(0x300 + i));
+                ect_store_le16(modes + MODE * i + 16, (uint16_t)(-301 - (int)i));
+            }
+            memset(fmmus, 0xFF, sizeof fmmus);
+            for (size_t i = 0; i < count; i++)
+                fmmus[i] = (uint8_t)(1 + i % 3);
+            begin(&image, 0);
+            add(&image, ECT_SII_SYNCM, sms, SM * count + more);
+            add(&image, ECT_SII_FMMU, fmmus, (count + 1) / 2 * 2);
+            add(&image, ECT_SII_DC, modes, MODE * count + more);
+            end(&image);
+            ect_esi_t *esi = ect_esi_of_image("image", image.bytes, image.size, why, sizeof why);
+            assert_non_null(esi);
+            const ect_esi_device_t *model = ect_esi_select(esi, "", why, sizeof why);
+            assert_int_equal(model->sm_count, count);
+            assert_int_equal(model->fmmu_count, count);
+            assert_int_equal(model->dc_count, count);
+            for (size_t i = 0; i < count; i++) {
+                static const char *const roles[] = {"Outputs", "Inputs", "MBoxState"};
+                const ect_esi_sm_t *sm = &model->sms[i];
+                const ect_esi_dc_t *dc = &model->dcs[i];
+                assert_true(sm->start == 0x1000 + 0x100 * i && sm->size.value == (int64_t)(100 + i));
+                assert_true(sm->maximum == 100 + i && sm->control == 0x20 + i && strcmp(sm->type, "Inputs") == 0);
+                assert_string_equal(model->fmmus[i], roles[i % 3]);
+                assert_true(dc->cycle_sync0_ns == 1000000 + i && dc->assign_activate == 0x300 + i);
+                assert_true(dc->shift_sync0_ns == -1 - (int)i && dc->shift_sync1_ns == -101 - (int)i);
+                assert_true(dc->sync1_factor == -201 - (int)i && dc->sync0_factor == -301 - (int)i);
+            }
+            ect_esi_close(esi);
+        }
+    }
+}
+
 /* ETG.2010 has 0xFF for a PDO that is not assigned; many images name a SyncManager for each PDO that it can have. */
 static void of_more_pdos_than_a_sync_manager_holds_the_first_that_fit_are_assigned(void **state)
 {
@@ -408,6 +460,7 @@ int main(void)
         cmocka_unit_test(each_field_of_general_is_read),
         cmocka_unit_test(each_type_of_a_sync_manager_has_its_name),
         cmocka_unit_test(each_flag_of_a_sync_manager_is_read),
+        cmocka_unit_test(each_element_of_a_category_is_read),
         cmocka_unit_test(of_more_pdos_than_a_sync_manager_holds_the_first_that_fit_are_assigned),
         cmocka_unit_test(process_data_without_pdos_are_bytes),
         cmocka_unit_test(pdos_are_read_as_far_as_they_are_whole),

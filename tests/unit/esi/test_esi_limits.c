@@ -556,6 +556,8 @@ static void signal_places(void **state)
          false, 0},
         {"the entry of one is not an object's", ON_REGISTERS(TX("Sm='0' Virtual='1'", "#x1A00", A8)), "od", "6000_01",
          false, 0},
+        {"its second entry is not an object's", ON_REGISTERS(TX("Sm='0' Virtual='1'", "#x1A00", A8 B8)), "od", "6000_02",
+         false, 0},
         {"the entry of one and of another PDO",
          ON_REGISTERS(TX("Sm='0' Virtual='1'", "#x1A00", A8) TX("Sm='1'", "#x1A01", A8)), "p", "a", true,
          ECT_SIGNAL_WRITE},
