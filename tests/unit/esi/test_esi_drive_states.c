@@ -691,6 +691,44 @@ static void objects_below_op(void **state)
     }
 }
 
+#define WORD(index)                                                                                                    \
+    "<Object><Index>#x" index "</Index><Name>V</Name><Type>UINT</Type><BitSize>16</BitSize><Flags><Access>rw</Access>" \
+    "<PdoMapping>RT</PdoMapping></Flags></Object>"
+
+/* Entries without meaning for a drive, wherever they are in the instance. */
+static void other_signals(void **state)
+{
+    enum { ENTRIES = 3000 };
+    static char text[ENTRIES * 150];
+    char why[300] = "", name[40];
+    size_t used = (size_t)snprintf(
+        text, sizeof text, "%s",
+        "<EtherCATInfo><Vendor><Id>1</Id></Vendor><Descriptions><Devices><Device Physics='YY'><Type ProductCode='1' "
+        "RevisionNo='1'>D</Type><Profile><ProfileNo>402</ProfileNo><Dictionary><DataTypes><DataType><Name>UINT</Name>"
+        "<BitSize>16</BitSize></DataType></DataTypes><Objects>" WORD("603F") WORD("6040") WORD("6041"));
+    for (unsigned int i = 0; i < ENTRIES; i++)
+        used += (size_t)snprintf(
+            text + used, sizeof text - used,
+            "<Object><Index>#x%04X</Index><Name>V</Name><Type>UINT</Type><BitSize>16</BitSize></Object>", 0x2000 + i);
+    used += (size_t)snprintf(text + used, sizeof text - used, "%s",
+                             "</Objects></Dictionary></Profile><Sm DefaultSize='128' StartAddress='#x1000' "
+                             "ControlByte='#x26' Enable='1'>MBoxOut</Sm><Sm DefaultSize='128' StartAddress='#x1080' "
+                             "ControlByte='#x22' Enable='1'>MBoxIn</Sm><Mailbox><CoE/></Mailbox></Device></Devices>"
+                             "</Descriptions></EtherCATInfo>");
+    (void)state;
+    twin = ect_esi_twin_take(ect_esi_parse("t.xml", text, used, why, sizeof why), "", NULL, 0, why, sizeof why);
+    if (twin == NULL || !ect_esi_twin_behave(twin, ECT_BEHAVIOUR_BY_FILE, why, sizeof why))
+        fail_msg("expected a twin, got: %s", why);
+    open_twin();
+    for (unsigned int i = 0; i < ENTRIES; i++) {
+        (void)snprintf(name, sizeof name, "od.%04x_00", 0x2000 + i);
+        set(name, "4660");
+    }
+    assert_int_equal(read_sdo(0x603F, 0), 0);
+    set("axis1.fault", "16912");
+    assert_int_equal(signal_of("axis1.error_code"), 16912);
+}
+
 /* The shaft of a drive that has left OP runs down; objects follow it without process data. */
 static void rundown_in_preop(void **state)
 {
@@ -744,6 +782,7 @@ int main(void)
         TEST("DRV-001 1000h of each shape of file: servo, CiA 402", device_types),
         TEST("DRV-099 a mapped object by SDO is the value taken last", mapped_objects_by_mailbox),
         TEST("DRV-099 a fault of a signal is in the objects below OP", objects_below_op),
+        TEST("a signal of another entry than the drive's causes no fault", other_signals),
         TEST("DRV-099 DRV-157 the objects of a shaft that runs down in PREOP", rundown_in_preop),
         TEST("DRV-263 DRV-065 60C2h: range, whole steps, not in SAFEOP and OP", cycle_time),
     };
