@@ -43,6 +43,12 @@ static const struct mistake {
      "</Eeprom><ImageData16x14>" BITMAP("10000000", "0E000000") "</ImageData16x14>", false, NULL},
     {"a picture from top to bottom", "</Eeprom>",
      "</Eeprom><ImageData16x14>" BITMAP("10000000", "F2FFFFFF") "</ImageData16x14>", false, NULL},
+    {"a picture of the largest height", "</Eeprom>",
+     "</Eeprom><ImageData16x14>" BITMAP("10000000", "FFFFFF7F") "</ImageData16x14>", true,
+     "f.xml:8: ImageData16x14 of Device is a bitmap of 16 x 2147483647"},
+    {"a picture of the height -1", "</Eeprom>",
+     "</Eeprom><ImageData16x14>" BITMAP("10000000", "FFFFFFFF") "</ImageData16x14>", true,
+     "f.xml:8: ImageData16x14 of Device is a bitmap of 16 x 1"},
     {"inputs before outputs", "<TxPdo",
      "<TxPdo><Index>#x1A01</Index><Name>Q</Name></TxPdo><RxPdo><Index>#x1600</Index>"
      "<Name>R</Name></RxPdo><TxPdo",
