@@ -123,19 +123,8 @@ static void add_option(save_t *s, const struct argp_option *option, const char *
         one->text = copy_text(s, text);
 }
 
-/* In "--realtime 70" the value is a separate word, which argp parses as an operand. */
-static bool is_priority(const save_t *s, const char *text)
-{
-    const saved_option_t *last = s->option_count > 0 ? &s->options[s->option_count - 1] : NULL;
-    return last && !last->text && (last->option->flags & OPTION_ARG_OPTIONAL) != 0 && *text >= '0' && *text <= '9';
-}
-
 static void take_operand(save_t *s, const char *text)
 {
-    if (is_priority(s, text)) {
-        s->options[s->option_count - 1].text = copy_text(s, text);
-        return;
-    }
     free(s->devices);
     s->devices = copy_text(s, text);
 }
@@ -152,6 +141,9 @@ static error_t take_option(int key, char *text, struct argp_state *state)
     for (const struct argp_option *o = table ? table->options : NULL; o && (o->name || o->key); o++) {
         if (o->key != key)
             continue;
+        const char *next = state->next < state->argc ? state->argv[state->next] : "";
+        if (!text && (o->flags & OPTION_ARG_OPTIONAL) != 0 && *next >= '0' && *next <= '9') /* "--realtime 70" */
+            text = state->argv[state->next++];
         table->save->state = state;
         add_option(table->save, o, text);
         return 0;

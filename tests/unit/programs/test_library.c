@@ -396,6 +396,31 @@ static void set_faults(void **state)
     ectwin_bus_close(bus);
 }
 
+/* Replies to 64 frames, as bits. */
+static uint64_t replies_of(const char *const words[WORDS])
+{
+    ectwin_bus_t *bus = must_open(words);
+    uint64_t replies = 0;
+    (void)ectwin_bus_run(bus, START_NS);
+    for (uint8_t n = 0; n < 64; n++) {
+        pass(bus, INPUT_END, n, START_NS);
+        replies = replies << 1 | (reply_at(bus, INPUT_END) >= 0);
+    }
+    ectwin_bus_close(bus);
+    return replies;
+}
+
+static void seeds(void **state)
+{
+    static const char *const none[WORDS] = {"--fault", "drop 50%", "fzm1"},
+                             *const one[WORDS] = {"--fault", "drop 50%", "--seed", "1", "fzm1"},
+                             *const two[WORDS] = {"--fault", "drop 50%", "--seed", "2", "fzm1"};
+    (void)state;
+    assert_true(replies_of(none) == replies_of(one));
+    assert_true(replies_of(two) == replies_of(two));
+    assert_true(replies_of(one) != replies_of(two));
+}
+
 static void judge_scenarios(void **state)
 {
     static const struct {
@@ -420,6 +445,9 @@ static void judge_scenarios(void **state)
         assert_string_equal(text, rows[i].text);
         assert_int_equal(ectwin_bus_verdict(bus, text, 0), rows[i].failed);
         assert_string_equal(text, rows[i].text);
+        text[0] = 'x';
+        assert_int_equal(ectwin_bus_verdict(bus, text, 1), rows[i].failed);
+        assert_string_equal(text, "");
         assert_int_equal(ectwin_bus_verdict(bus, text, 4), rows[i].failed);
         assert_memory_equal(text, rows[i].text, strnlen(rows[i].text, 3));
         ectwin_bus_close(bus);
@@ -533,6 +561,7 @@ int main(int argc, char **argv)
         TEST("a signal is read as text, if it has room", get_signals),
         TEST("a signal is set from text, or the reason is returned and nothing changes", set_signals),
         TEST("a fault is set from text, or the reason is returned", set_faults),
+        TEST("the random seed is 1, or that of --seed", seeds),
         TEST("a record has each set signal and fault as a request", changes_in_a_record),
         TEST("the expectations of a bus are judged, a line each", judge_scenarios),
         TEST("the control socket of a bus opens once, serves its clients and ends with the bus", control_socket),

@@ -25,7 +25,7 @@
 
 #include "ectwin.h"
 
-enum { COMMAND_WORDS = 16, COMMAND_TEXT = 16384, COMMAND_REPLIES = 4 };
+enum { COMMAND_WORDS = 16, COMMAND_TEXT = 16384, COMMAND_REPLIES = 6 };
 
 typedef struct command_line {
     const char *line; /* words, separated by blanks; ' quotes blanks */

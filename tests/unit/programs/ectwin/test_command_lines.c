@@ -591,6 +591,117 @@ static void lists(void **state)
     COMMANDS_EXPECT(rows);
 }
 
+/* The words of a bus, its signals and its script become a file. The values of data1, data2, ... are 0 at the start. */
+static void saves(void **state)
+{
+    static const command_line_t rows[] = {
+        {.line = "save-bus -s ./c.sock",
+         .text = "ectwin: 1\nfault:\n  - a\n  - z\n  - A\n  - Z\n  - 0\n  - 9\n  - /\n  - '`'\n  - '{'\n  - '@'\n  - "
+                 "'['\n  - ':'\n  - 'b:'\n  - 'b''c'\n  - '-'\n  - 'a b'\n  - a_b./+:#=-c\n  - '~'\n  - 'a%'\ntwins:\n "
+                 " - device: fzm1\n",
+         .replies = {"{\"data\":\"2f7800667a6d3100\"}\n" OK, OK, OK,
+                     "{\"line\":\"a\"}\n{\"line\":\"z\"}\n{\"line\":\"A\"}\n{\"line\":\"Z\"}\n{\"line\":\"0\"}\n{"
+                     "\"line\":\"9\"}\n{\"line\":\"/"
+                     "\"}\n{\"line\":\"`\"}\n{\"line\":\"{\"}\n{\"line\":\"@\"}\n{\"line\":\"[\"}\n{\"line\":\":\"}\n{"
+                     "\"line\":\"b:\"}\n{\"line\":\"b'c\"}\n{\"line\":\"-\"}\n{\"line\":\"a "
+                     "b\"}\n{\"line\":\"a_b./+:#=-c\"}\n{\"line\":\"~\"}\n{\"line\":\"a%\"}\n" OK,
+                     OK}},
+        {.line = "save-bus -s ./c.sock",
+         .text = "ectwin: 1\ntwins:\n  - device: fzm1\n    set:\n      data1: 5\n      comment1: 'x y'\n      data8: "
+                 "'-1.5'\n",
+         .replies = {"{\"data\":\"2f7800667a6d3100\"}\n" OK, OK,
+                     "{\"slave\":1,\"name\":\"data1\",\"value\":5,\"access\":\"rw\"}\n{\"slave\":1,\"name\":\"data2\","
+                     "\"value\":0,\"access\":\"rw\"}\n{\"slave\":1,\"name\":\"data3\",\"value\":6,\"access\":\"r\"}\n{"
+                     "\"slave\":1,\"name\":\"data4\",\"access\":\"rw\",\"value\":null}\n{\"slave\":0,\"name\":"
+                     "\"data5\",\"value\":5,\"access\":\"rw\"}\n{\"slave\":2,\"name\":\"data5\",\"value\":5,\"access\":"
+                     "\"rw\"}\n{\"slave\":1,\"name\":\"nosuch\",\"value\":5,\"access\":\"rw\"}\n{\"name\":\"data6\","
+                     "\"value\":5,\"access\":\"rw\"}\n{\"slave\":1,\"value\":5,\"access\":\"rw\"}\n{\"slave\":1,"
+                     "\"name\":\"data7\",\"value\":5}\n{\"slave\":1,\"name\":\"comment1\",\"value\":\"x "
+                     "y\",\"access\":\"rw\"}\n{\"slave\":1,\"name\":\"data8\",\"value\":-1.5,\"access\":\"rw\"}\n" OK,
+                     OK}},
+        {.line = "save-bus -s ./c.sock",
+         .text = "ectwin: 1\nset:\n  - 1:data1=5\n  - 2:data1=6\ntwins:\n  - device: fzm1\n    count: 2\n  - device: "
+                 "fzm1\n    name: a\n    set:\n      data1: 7\n",
+         .replies = {"{\"data\":\"2f7800667a6d312a322c613d667a6d3100\"}\n" OK, OK,
+                     "{\"slave\":1,\"name\":\"data1\",\"value\":5,\"access\":\"rw\"}\n{\"slave\":2,\"name\":\"data1\","
+                     "\"value\":6,\"access\":\"rw\"}\n{\"slave\":3,\"name\":\"data1\",\"value\":7,\"access\":\"rw\"}\n{"
+                     "\"slave\":4,\"name\":\"data1\",\"value\":8,\"access\":\"rw\"}\n" OK,
+                     OK}},
+        {.line = "save-bus -s ./c.sock",
+         .status = 3,
+         .text = "ectwin save-bus: slave 1: 'data1=x' is left out, a bus refuses it at its start: data1 takes "
+                 "-999999999..999999999, not 'x'\nectwin: 1\ntwins:\n  - device: fzm1\n    set:\n      data2: 1\n",
+         .replies = {"{\"data\":\"2f7800667a6d3100\"}\n" OK, OK,
+                     "{\"slave\":1,\"name\":\"data1\",\"value\":\"x\",\"access\":\"rw\"}\n{\"slave\":1,\"name\":"
+                     "\"data2\",\"value\":1,\"access\":\"rw\"}\n" OK,
+                     OK}},
+        {.line = "save-bus -s ./c.sock",
+         .text = "ectwin: 1\nrealtime: 70\nbusy-poll: true\ntwins:\n  - device: fzm1\n",
+         .replies = {"{\"data\":\"2f78002d2d7265616c74696d65003730002d2d627573792d706f6c6c00667a6d3100\"}\n" OK, OK, OK,
+                     OK}},
+        {.line = "save-bus -s ./c.sock",
+         .text = "ectwin: 1\nrealtime: 50\ntwins:\n  - device: fzm1\n",
+         .replies = {"{\"data\":\"2f78002d2d7265616c74696d6500667a6d3100\"}\n" OK, OK, OK, OK}},
+        {.line = "save-bus -s ./c.sock",
+         .text = "ectwin: 1\nrealtime: 70\ntwins:\n  - device: fzm1\n",
+         .replies = {"{\"data\":\"2f78002d2d7265616c74696d653d373000667a6d3100\"}\n" OK, OK, OK, OK}},
+        {.line = "save-bus -s ./c.sock",
+         .text = "ectwin: 1\nalias:\n  - 1:5\n  - 2:6\n  - 3:7\ntwins:\n  - device: fzm1\n    count: 3\n",
+         .replies =
+             {"{\"data\":"
+              "\"2f78002d2d616c69617300313a35002d2d616c69617300323a36002d2d616c69617300333a3700667a6d312a3300\"}\n" OK,
+              OK, OK, OK}},
+        {.line = "save-bus -s ./c.sock",
+         .text = "ectwin: 1\nkeep-source-mac: true\nseed: 4\ntwins:\n  - device: fzm1\n",
+         .replies = {"{\"data\":"
+                     "\"2f78002d2d6b6565702d736f757263652d6d6163002d2d6b6565702d736f757263652d6d6163002d2d7365656400340"
+                     "0667a6d3100\"}\n" OK,
+                     OK, OK, OK}},
+        {.line = "save-bus -s ./c.sock",
+         .text = "ectwin: 1\nquiet: true\ntwins:\n  - device: fzm1\n",
+         .replies = {"{\"data\":"
+                     "\"2f78002d2d7365740064617461313d35002d2d6661756c740064726f70203525002d2d64726f700033002d2d7175696"
+                     "574002d690065746830002d6f006574683100667a6d3100\"}\n" OK,
+                     OK, OK, OK}},
+        {.line = "save-bus -s ./c.sock",
+         .status = 1,
+         .text =
+             "ectwin save-bus: there is no device 'true'; there are: vr-bu-ect-map1, vr-bu-ect-map3, vr-bu-ect-map7, "
+             "vr-bu-ect-multiarm, fzm1, optoncdt2300, pmctendo-dd5, esi:FILE.xml#TYPE, sii:FILE and yaml:FILE\n",
+         .replies = {"{\"data\":"
+                     "\"2f78002d2d6966616365006d30002d2d696e2d70726f63657373002d2d7669727475616c2d74696d65002d2d6c65617"
+                     "6652d6368696c6472656e00667a6d31002d2d007472756500\"}\n" OK,
+                     OK, OK, OK}},
+        {.line = "save-bus -s ./c.sock",
+         .status = 3,
+         .text = "ectwin save-bus: '--store=/x/s' is left out, a bus file writes only below its own folder: give it on "
+                 "the command line, or the file a place above it by -o FILE\nectwin: 1\nplay: /x/p.csv\ntwins:\n  - "
+                 "device: fzm1\n",
+         .replies = {"{\"data\":\"2f78002d2d73746f72650073002d2d706c617900702e63737600667a6d3100\"}\n" OK, OK, OK, OK}},
+        {.line = "save-bus -s ./c.sock",
+         .text = "ectwin: 1\nname: n\ntwins:\n  - device: fzm1\n",
+         .replies = {"{\"data\":\"2f78002d2d6e616d65006e00667a6d31\"}\n" OK, OK, OK, OK}},
+        {.line = "save-bus -s ./c.sock",
+         .status = 3,
+         .text = "ectwin save-bus: the bus has no command line, or there is not enough memory for it\n",
+         .replies = {OK, OK}},
+        {.line = "save-bus -s ./c.sock",
+         .status = 1,
+         .text = "ectwin save-bus: no\n",
+         .replies = {"{\"data\":\"2f7800667a6d3100\"}\n" OK, OK, NO},
+         .requests =
+             "{\"op\":\"words\",\"offset\":0}\n{\"op\":\"words\",\"offset\":8}\n{\"op\":\"list\",\"slave\":0}\n"},
+        {.line = "save-bus -s ./c.sock",
+         .status = 1,
+         .text = "ectwin save-bus: no\n",
+         .replies = {"{\"data\":\"2f7800667a6d3100\"}\n" OK, OK, OK, NO},
+         .requests = "{\"op\":\"words\",\"offset\":0}\n{\"op\":\"words\",\"offset\":8}\n{\"op\":\"list\",\"slave\":0}"
+                     "\n{\"op\":\"script\",\"offset\":0}\n"},
+    };
+    (void)state;
+    COMMANDS_EXPECT(rows);
+}
+
 #define TEST(title, function) {title, function, NULL, NULL, NULL}
 
 int main(int argc, char **argv)
@@ -602,6 +713,7 @@ int main(int argc, char **argv)
         TEST("lines of signals are printed or recorded, and end the command", watch),
         TEST("each line of a table is a request; a wrong line ends the command", tables),
         TEST("a set of periodic data arrives in pieces, each at its offset", sets),
+        TEST("a bus is saved with its options, signals and script", saves),
         TEST("a fault has at most 95 characters", lists),
     };
     if (argc > 1)
