@@ -57,6 +57,7 @@ static struct {
     uint32_t id;             /* another chip; 0: the LAN9252 */
     unsigned int init_fails; /* times that ect_slave_init fails */
     unsigned int inits;
+    uint32_t zero_line; /* the line that gets descriptor 0, as without standard input; 0: none */
     uint64_t flags[32]; /* of the GPIO lines taken */
     bool lit[LAMPS];
     lamp_change_t changes[LAMPS][CHANGES];
@@ -144,14 +145,19 @@ static int take_line(struct gpio_v2_line_request *request)
     assert_in_range(line, 0, 31);
     m.flags[line] = request->config.flags;
     request->fd = __real_open("/dev/null", O_RDWR | O_CLOEXEC);
+    if (line == m.zero_line) {
+        close(request->fd);
+        request->fd = 0;
+    }
     if (line == RESET_LINE)
         m.reset = request->fd;
     else if (line == RUN_LINE || line == ERR_LINE)
         m.lamps[line - RUN_LINE] = request->fd;
     else if (line == IRQ_LINE) {
-        close(request->fd);
         assert_int_equal(pipe2(m.irq, O_NONBLOCK | O_CLOEXEC), 0);
-        request->fd = m.irq[0];
+        (void)dup2(m.irq[0], request->fd);
+        close(m.irq[0]);
+        m.irq[0] = request->fd;
     }
     return 0;
 }
@@ -631,6 +637,28 @@ static void lamps(void **state)
     assert_in_range(m.change_count[1], 4, 6);
 }
 
+/* A program without standard input gets descriptor 0 for one of its lines. */
+static void descriptor_0(void **state)
+{
+    static const char *const options[] = {"--run-led gpiochip9:20", "--err-led gpiochip9:21", "--irq gpiochip9:25",
+                                          "--reset gpiochip9:24"};
+    static const uint32_t lines[] = {RUN_LINE, ERR_LINE, IRQ_LINE, RESET_LINE};
+    (void)state;
+    for (size_t i = 0; i < 4; i++) {
+        char line[64];
+        const int before = dup(STDIN_FILENO);
+        power_on(preop_then_error);
+        m.zero_line = lines[i];
+        snprintf(line, sizeof line, "%s fzm1", options[i]);
+        expect(line, 0, READY);
+        assert_int_equal(m.change_count[0] > 0, i == 0);
+        assert_int_equal(m.change_count[1] > 0, i == 1);
+        assert_int_equal(m.fds, i == 2 ? 2 : 1);
+        (void)dup2(before, STDIN_FILENO);
+        close(before);
+    }
+}
+
 /* --- the end
  * ---------------------------------------------------------------------------------------------------------- */
 
@@ -699,6 +727,7 @@ int main(int argc, char **argv)
         TEST("a chip may be away for any time; each new cause is printed once", chip_that_comes_back),
         TEST("a signal ends the command while the chip is away, as a failure", chip_that_stays_away),
         TEST("the lamps show state and errors", lamps),
+        TEST("a line may have descriptor 0", descriptor_0),
         TEST("the slave is in INIT at the end", init_at_the_end),
         TEST("a save under way is done before the end", a_save_under_way),
     };
