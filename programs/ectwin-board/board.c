@@ -126,7 +126,8 @@ static bool make_config(board_t *b, char *message)
     return false;
 }
 
-/* As for the command of the twins: what a shell's background or nohup ignores is not what ends us. */
+/* The signals end the command even if a shell ignores them in the background, because a blocked signal is queued all
+ * the same; SIGHUP that nohup ignores does not. */
 static bool open_signals(board_t *b, char *message)
 {
     sigset_t set;
@@ -137,8 +138,6 @@ static bool open_signals(board_t *b, char *message)
         signal(SIGHUP, SIG_IGN);
     else
         sigaddset(&set, SIGHUP);
-    signal(SIGINT, SIG_DFL);
-    signal(SIGTERM, SIG_DFL);
     sigprocmask(SIG_BLOCK, &set, NULL);
     b->signal_fd = signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
     if (b->signal_fd < 0)

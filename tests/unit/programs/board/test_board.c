@@ -10,6 +10,7 @@
 #include <linux/gpio.h>
 #include <linux/spi/spidev.h>
 #include <poll.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -92,7 +93,8 @@ ssize_t __wrap_aio_return(struct aiocb *control);
 void *__wrap_calloc(size_t count, size_t size)
 {
     void *block = __real_calloc(count, size);
-    blocks[block_count++ % (sizeof blocks / sizeof blocks[0])] = block;
+    if (m.step)
+        blocks[block_count++ % (sizeof blocks / sizeof blocks[0])] = block;
     return block;
 }
 
@@ -236,7 +238,7 @@ int __wrap_ppoll(struct pollfd *fds, nfds_t count, const struct timespec *timeou
     m.fds = count;
     m.timeout_ns = ns_of(timeout);
     m.reads = m.frame_at = 0;
-    m.ending = m.step(m.waits++);
+    m.ending = m.step(m.waits++) || poll(fds, 1, 0) == 1;
     m.now_ns += m.ending || (count > 1 && ect_virtual_lan9252_line(&m.chip)) ? 0 : m.timeout_ns;
     (void)ect_esc_tick(&m.esc, m.now_ns);
     follow_line();
@@ -479,6 +481,24 @@ static void a_device_that_does_not_fit(void **state)
     ect_catalogue_add(NULL, 0);
 }
 
+/* Without a run, the command frees its memory. */
+static void eeprom_image(void **state)
+{
+    char path[] = "/tmp/ectwin-board-XXXXXX", line[64];
+    uint8_t got[4096];
+    (void)state;
+    close(mkstemp(path));
+    power_on(NULL);
+    snprintf(line, sizeof line, "--eeprom %s fzm1", path);
+    expect(line, 0, "");
+    const int file = open(path, O_RDONLY | O_CLOEXEC);
+    assert_int_equal(read(file, got, sizeof got), m.esc.config.sii_size);
+    assert_memory_equal(got, m.esc.config.sii, m.esc.config.sii_size);
+    close(file);
+    unlink(path);
+    expect("--eeprom /nosuch/file fzm1", 2, "ectwin-board: cannot write '/nosuch/file': No such file or directory\n");
+}
+
 /* --- waits
  * ------------------------------------------------------------------------------------------------------------ */
 
@@ -662,6 +682,41 @@ static void descriptor_0(void **state)
 /* --- the end
  * ---------------------------------------------------------------------------------------------------------- */
 
+static int sent;
+
+static bool send_signal(unsigned int number)
+{
+    if (number == 3)
+        (void)kill(getpid(), sent);
+    return number == 9;
+}
+
+/* A shell ignores SIGINT in the background, and nohup SIGHUP. */
+static void signals_that_end(void **state)
+{
+    static const struct {
+        int number;
+        bool ignored, ends;
+    } rows[] = {{SIGINT, false, true}, {SIGTERM, false, true}, {SIGHUP, false, true},
+                {SIGINT, true, true},  {SIGTERM, true, true},  {SIGHUP, true, false}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        sigset_t set;
+        sigemptyset(&set);
+        sigaddset(&set, rows[i].number);
+        sigprocmask(SIG_UNBLOCK, &set, NULL);
+        signal(rows[i].number, rows[i].ignored ? SIG_IGN : SIG_DFL);
+        sent = rows[i].number;
+        power_on(send_signal);
+        expect("fzm1", 0, READY);
+        if (m.waits != (rows[i].ends ? 4 : 10))
+            fail_msg("row %zu: expected the end %s, got %u waits", i, rows[i].ends ? "by the signal" : "later",
+                     m.waits);
+        (void)sigtimedwait(&set, NULL, &(const struct timespec){0});
+        signal(rows[i].number, SIG_DFL);
+    }
+}
+
 static bool end_in_preop(unsigned int number)
 {
     if (number == 3)
@@ -721,6 +776,7 @@ int main(int argc, char **argv)
         TEST("each GPIO line has its direction, level and pull", lines),
         TEST("a folder for saved parameters that cannot be used ends the command", stores),
         TEST("a device that does not fit into the chip ends the command", a_device_that_does_not_fit),
+        TEST("--eeprom writes the image of the chip", eeprom_image),
         TEST("the command waits for the interval of --poll, or for the pin until the next check", intervals),
         TEST("while the pin is active, the command does not wait", an_active_pin),
         TEST("after a reset by the master the slave starts again", reset_by_the_master),
@@ -728,6 +784,7 @@ int main(int argc, char **argv)
         TEST("a signal ends the command while the chip is away, as a failure", chip_that_stays_away),
         TEST("the lamps show state and errors", lamps),
         TEST("a line may have descriptor 0", descriptor_0),
+        TEST("SIGINT, SIGTERM and SIGHUP end the command, SIGHUP unless it is ignored", signals_that_end),
         TEST("the slave is in INIT at the end", init_at_the_end),
         TEST("a save under way is done before the end", a_save_under_way),
     };
