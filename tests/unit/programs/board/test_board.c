@@ -16,6 +16,7 @@
 #include <string.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
+#include <sys/signalfd.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -58,9 +59,12 @@ static struct {
     uint32_t id;             /* another chip; 0: the LAN9252 */
     unsigned int init_fails; /* times that ect_slave_init fails */
     unsigned int inits;
-    uint64_t slow_ns;   /* a reading of the clock takes so long */
-    uint32_t zero_line; /* the line that gets descriptor 0, as without standard input; 0: none */
-    uint64_t flags[32]; /* of the GPIO lines taken */
+    unsigned int fails_at; /* number of the allocation that fails; 0: none */
+    bool no_signals;       /* signalfd() fails */
+    int signal_fd;         /* its descriptor; -1: any */
+    uint64_t slow_ns;      /* a reading of the clock takes so long */
+    uint32_t zero_line;    /* the line that gets descriptor 0, as without standard input; 0: none */
+    uint64_t flags[32];    /* of the GPIO lines taken */
     bool lit[LAMPS];
     lamp_change_t changes[LAMPS][CHANGES];
     size_t change_count[LAMPS];
@@ -76,6 +80,8 @@ static size_t block_count;
 
 void *__real_calloc(size_t count, size_t size);
 void *__wrap_calloc(size_t count, size_t size);
+int __real_signalfd(int fd, const sigset_t *set, int flags);
+int __wrap_signalfd(int fd, const sigset_t *set, int flags);
 int __real_open(const char *path, int flags, ...);
 int __wrap_open(const char *path, int flags, ...);
 int __real_ioctl(int fd, unsigned long request, ...);
@@ -93,10 +99,21 @@ ssize_t __wrap_aio_return(struct aiocb *control);
 
 void *__wrap_calloc(size_t count, size_t size)
 {
+    if (m.fails_at > 0 && --m.fails_at == 0)
+        return NULL;
     void *block = __real_calloc(count, size);
     if (m.step)
         blocks[block_count++ % (sizeof blocks / sizeof blocks[0])] = block;
     return block;
+}
+
+int __wrap_signalfd(int fd, const sigset_t *set, int flags)
+{
+    if (m.no_signals) {
+        errno = EMFILE;
+        return -1;
+    }
+    return __real_signalfd(m.signal_fd >= 0 ? dup2(__real_signalfd(fd, set, flags), m.signal_fd) : fd, set, flags);
 }
 
 static void step_expect(const char *what, uint64_t want, uint64_t got)
@@ -309,7 +326,7 @@ static void power_on(bool (*step)(unsigned int number))
     memset(&m, 0, sizeof m);
     memset(memory, 0, sizeof memory);
     m.now_ns = START_NS;
-    m.spi = m.gpio = m.reset = m.irq[0] = m.irq[1] = m.lamps[0] = m.lamps[1] = -1;
+    m.spi = m.gpio = m.reset = m.irq[0] = m.irq[1] = m.lamps[0] = m.lamps[1] = m.signal_fd = -1;
     m.step = step;
     m.chip.esc = &m.esc;
     assert_true(ect_fit(&ect_fzm1, &ect_fit_lan9252, &on));
@@ -454,6 +471,38 @@ static void lines(void **state)
         snprintf(line, sizeof line, "%s nosuch fzm1", options[i]);
         expect(line, 2, "ectwin-board: 'nosuch' names no GPIO line: CHIP:LINE, e.g. gpiochip0:25\n");
     }
+}
+
+static void a_start_without_memory(void **state)
+{
+    char text[TEXT];
+    int status = 2;
+    unsigned int n = 0;
+    (void)state;
+    while (status != 0 && n < 100) {
+        power_on(end_at_once);
+        m.fails_at = ++n;
+        status = run("fzm1", text);
+        assert_int_equal(status, m.fails_at == 0 ? 2 : 0);
+        if (strcmp(text, READY) != 0 && !strstr(text, "not enough memory\n"))
+            fail_msg("allocation %u: got '%s'", n, text);
+    }
+    assert_in_range(n, 4, 99);
+}
+
+/* A program without standard input may get descriptor 0 for its signals. */
+static void a_start_without_signals(void **state)
+{
+    const int before = dup(STDIN_FILENO);
+    (void)state;
+    power_on(end_at_once);
+    m.no_signals = true;
+    expect("fzm1", 2, "ectwin-board: cannot wait for the signals that end it: Too many open files\n");
+    power_on(end_at_once);
+    m.signal_fd = 0;
+    expect("fzm1", 0, READY);
+    (void)dup2(before, STDIN_FILENO);
+    close(before);
 }
 
 static void stores(void **state)
@@ -779,6 +828,8 @@ int main(int argc, char **argv)
         TEST("a chip that does not start ends the command with its cause", no_start),
         TEST("the slave has ten tries to start", slave_that_fails),
         TEST("each GPIO line has its direction, level and pull", lines),
+        TEST("without memory the command ends", a_start_without_memory),
+        TEST("without signals the command ends", a_start_without_signals),
         TEST("a folder for saved parameters that cannot be used ends the command", stores),
         TEST("a device that does not fit into the chip ends the command", a_device_that_does_not_fit),
         TEST("--eeprom writes the image of the chip", eeprom_image),
