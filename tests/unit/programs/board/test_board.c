@@ -603,9 +603,15 @@ static bool request_between(unsigned int number)
 
 static void an_active_pin(void **state)
 {
+    const int before = dup(STDIN_FILENO);
     (void)state;
     power_on(request_between);
     expect("--irq gpiochip9:25 fzm1", 0, READY);
+    power_on(request_between);
+    m.zero_line = IRQ_LINE;
+    expect("--irq gpiochip9:25 fzm1", 0, READY);
+    (void)dup2(before, STDIN_FILENO);
+    close(before);
 }
 
 /* --- the chip goes
