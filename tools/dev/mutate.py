@@ -177,11 +177,12 @@ class Program:
 
     LEAKS = "-fsanitize=leak"  # a block that is not freed is detected, as with asan
     FLAGS = "-fPIC -O0 -w --coverage"
+    VISIBILITY = "default"  # a test is linked with the library that has the mutant
     PATIENCE = (2, 10)  # a test ends in so many seconds, and times what it takes without a mutant
 
     def configure(self):
         run("cmake", "--preset", "dev", "-B", str(BUILD), "-DECTWIN_SANITIZE=undefined", f"-DCMAKE_C_FLAGS={self.FLAGS}",
-            "-DCMAKE_C_FLAGS_DEBUG=", f"-DCMAKE_EXE_LINKER_FLAGS={self.LEAKS}", cwd=ROOT)
+            "-DCMAKE_C_FLAGS_DEBUG=", f"-DCMAKE_EXE_LINKER_FLAGS={self.LEAKS}", f"-DCMAKE_C_VISIBILITY_PRESET={self.VISIBILITY}", cwd=ROOT)
 
     def build(self, *targets):
         """Builds targets, or all. Returns target -> source -> Compiled."""
@@ -415,6 +416,7 @@ class Installed(Program):
     libraries of the build, because programs search for each other there; the folder replaces the build in the command of a test."""
 
     LEAKS = ""  # --in-process also replaces functions of threads; see with_mutant
+    VISIBILITY = "hidden"
     FLAGS = "-fPIC -O0 -w"  # gcov loses what a process in a sandbox, or one that a signal ends, has reached: see measure
     PATIENCE = (10, 3)
     SANDBOX = ROOT / "src/bus/net/sandbox.c"

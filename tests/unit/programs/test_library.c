@@ -285,7 +285,8 @@ static void times_of_calls(void **state)
             assert_int_equal(ectwin_bus_fault(bus, "drop 0%", call_ns, why, sizeof why), 0);
         const uint64_t reply_ns = pass(bus, INPUT_END, 1, START_NS);
         if (reply_ns != call_ns + 2 * MS)
-            fail_msg("call %u: expected a reply at %" PRIu64 " ns, got %" PRIu64, call, call_ns + 2 * MS, reply_ns);
+            fail_msg("call %u: expected a reply at %" PRIu64 " ns, got %" PRIu64, call, (uint64_t)(call_ns + 2 * MS),
+                     reply_ns);
         ectwin_bus_close(bus);
     }
 }
