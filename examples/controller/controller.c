@@ -164,7 +164,8 @@ static void report_failure(const settings_t *s)
         fprintf(stderr, "the first slave on '%s' is '%s' with %u bytes in and %u out: no base unit\n", s->iface,
                 ec_slave[1].name, (unsigned int)ec_slave[1].Ibytes, (unsigned int)ec_slave[1].Obytes);
     else
-        fprintf(stderr, "the base unit did not reach OP on '%s'\n", s->iface);
+        fprintf(stderr, "the base unit did not reach OP on '%s': AL status 0x%02x, code 0x%04x (%s)\n", s->iface,
+                ec_slave[1].state, ec_slave[1].ALstatuscode, ec_ALstatuscode2string(ec_slave[1].ALstatuscode));
 }
 
 static bool is_over(uint64_t end_ns)

@@ -78,6 +78,19 @@ static bool to_safeop(const master_start_t *start)
     return fits && ec_statecheck(0, EC_STATE_SAFE_OP, EC_TIMEOUTSTATE) == EC_STATE_SAFE_OP;
 }
 
+/* Requests OP again from slaves that have left it because frames were late, as on a busy machine. */
+static void return_to_op(void)
+{
+    enum { WATCHDOG = 0x001B };
+    ec_readstate();
+    for (int i = 1; i <= ec_slavecount; i++) {
+        if ((ec_slave[i].state & EC_STATE_ERROR) == 0 || ec_slave[i].ALstatuscode != WATCHDOG)
+            continue;
+        ec_slave[i].state = EC_STATE_OPERATIONAL | EC_STATE_ACK;
+        ec_writestate((uint16)i);
+    }
+}
+
 /* Takes the bus to OP, with running outputs, which a slave requires. */
 bool master_to_op(const master_start_t *start)
 {
@@ -91,6 +104,8 @@ bool master_to_op(const master_start_t *start)
         master_exchange();
         if (ec_statecheck(0, EC_STATE_OPERATIONAL, WAIT_US) == EC_STATE_OPERATIONAL)
             return true;
+        if ((ec_slave[0].state & EC_STATE_ERROR) != 0)
+            return_to_op();
     }
     return false;
 }

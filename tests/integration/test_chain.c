@@ -58,6 +58,12 @@ static void read_past_op(ecx_portt *port, uint16 position, uint8 data[6])
     }
 }
 
+/* A reply on a busy machine may be that of an earlier cycle, before OP. */
+static bool all_exchange(soem_t *m)
+{
+    return soem_cycle(m) == soem_expected_wkc(m);
+}
+
 static void master_dies(void **state)
 {
     (void)state;
@@ -83,7 +89,7 @@ static void master_dies(void **state)
     soem_open(&master, iface, count);
     soem_map(&master);
     soem_operational(&master);
-    assert_int_equal(soem_cycle(&master), soem_expected_wkc(&master));
+    assert_true(soem_until(&master, all_exchange, 1000));
     soem_close(&master);
 }
 

@@ -1222,9 +1222,9 @@ static void ask(bench_t *b, unsigned int n, const struct timespec *limit)
         send_frame(b);
         watcher = connect_client(b);
         send_text(watcher, "{\"op\":\"stats\"}\n{\"op\":\"counters\"}\n{\"op\":\"events\"}\n");
-    }
-    if (n == 20)
+    } else if (at_rest(b)) {
         (void)raise(SIGUSR1);
+    }
 }
 
 static void clients_read_the_loop(void **state)

@@ -291,7 +291,7 @@ static void each_element_of_a_category_is_read(void **state)
                 assert_true(sm->start == 0x1000 + 0x100 * i && sm->size.value == (int64_t)(100 + i));
                 assert_true(sm->maximum == 100 + i && sm->control == 0x20 + i && strcmp(sm->type, "Inputs") == 0);
                 assert_string_equal(model->fmmus[i], roles[i % 3]);
-                assert_true(dc->cycle_sync0_ns == 1000000 + i && dc->assign_activate == 0x300 + i);
+                assert_true(dc->cycle_sync0_ns == 1000000 + (int64_t)i && dc->assign_activate == 0x300 + i);
                 assert_true(dc->shift_sync0_ns == -1 - (int)i && dc->shift_sync1_ns == -101 - (int)i);
                 assert_true(dc->sync1_factor == -201 - (int)i && dc->sync0_factor == -301 - (int)i);
             }
