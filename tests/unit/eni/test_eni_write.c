@@ -470,6 +470,40 @@ static void ENI_017_variables_of_two_SyncManagers_follow_each_other(void **state
     free_made(&made);
 }
 
+static void a_slave_has_a_mailbox_with_a_protocol_and_two_SyncManagers(void **state)
+{
+#define SMS_AND(rest)                                                                                                  \
+    ESI_DEVICE("<Sm StartAddress='#x1000' ControlByte='#x20' Enable='1'>Inputs</Sm>"                                   \
+               "<Sm StartAddress='#x1100' ControlByte='#x20' Enable='1'>Inputs</Sm>" rest)
+    static const struct {
+        const char *what, *text;
+        bool given, aoe, coe;
+    } rows[] = {
+        {"no protocol", SMS_AND(""), false, false, false},
+        {"AoE", ESI_DEVICE(ESI_MAILBOX_SMS "<Mailbox><AoE/></Mailbox>"), true, true, false},
+        {"CoE", ESI_DEVICE(ESI_MAILBOX_SMS "<Mailbox><CoE/></Mailbox>"), true, false, true},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        made_t made = make_text(rows[i].what, rows[i].text);
+        const ect_device_t *device = ect_esi_twin_product(made.twin)->device;
+        written_t w = {.count = 1};
+        w.parts[0] = (ect_eni_part_t){.device = device, .identity = device->identity};
+        write_parts(rows[i].what, &w);
+        const ect_eni_mailbox_t *mailbox = &slave_of(w.eni, 0)->mailbox;
+        if (mailbox->given != rows[i].given || mailbox->aoe != rows[i].aoe || mailbox->coe != rows[i].coe)
+            fail_msg("%s: expected a mailbox %d, AoE %d, CoE %d, got %d, %d, %d", rows[i].what, rows[i].given,
+                     rows[i].aoe, rows[i].coe, mailbox->given, mailbox->aoe, mailbox->coe);
+        if (rows[i].given) {
+            assert_int_equal(mailbox->send.start, 0x1000);
+            assert_int_equal(mailbox->receive.start, 0x1080);
+            assert_int_equal(mailbox->receive.length, 128);
+        }
+        drop(&w);
+        free_made(&made);
+    }
+}
+
 static void CF_N02_a_file_with_clocks_brings_its_devices_to_OP(void **state)
 {
     static const char devices[] = "fzm1,pmctendo-dd5,optoncdt2300";
@@ -920,6 +954,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(CF_N01_a_written_file_is_read_as_the_same_bus),
         cmocka_unit_test(CF_N01_a_written_file_has_frames_checks_and_mailbox_of_the_device),
         cmocka_unit_test(each_transition_has_the_timeout_of_the_device),
+        cmocka_unit_test(a_slave_has_a_mailbox_with_a_protocol_and_two_SyncManagers),
         cmocka_unit_test(ENI_013_the_sizes_of_a_SyncManager_come_back),
         cmocka_unit_test(CF_N01_a_known_bus_has_the_file_of_the_tests_byte_for_byte),
         cmocka_unit_test(ENI_020_the_states_of_mailboxes_are_read_with_one_command),
