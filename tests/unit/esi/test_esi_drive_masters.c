@@ -313,6 +313,37 @@ static void orders_of_sync0(void **state)
     }
 }
 
+/* Frames arrive each millisecond, SYNC0 occurs every 10 ms: of ten set values only the one before SYNC0 counts. */
+static void set_values_at_sync0(void **state)
+{
+    enum { CYCLE_MS = 10, CYCLES = 60, STEP = 1000, IGNORED = 500000 };
+    (void)state;
+    open_with_sync0_event();
+    set("axis1.sync_check", "0");
+    assert_int_equal(write_sdo(0x60C2, 1, CYCLE_MS, 1), 0);
+    assert_int_equal(write_sdo(0x60C2, 2, -3, 1), 0);
+    next_state(SAFEOP);
+    start_sync0(CYCLE_MS * MS);
+    const uint64_t start_ns = wire.now_ns;
+    put(MODE, CSP);
+    next_state(OP);
+    enable(0);
+    int64_t taken = 0;
+    for (unsigned int n = 1; n <= CYCLES; n++) {
+        const bool before_sync0 = (wire.now_ns - start_ns) / MS % CYCLE_MS == CYCLE_MS - 1;
+        const int64_t reached = taken;
+        taken += before_sync0 ? STEP : 0;
+        put(TARGET, before_sync0 || taken == 0 ? taken : IGNORED);
+        cycles(1);
+        const int64_t demand = read_sdo(0x6062, 0);
+        if (reached == 0) /* before the first SYNC0, set values count at once */
+            continue;
+        if (demand < reached - STEP || demand > reached || (before_sync0 && demand != reached))
+            fail_msg("ms %u: expected a demand on the way to %lld, got %lld", n, (long long)reached, (long long)demand);
+    }
+    assert_true(taken > 4 * (int64_t)STEP);
+}
+
 /* --- LinuxCNC ----------------------------------------------------------------------------------------------------- */
 
 static void homing_of_linuxcnc(void **state)
@@ -476,6 +507,7 @@ int main(void)
              sequences),
         TEST("DRV-603 DRV-607 DRV-608 DRV-614 DRV-620 masters from the mailbox to a motion in csp", starts),
         TEST("DRV-624 SYNC0 starts at any time below OP; a wrong 60C2h ends OP after a time", orders_of_sync0),
+        TEST("DRV-255 set values are taken at SYNC0, if it is an AL event", set_values_at_sync0),
         TEST("DRV-611 DRV-272 the homing of LinuxCNC", homing_of_linuxcnc),
         TEST("DRV-609 the digital inputs and outputs of LinuxCNC", inputs_and_outputs_of_lcec),
         TEST("DRV-609 the pairs of LinuxCNC, without 6093h", pairs_of_lcec),
