@@ -150,7 +150,7 @@ static inline int command_line_run(const command_line_t *row, const ect_product_
         struct pollfd fds[] = {{.fd = errors[0], .events = POLLIN},
                                {.fd = outputs[0], .events = POLLIN},
                                {.fd = twin.client < 0 ? twin.listener : twin.client, .events = POLLIN}};
-        assert_true(poll(fds, 3, 60000) > 0);
+        assert_true(poll(fds, 3, -1) > 0);
         if (fds[2].revents != 0)
             command_serve(&twin, requests);
         else if (fds[0].revents != 0 && !command_take(errors[0], text, &used))
