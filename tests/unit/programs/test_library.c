@@ -540,6 +540,7 @@ static void changes_in_a_record(void **state)
     assert_int_equal(ectwin_bus_set(bus, 2, "data1", "1.5", START_NS, why, sizeof why), 0);
     assert_int_equal(ectwin_bus_fault(bus, "drop 3%", START_NS, why, sizeof why), 0);
     ectwin_bus_close(bus);
+    assert_true(contains(path, "\"seed\":1,"));
     assert_true(contains(path, "{\"op\":\"set\",\"slave\":2,\"name\":\"data1\",\"value\":\"1.5\"}"));
     assert_true(contains(path, "{\"op\":\"fault\",\"fault\":\"drop 3%\"}"));
     unlink(path);
@@ -563,7 +564,7 @@ int main(int argc, char **argv)
         TEST("a signal is set from text, or the reason is returned and nothing changes", set_signals),
         TEST("a fault is set from text, or the reason is returned", set_faults),
         TEST("the random seed is 1, or that of --seed", seeds),
-        TEST("a record has each set signal and fault as a request", changes_in_a_record),
+        TEST("a record has the seed, and each set signal and fault as a request", changes_in_a_record),
         TEST("the expectations of a bus are judged, a line each", judge_scenarios),
         TEST("the control socket of a bus opens once, serves its clients and ends with the bus", control_socket),
         TEST("without a folder for the control socket none is open", no_control_socket),
