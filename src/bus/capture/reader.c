@@ -124,12 +124,11 @@ static ect_item_kind_t take_packet(ect_reader_t *r, const uint8_t *body, size_t 
     return ECT_ITEM_PACKET;
 }
 
-static ect_item_kind_t take_section(ect_reader_t *r, size_t length, ect_item_t *item)
+static ect_item_kind_t take_section(ect_reader_t *r, size_t length)
 {
     if (length < 16)
         return wrong(r, "a section header of %zu bytes", length);
     r->interface_count = 0;
-    *item = (ect_item_t){.kind = ECT_ITEM_SECTION};
     return ECT_ITEM_SECTION;
 }
 
@@ -138,7 +137,7 @@ static ect_item_kind_t take_block(ect_reader_t *r, uint32_t type, const uint8_t 
 {
     switch (type) {
     case ECT_PCAPNG_SECTION:
-        return take_section(r, length, item);
+        return take_section(r, length);
     case ECT_PCAPNG_INTERFACE:
         if (length < 8 || r->interface_count == ECT_READER_INTERFACES)
             return wrong(r,
@@ -231,7 +230,7 @@ static bool is_pcap(ect_reader_t *r, const uint8_t *magic)
     return false;
 }
 
-static ect_item_kind_t begin_pcap(ect_reader_t *r, ect_item_t *item)
+static ect_item_kind_t begin_pcap(ect_reader_t *r)
 {
     uint8_t rest[PCAP_HEAD - 4];
     if (!take(r, rest, sizeof rest))
@@ -240,7 +239,6 @@ static ect_item_kind_t begin_pcap(ect_reader_t *r, ect_item_t *item)
         return wrong(r, "packets that are not of Ethernet");
     r->at = PCAP_HEAD;
     r->state = ECT_READER_PCAP;
-    *item = (ect_item_t){.kind = ECT_ITEM_SECTION};
     return ECT_ITEM_SECTION;
 }
 
@@ -253,7 +251,7 @@ static ect_item_kind_t begin(ect_reader_t *r, ect_item_t *item)
     if (!take(r, magic, sizeof magic))
         return wrong(r, "no capture: the file is too short");
     if (is_pcap(r, magic))
-        return begin_pcap(r, item);
+        return begin_pcap(r);
     if (ect_load_le32(magic) != ECT_PCAPNG_SECTION || fseek(r->file, -4, SEEK_CUR) != 0)
         return wrong(r, "no capture: neither pcapng nor pcap");
     r->state = ECT_READER_PCAPNG;

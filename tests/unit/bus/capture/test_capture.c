@@ -503,6 +503,9 @@ static void cut_text(void **state)
     strcpy(text + ECT_PCAPNG_COMMENT_MOST - 1, "\xC3\xA4");
     (void)ect_pcapng_statistics(block, 0, text);
     assert_int_equal(ect_load_le16(block + 22), ECT_PCAPNG_COMMENT_MOST - 1); /* not half of a character */
+    (void)ect_pcapng_statistics(block, 0x8123456789ABCDEF, "x");
+    assert_int_equal(ect_load_le32(block + 8), 0); /* the interface */
+    assert_true(ect_load_le32(block + 12) == 0x81234567 && ect_load_le32(block + 16) == 0x89ABCDEF);
 }
 
 int main(void)

@@ -259,6 +259,21 @@ static void a_frame_has_a_line_for_each_datagram_and_ends_where_its_bytes_do(voi
     expect_frame(frame, 17, true, "frame of 17 bytes: 01 02 03 04 05 06 07 08 09 0A 0B 0C 88 A5 19 10 04");
 }
 
+/* The bits of a length are no mark of a further datagram. */
+static void a_long_datagram_is_the_last_one_without_its_mark(void **state)
+{
+    static const size_t lengths[] = {255, 256, 511, 512, 1023, 1024, 1400};
+    (void)state;
+    for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
+        uint8_t frame[ROOM] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 0x88, 0xA4, 0, 0x10, 10};
+        char wanted[100];
+        frame[16 + 6] = (uint8_t)lengths[i];
+        frame[16 + 7] = (uint8_t)(lengths[i] >> 8);
+        (void)snprintf(wanted, sizeof wanted, "LRD logical 0x00000000, %zu bytes", lengths[i]);
+        expect_frame(frame, 16 + 10 + lengths[i] + 2, true, wanted);
+    }
+}
+
 /* A text that is full ends with its last whole character. */
 static void a_text_ends_in_its_room(void **state)
 {
@@ -283,6 +298,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(AL_control_and_AL_status_are_states_in_words),
         cmocka_unit_test(a_mail_has_its_service_in_words),
         cmocka_unit_test(a_frame_has_a_line_for_each_datagram_and_ends_where_its_bytes_do),
+        cmocka_unit_test(a_long_datagram_is_the_last_one_without_its_mark),
         cmocka_unit_test(a_text_ends_in_its_room),
     };
     if (argc > 1)
