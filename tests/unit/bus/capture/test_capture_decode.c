@@ -280,6 +280,9 @@ static void a_text_ends_in_its_room(void **state)
     static const char whole[] = "BRD 0000:0130 AL status, 2 bytes";
     uint8_t bytes[ROOM];
     (void)state;
+    char none[2] = "##";
+    ect_decode_frame(&mailboxes, bytes, 0, true, none, 1);
+    assert_memory_equal(none, "\0#", 2);
     (void)datagram(bytes, 7, AT(0, 0x0130), "00 00", 0, false);
     for (size_t room = 1; room <= sizeof whole + 1; room++) {
         char text[sizeof whole + 2];

@@ -263,6 +263,27 @@ static void put_optioned(file_t *f, uint16_t code, uint16_t size, uint32_t value
     put32(f, total);
 }
 
+/* Options that end with their block, without an end of their own. */
+static void last_option(void **state)
+{
+    file_t f = {.size = 0};
+    char message[ECT_READER_MESSAGE];
+    ect_item_t packet = {0};
+    (void)state;
+    put_section(&f);
+    put_interface(&f, 9, 1);
+    put32(&f, ECT_PCAPNG_PACKET);
+    put32(&f, 40);
+    for (unsigned int i = 0; i < 5; i++)
+        put32(&f, 0);
+    put16s(&f, ECT_PCAPNG_FLAGS, 4);
+    put32(&f, 2);
+    put32(&f, 40);
+    assert_int_equal(read_all(&f, &packet, message), 1);
+    assert_string_equal(message, "");
+    assert_int_equal(packet.direction, ECT_PCAPNG_OUTBOUND);
+}
+
 /* The two lowest bits of the flags; other options, and flags of another size, have no direction. */
 static void directions(void **state)
 {
@@ -580,6 +601,7 @@ int main(void)
         {"the options of an interface end with its block", options_end_with_their_block, NULL, NULL, NULL},
         {"pcap in microseconds and nanoseconds, in both byte orders", old_format, NULL, NULL, NULL},
         {"the direction is in the flags of a packet", directions, NULL, NULL, NULL},
+        {"options end with their block", last_option, NULL, NULL, NULL},
         {"a resolution of another size than a byte, or behind the last option", no_resolution, NULL, NULL, NULL},
         {"packets and local data have numbers, times and both lengths", each_item, NULL, NULL, NULL},
         {"packets of pcap have numbers, times and both lengths; a mistake has its byte", each_packet_of_pcap, NULL,
