@@ -172,6 +172,10 @@ static void a_mail_has_its_service_in_words(void **state)
         {4, AT(1001, 0x1400), "0A 00 00 00 00 73 00 10 00 82 00 00 00 00 00 00", 1,
          "FPRD 03E9:1400 mailbox in, 16 bytes, WKC 1 | mail of 10 bytes, counter 7: CoE emergency code 0x8200 | 0A 00 "
          "00 00 00 73 00 10 00 82 00 00 00 00 00 00"},
+        {4, AT(1001, 0x1400), "04 00 00 00 00 73 00 10 00 82", 1,
+         "FPRD 03E9:1400 mailbox in, 10 bytes, WKC 1 | mail of 4 bytes, counter 7: CoE emergency code 0x8200 | 04 00 "
+         "00 "
+         "00 00 73 00 10 00 82"},
         {4, AT(1001, 0x1400), "03 00 00 00 00 73 00 10 00 82", 1,
          "FPRD 03E9:1400 mailbox in, 10 bytes, WKC 1 | mail of 3 bytes, counter 7: CoE emergency  | 03 00 00 00 00 73 "
          "00 10 00"},
