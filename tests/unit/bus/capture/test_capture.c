@@ -218,6 +218,7 @@ static void full_buffer(void **state)
     assert_int_equal(count(r, ECT_PCAPNG_PACKET), kept + 1);
     assert_true(find(r, ECT_PCAPNG_PACKET, kept, &b));
     assert_int_equal(ect_load_le64(option(&b, 20 + FRAME, ECT_PCAPNG_DROPPED, &length)), 3);
+    assert_int_equal(length, 8);
     assert_true(find(r, ECT_PCAPNG_PACKET, kept - 1, &b));
     assert_null(option(&b, 20 + FRAME, ECT_PCAPNG_DROPPED, &length));
 }
