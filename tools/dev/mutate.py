@@ -428,7 +428,7 @@ class Installed(Program):
         self.ctest = {name: test for name, test in ctest().items() if any(fnmatch.fnmatch(name, known) for known in PROGRAMS[room])}
         outputs = {line.split(":")[0] for line in run_for_text("ninja", "-C", str(BUILD), "-t", "targets", "all").splitlines()}
         words = {w.removeprefix(f"{BUILD}/") for command, _ in self.ctest.values() for w in command}
-        beside = {o for o in outputs if re.fullmatch(r"ectwin(-panel|-probe)?|libectwin(-real|-virtual)?\.so(\.[\d.]+)?", o)}
+        beside = {o for o in outputs if re.fullmatch(r"ectwin(-board|-panel|-probe)?|libectwin(-real|-virtual)?\.so(\.[\d.]+)?", o)}
         self.beside, self.linked = beside, sorted((words | beside | {pathlib.Path(room).name}) & outputs)
         targets = self.build(*self.linked)
         folder = ROOT / room
