@@ -282,7 +282,7 @@ static void a_long_datagram_is_the_last_one_without_its_mark(void **state)
 static void a_text_ends_in_its_room(void **state)
 {
     static const char whole[] = "BRD 0000:0130 AL status, 2 bytes";
-    uint8_t bytes[ROOM];
+    uint8_t bytes[ROOM] = {0};
     (void)state;
     char none[2] = "##";
     ect_decode_frame(&mailboxes, bytes, 0, true, none, 1);
