@@ -663,6 +663,8 @@ static const limit_row_t other_rows[] = {
     {"longer than a number", ECT_TYPE_OCTET_STRING, 128, 0, 5, 0x41424344, ECT_OK},
     {"no integer: REAL32", ECT_TYPE_REAL32, 32, 0, 5, 0x41424344, ECT_OK},
     {"no integer: REAL64", ECT_TYPE_REAL64, 64, 0, 5, 0x41424344, ECT_OK},
+    {"the last type of a set of bits: 0x1F", 0x1F, 16, 0, 5, 0x4344, ECT_OK},
+    {"the first type behind a set of bits: 0x20", 0x20, 16, 0, 5, 0x4344, ECT_OK},
     {"a type between the numbers: 0x2C", 0x2C, 16, 0, 5, 0x4344, ECT_OK},
     {"a type above all that are known: 0x38", 0x38, 9, 0, 5, 0x44, ECT_OK},
     {"length not known", ECT_TYPE_OCTET_STRING, 0, 0, 5, 0x41424344, ECT_OK},
