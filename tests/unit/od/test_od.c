@@ -2,9 +2,11 @@
 /* The object dictionary: lookups, rights, wire form of every type, limits, abort codes (od.h, spec E.4 to E.6). */
 #include "od/od.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "od/link.h"
 #include "seams/standard.h"
 #include "support/wire.h"
 
@@ -704,6 +706,99 @@ static void limits_of_other_types(void **state)
     run_limits(other_rows, sizeof other_rows / sizeof other_rows[0]);
 }
 
+/* --- links to numbers --------------------------------------------------------------------------------------------- */
+
+enum { LINK_AT = 4, LINK_ROOM = 16 };
+
+/* A value that is stored is limited to the type, and no byte beside it changes. */
+static void linked_integers(void **state)
+{
+    enum { MOST_EXACT = 53 }; /* bits of a number that is loaded */
+    static const struct {
+        uint8_t bytes;
+        bool is_signed;
+        int64_t value, want;
+    } rows[] = {
+        {1, false, 0, 0},
+        {1, false, 255, 255},
+        {1, false, 256, 255},
+        {1, false, -1, 0},
+        {1, true, 127, 127},
+        {1, true, 128, 127},
+        {1, true, -128, -128},
+        {1, true, -129, -128},
+        {2, false, 65535, 65535},
+        {2, false, 65536, 65535},
+        {2, false, INT64_MIN, 0},
+        {2, true, 32767, 32767},
+        {2, true, 32768, 32767},
+        {2, true, -32768, -32768},
+        {2, true, -32769, -32768},
+        {4, false, UINT32_MAX, UINT32_MAX},
+        {4, false, (int64_t)UINT32_MAX + 1, UINT32_MAX},
+        {4, false, -5, 0},
+        {4, true, INT32_MAX, INT32_MAX},
+        {4, true, (int64_t)INT32_MAX + 1, INT32_MAX},
+        {4, true, INT32_MIN, INT32_MIN},
+        {4, true, (int64_t)INT32_MIN - 1, INT32_MIN},
+        {8, true, (INT64_C(1) << MOST_EXACT) - 1, (INT64_C(1) << MOST_EXACT) - 1},
+        {8, true, (INT64_C(1) << MOST_EXACT) + 1, INT64_C(1) << MOST_EXACT},
+        {8, true, -(INT64_C(1) << MOST_EXACT) - 1, -(INT64_C(1) << MOST_EXACT)},
+        {8, false, 12345678901, 12345678901},
+        {0, false, 5, 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_link_t link = {.offset = LINK_AT, .bytes = rows[i].bytes, .is_signed = rows[i].is_signed};
+        uint8_t instance[LINK_ROOM];
+        memset(instance, 0x5A, sizeof instance);
+        ect_link_store(instance, &link, rows[i].value);
+        const int64_t got = ect_link_load(instance, &link);
+        if (got != rows[i].want)
+            fail_msg("row %zu: expected %lld, got %lld", i, (long long)rows[i].want, (long long)got);
+        assert_true(ect_link_load_real(instance, &link) == (double)rows[i].want);
+        for (size_t k = 0; k < sizeof instance; k++)
+            assert_true(instance[k] == 0x5A || (k >= LINK_AT && k < LINK_AT + (size_t)rows[i].bytes));
+        memset(instance, 0x5A, sizeof instance);
+        ect_link_store_real(instance, &link, (double)rows[i].value);
+        assert_true(ect_link_load(instance, &link) == rows[i].want || rows[i].bytes == 8);
+    }
+}
+
+/* With a fraction for a floating-point entry, rounded for others. */
+static void linked_reals(void **state)
+{
+    static const struct {
+        uint8_t bytes;
+        bool is_real;
+        double value, want;
+        int64_t rounded;
+    } rows[] = {
+        {4, true, 1.25, 1.25, 1},
+        {4, true, -1.5, -1.5, -2},
+        {4, true, 1e300, (double)FLT_MAX, INT64_C(1) << 53},
+        {4, true, -1e300, -(double)FLT_MAX, -(INT64_C(1) << 53)},
+        {8, true, 2.5, 2.5, 3},
+        {8, true, 1e300, 1e300, INT64_C(1) << 53},
+        {8, true, -1e300, -1e300, -(INT64_C(1) << 53)},
+        {2, false, 1.4, 1, 1},
+        {2, false, 1.6, 2, 2},
+        {2, false, -0.6, 0, 0},
+        {0, true, 1.5, 0, 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_link_t link = {.offset = LINK_AT, .bytes = rows[i].bytes, .is_real = rows[i].is_real};
+        uint8_t instance[LINK_ROOM] = {0};
+        ect_link_store_real(instance, &link, rows[i].value);
+        if (ect_link_load_real(instance, &link) != rows[i].want || ect_link_load(instance, &link) != rows[i].rounded)
+            fail_msg("row %zu: got %g, rounded %lld", i, ect_link_load_real(instance, &link),
+                     (long long)ect_link_load(instance, &link));
+        ect_link_store(instance, &link, 3);
+        assert_true(ect_link_load_real(instance, &link) == (rows[i].bytes == 0 ? 0 : 3));
+    }
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -733,6 +828,8 @@ int main(int argc, char **argv)
         {"FZM-013 CF-070: a value above or below its limits is refused with its reason", limits, NULL, NULL, NULL},
         {"FZM-013: an UNSIGNED64 above 2^63 is too high, not too low", limits_of_large_numbers, NULL, NULL, NULL},
         {"FZM-013: an entry that is no number has no limits", limits_of_other_types, NULL, NULL, NULL},
+        {"a linked integer has the range of its type", linked_integers, NULL, NULL, NULL},
+        {"a linked floating-point number keeps its fraction, others are rounded", linked_reals, NULL, NULL, NULL},
     };
     if (argc > 1)
         cmocka_set_test_filter(argv[1]);
