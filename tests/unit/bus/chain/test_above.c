@@ -202,6 +202,21 @@ static void requests_of_an_SDO(void **state)
     }
 }
 
+/* A fault of one request is over when the stack has read the request, before any reply. */
+static void over_with_its_request(void **state)
+{
+    wire_t *w = *state;
+    uint8_t bytes[16];
+    set(w, "abort 0x2000 0x08000020 1st slave 2");
+    const ect_pdi_t *pdi = ect_chain_slave(w->chain, 1)->config.pdi;
+    w->poll = keep_still;
+    assert_int_equal(wire_mail_request(w, 1, 3, (uint8_t[]){0x00, 0x20, 0x40, 0x00, 0x20, 0, 0, 0, 0, 0}, 10), 1);
+    assert_non_null(ect_chain_fault_at(w->chain, 0));
+    assert_int_equal(pdi->read(pdi->ctx, 0x1000, bytes, sizeof bytes), 0);
+    assert_null(ect_chain_fault_at(w->chain, 0));
+    w->poll = NULL;
+}
+
 /* A mail without a counter is never a repeated one. A restart forgets the counter. */
 static void repeated_counters(void **state)
 {
@@ -995,6 +1010,7 @@ int main(int argc, char **argv)
         TEST("CF-030: a request of an SDO has its type, its service and its length", requests_of_an_SDO),
         TEST("CF-026: a request with the counter of the one before is counted once, unless the counter is 0",
              repeated_counters),
+        TEST("CF-030: a fault of one request is over when the request has been read", over_with_its_request),
         TEST("CF-033: a segment after an abort of the master belongs to no transfer", aborted_by_the_master),
         TEST("requests in mailboxes of 16 to 2048 bytes are counted", mailboxes_of_any_length),
         TEST("a request is counted when its first byte is read from a full mailbox", reads_of_a_request),
