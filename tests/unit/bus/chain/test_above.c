@@ -247,7 +247,7 @@ static void repeated_counters(void **state)
     }
 }
 
-/* A segment after an abort of the master belongs to no transfer. */
+/* A segment after an abort of the master, or after a restart, belongs to no transfer. */
 static void aborted_by_the_master(void **state)
 {
     static const uint8_t start[] = {0x00, 0x20, 0x40, 0x02, 0x20, 0, 0, 0, 0, 0};
@@ -255,12 +255,18 @@ static void aborted_by_the_master(void **state)
     static const uint8_t segment[] = {0x00, 0x20, 0x60, 0, 0, 0, 0, 0, 0, 0};
     wire_t *w = *state;
     set(w, "abort 0x2002 0x08000021 step 2 slave 2");
-    for (unsigned int aborted = 0; aborted < 2; aborted++) {
+    for (unsigned int aborted = 0; aborted < 3; aborted++) {
         uint8_t mail[ROOM];
         assert_int_equal(wire_mail_request(w, 1, 3, start, sizeof start), 1);
         assert_true(wire_mail_receive(w, 1, mail, ROOM) > 0);
-        if (aborted != 0)
+        if (aborted == 1)
             assert_int_equal(wire_mail_request(w, 1, 3, abort, sizeof abort), 1);
+        if (aborted == 2) {
+            set(w, "reset slave 2");
+            wire_assign_stations(w);
+            wire_configure_mailbox(w, 1);
+            wire_go(w, 1, ECT_STATE_PREOP);
+        }
         assert_int_equal(wire_mail_request(w, 1, 3, segment, sizeof segment), 1);
         assert_true(wire_mail_receive(w, 1, mail, ROOM) > 0);
         assert_int_equal(mail[8], 0x80);
@@ -1011,7 +1017,8 @@ int main(int argc, char **argv)
         TEST("CF-026: a request with the counter of the one before is counted once, unless the counter is 0",
              repeated_counters),
         TEST("CF-030: a fault of one request is over when the request has been read", over_with_its_request),
-        TEST("CF-033: a segment after an abort of the master belongs to no transfer", aborted_by_the_master),
+        TEST("CF-033: a segment after an abort of the master, or a restart, belongs to no transfer",
+             aborted_by_the_master),
         TEST("requests in mailboxes of 16 to 2048 bytes are counted", mailboxes_of_any_length),
         TEST("a request is counted when its first byte is read from a full mailbox", reads_of_a_request),
         TEST("mails with a wrong type, length and counter", changed_headers),

@@ -1056,6 +1056,60 @@ static void all_fmmus(void **state)
     wire_close(&w);
 }
 
+/* The ESCs that were visited, in their order. */
+typedef struct visits {
+    const wire_t *w;
+    size_t positions[8];
+    size_t count, most;
+} visits_t;
+
+static bool note_visit(void *ctx, const ect_esc_t *esc)
+{
+    visits_t *visits = ctx;
+    size_t position = 0;
+    while (ect_chain_esc(visits->w->chain, position) != esc)
+        position++;
+    assert_in_range(visits->count, 0, 7);
+    visits->positions[visits->count++] = position;
+    return visits->count < visits->most;
+}
+
+/* Each of some slaves of a long line maps a byte for reading, and the last one a byte for writing. */
+static void visited_in_order(void **state)
+{
+    enum { SLAVES = 140, MAPPED = 6 };
+    static const size_t positions[MAPPED] = {0, 63, 64, 100, 127, 139};
+    static ect_twin_config_t twins[SLAVES];
+    wire_t w;
+    (void)state;
+    for (size_t i = 0; i < SLAVES; i++)
+        twins[i] = ect_twin_default(&testdev, NULL);
+    wire_open_twins(&w, twins, SLAVES);
+    for (size_t k = 0; k < MAPPED; k++)
+        wire_set_fmmu(&w, positions[k], 0, (uint32_t)(0x10000 + k), 1, 0, 7, 0x1100, 0, k < MAPPED - 1 ? 1 : 2);
+    for (size_t first = 0; first < MAPPED; first++) {
+        for (size_t length = 1; first + length <= MAPPED; length++) {
+            for (unsigned int direction = ECT_PART_READ; direction <= (ECT_PART_READ | ECT_PART_WRITE); direction++) {
+                visits_t visits = {.w = &w, .most = MAPPED + 1};
+                size_t want = 0;
+                assert_true(ect_chain_visit_mapped(w.chain, (uint32_t)(0x10000 + first), (uint16_t)length, direction,
+                                                   note_visit, &visits));
+                for (size_t k = first; k < first + length; k++) {
+                    if ((direction & (k < MAPPED - 1 ? ECT_PART_READ : ECT_PART_WRITE)) == 0)
+                        continue;
+                    assert_int_equal(visits.positions[want], positions[k]);
+                    want++;
+                }
+                assert_int_equal(visits.count, want);
+            }
+        }
+    }
+    visits_t few = {.w = &w, .most = 2}; /* ends the visits */
+    assert_false(ect_chain_visit_mapped(w.chain, 0x10000, MAPPED, ECT_PART_READ, note_visit, &few));
+    assert_int_equal(few.count, 2);
+    wire_close(&w);
+}
+
 void *__real_calloc(size_t count, size_t size);
 void *__wrap_calloc(size_t count, size_t size);
 
@@ -1268,6 +1322,7 @@ int main(int argc, char **argv)
          NULL, NULL},
         {"CF-004: a station alias that is switched off gets no reply and no system time", an_alias_that_is_switched_off,
          NULL, NULL, NULL},
+        {"slaves that map a logical address are visited in the order of the wire", visited_in_order, NULL, NULL, NULL},
         {"CF-028: a frame with all FMMUs of all slaves", all_fmmus, NULL, NULL, NULL},
         {"a line without memory is refused, and allocates none", memory_runs_out, NULL, NULL, NULL},
         {"a chain without memory is refused, and allocates none", chain_without_memory, NULL, NULL, NULL},
