@@ -171,6 +171,11 @@ static void signals_of_several_twins_are_set_or_none(void **state)
          "the names of running twins",
          {{"low", "8"}, {"crane.low", "9"}, {"leg.low", "7"}},
          {1, 2, 3}},
+        {"one is of no twin, whose name is as long as that of a group",
+         "slave 1 has no signal 'boom.lift', and no twin has the name 'boom': 'ectwin get -n 0 ecat.state' lists "
+         "the names of running twins",
+         {{"low", "8"}, {"boom.lift", "9"}, {"leg.low", "7"}},
+         {1, 2, 3}},
         {"an element without a twin, as in options",
          "slave 1 has no signal 'crane:low', and no twin has the name 'crane': 'ectwin get -n 0 ecat.state' lists "
          "the names of running twins",
