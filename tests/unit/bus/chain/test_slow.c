@@ -576,10 +576,23 @@ static void boards(void **state)
     assert_null(ect_board_at(2));
 }
 
+/* Instructions as tests/check/cycles.sh counts them; a device without a count has none. */
+static void cycles_of_devices(void **state)
+{
+    static const struct {
+        const char *device;
+        uint32_t instructions;
+    } rows[] = {{"fzm1", 430}, {"optoncdt2300", 33000}, {"pmctendo-dd5", 14700}, {"pmctendo", 0}, {"", 0}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        assert_int_equal(ect_board_cycle(rows[i].device), rows[i].instructions);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(boards),
+        {"the cycle of a device has its instructions", cycles_of_devices, NULL, NULL, NULL},
         {"AL status follows a request after the delay, at random within its range", late_states, NULL, NULL, NULL},
         {"a request replaces the one that the slave has not processed yet", changed_request, NULL, NULL, NULL},
         {"the reply to a mail comes after the delay", late_mails, NULL, NULL, NULL},
