@@ -622,7 +622,8 @@ static void services(void **state)
         const ect_bulk_t bulk = ect_chain_bulk(w.chain, 0);
         const ect_slave_t *slave = ect_chain_sdo(w.chain, 0, &why);
         if ((got == &modbus) != rows[i].modbus || (bulk.size == 3) != rows[i].bulk || (slave == NULL) != (why != NULL))
-            fail_msg("%s: Modbus %d, bulk %u, SDO %d", rows[i].title, got != NULL, (unsigned int)bulk.size, slave != NULL);
+            fail_msg("%s: Modbus %d, bulk %u, SDO %d", rows[i].title, got != NULL, (unsigned int)bulk.size,
+                     slave != NULL);
         assert_ptr_equal(instance, testdev_of(&w, 0));
         assert_ptr_equal(bulk.data, rows[i].bulk ? testdev_of(&w, 0)->octets : NULL);
         assert_ptr_equal(slave, rows[i].why ? NULL : ect_chain_slave(w.chain, 0));
