@@ -75,9 +75,12 @@ SWAP = re.compile("|".join(rf"\b{k}\b" if k.isalpha() else re.escape(k) for k in
 NUMBER = re.compile(r"(?<![\w.])(?:0[xX][0-9a-fA-F]+|\d+)(?=[uUlL]*(?![\w.]))")
 CONDITION = re.compile(r"\b(?:if|while) \((.*)\)(?: \{)?$")
 STATEMENT = re.compile(r"^\s+(?:\(void\))?\*?[a-z]\w*(?:(?:->|\.)\w+|\[[^\]]*\])*(?:\(.*\)|(?: [|&^+-]?= .*)|\+\+|--);$")
+KEPT = ("return", "break", "continue", "goto", "assert", "va_end(")  # va_end() has no effect with the compilers for Linux
 FUNCTION = re.compile(r"^[a-z][\w *]*?(\w+)\(")
 ROOM = re.compile(r"^\s+(?:\w+ )+(?:\*?\w+(?:\[[^\]]*\])?, )*\w+\[(?:\w+ \+ )?$|alloc\([^;]*$")  # of memory: more has no effect
 ELEMENT = re.compile(r"sizeof [\w.>-]+\[$")  # all of an array have one size
+# Numbers of flags: glibc reads ARGP_PARSE_ARGV0 only together with ARGP_NO_ERRS, and no flags of a child parser.
+NO_FLAGS = re.compile(r"argp_parse\(&\w+, argc, argv, $|\{&\w+(?:\[\d\])?, $")
 HIDDEN = re.compile(r'/\*[\s\S]*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|^[ \t]*#(?:\\\n|[^\n])*', re.M)
 
 
@@ -113,7 +116,7 @@ def changes(line, hidden):
         yield match.start(), match.end(), SWAPS[match[0]]
     for match in NUMBER.finditer(hidden):
         value, layout = number_and_format(match[0])
-        if ELEMENT.search(hidden[:match.start()]):
+        if ELEMENT.search(hidden[:match.start()]) or NO_FLAGS.search(hidden[:match.start()]):
             continue
         if not ROOM.search(hidden[:match.start()]):
             yield match.start(), match.end(), layout.format(value + 1)
@@ -122,7 +125,7 @@ def changes(line, hidden):
     match = CONDITION.search(hidden)
     if match:
         yield match.start(1), match.end(1), f"!({line[match.start(1):match.end(1)]})"
-    if STATEMENT.match(hidden) and not hidden.lstrip().startswith(("return", "break", "continue", "goto", "assert")):
+    if STATEMENT.match(hidden) and not hidden.lstrip().startswith(KEPT):
         indent = len(line) - len(line.lstrip())
         yield indent, len(line), ";"
 
