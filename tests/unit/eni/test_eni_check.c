@@ -31,9 +31,12 @@ static void collect(void *ctx, const char *line)
     "<InitCmd><Transition>IB</Transition><Cmd>5</Cmd><Adp>1001</Adp><Ado>" #ado "</Ado><Data>" data "</Data></"        \
     "InitCmd>"
 #define BOX(element, start, length) "<" element "><Start>" #start "</Start><Length>" #length "</Length></" element ">"
-#define FMMU_12                     "00000100020000030011000101000000"
-#define FMMU_8                      "00000100010000070012000101000000"
-#define DATA(parts, commands)       ENI_ONE("", "<ProcessData>" parts "</ProcessData><InitCmds>" commands "</InitCmds>")
+#define BOXES(recv, commands)                                                                                          \
+    ENI_ONE("", "<Mailbox>" BOX("Send", 4096, 128) BOX("Recv", recv, 128) "</Mailbox><InitCmds>" commands "</"         \
+                                                                                                          "InitCmds>")
+#define FMMU_12               "00000100020000030011000101000000"
+#define FMMU_8                "00000100010000070012000101000000"
+#define DATA(parts, commands) ENI_ONE("", "<ProcessData>" parts "</ProcessData><InitCmds>" commands "</InitCmds>")
 #define CYCLIC(command, image)                                                                                         \
     ENI_HEAD ENI_SLAVE("", "") "<Cyclic><Frame>\n<Cmd>" command "</Cmd></Frame></Cyclic><ProcessImage>\n" image        \
                                "</ProcessImage>" ENI_TAIL
@@ -71,13 +74,9 @@ static const struct {
      "t.xml:2: slave 1: SyncManager 0 is written with start 0x1100; Sm0 has 0x1200\n"},
     {"ENI-013 the last write counts",
      DATA(SM2(4352, 6, 100), WRITE(2064, "0011070064000100") WRITE(2064, "0011060064000100")), ""},
-    {"ENI-013 a mailbox at another place",
-     ENI_ONE("", "<Mailbox>" BOX("Send", 4096, 128) BOX("Recv", 4224, 128) "</Mailbox><InitCmds>" WRITE(
-                     2048, "00108000260001008010400022000100") "</InitCmds>"),
+    {"ENI-013 a mailbox at another place", BOXES(4224, WRITE(2048, "00108000260001008010400022000100")),
      "t.xml:2: slave 1: SyncManager 1 is written with 64 bytes at 0x1080; the mailbox has 128 at 0x1080\n"},
-    {"ENI-013 the mailbox of BOOT is another one",
-     ENI_ONE("", "<Mailbox>" BOX("Send", 4096, 128) BOX("Recv", 4224, 128) "</Mailbox><InitCmds>" WRITE_BOOT(
-                     2048, "00120001260001000013000122000100") "</InitCmds>"),
+    {"ENI-013 the mailbox of BOOT is another one", BOXES(4224, WRITE_BOOT(2048, "00120001260001000013000122000100")),
      ""},
     {"ENI-012 mailboxes that overlap",
      ENI_ONE("", "<Mailbox>" BOX("Send", 4096, 128) BOX("Recv", 4223, 128) "</Mailbox>"),
@@ -141,14 +140,9 @@ static const struct {
     {"ENI-014 bits of outputs are those of RxPDOs", DATA(BITS("Recv", 12) RXPDO(12), ""),
      "t.xml:2: slave 1: Send has 0 bits, its assigned PDOs 12\n"},
     {"ENI-014 bits in two parts", DATA(BITS("Send", 5) BITS("Send", 7) RXPDO(12), ""), ""},
-    {"ENI-013 a mailbox for requests at another place",
-     ENI_ONE("", "<Mailbox>" BOX("Send", 4096, 128) BOX("Recv", 4352, 128) "</Mailbox><InitCmds>" WRITE(
-                     2048, "80108000260001000011800022000100") "</InitCmds>"),
+    {"ENI-013 a mailbox for requests at another place", BOXES(4352, WRITE(2048, "80108000260001000011800022000100")),
      "t.xml:2: slave 1: SyncManager 0 is written with 128 bytes at 0x1080; the mailbox has 128 at 0x1000\n"},
-    {"ENI-013 a mailbox that is written disabled",
-     ENI_ONE("", "<Mailbox>" BOX("Send", 4096, 128) BOX("Recv", 4352, 128) "</Mailbox><InitCmds>" WRITE(
-                     2048, "80108000260000000011800022000100") "</InitCmds>"),
-     ""},
+    {"ENI-013 a mailbox that is written disabled", BOXES(4352, WRITE(2048, "80108000260000000011800022000100")), ""},
     {"ENI-013 an FMMU of the first byte of the memory",
      DATA(BITS("Recv", 13), WRITE(1536, "00000100020000030010000101000000")),
      "t.xml:2: slave 1: Recv has 13 bits, its FMMUs 12\n"},

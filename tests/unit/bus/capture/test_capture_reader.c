@@ -47,14 +47,20 @@ static void put_section(file_t *f)
     put32(f, 28);
 }
 
-/* @param resolution  256: without the option */
-static void put_interface(file_t *f, unsigned int resolution, uint16_t link)
+/* The head of an interface block of `total` bytes. */
+static void begin_interface(file_t *f, uint32_t total, uint16_t link)
 {
-    const uint32_t total = resolution < 256 ? 28 : 20;
     put32(f, ECT_PCAPNG_INTERFACE);
     put32(f, total);
     put16s(f, link, 0);
     put32(f, 0);
+}
+
+/* @param resolution  256: without the option */
+static void put_interface(file_t *f, unsigned int resolution, uint16_t link)
+{
+    const uint32_t total = resolution < 256 ? 28 : 20;
+    begin_interface(f, total, link);
     if (resolution < 256) {
         put16s(f, ECT_PCAPNG_RESOLUTION, 1);
         f->bytes[f->size] = (uint8_t)resolution;
@@ -186,10 +192,7 @@ static void options_before(void **state)
         const uint32_t padded = (length + 3) / 4 * 4, total = 32 + padded;
         file_t f = {0};
         put_section(&f);
-        put32(&f, ECT_PCAPNG_INTERFACE);
-        put32(&f, total);
-        put16s(&f, 1, 0);
-        put32(&f, 0);
+        begin_interface(&f, total, 1);
         put16s(&f, COMMENT, (uint16_t)length);
         memset(f.bytes + f.size, ' ', padded);
         f.size += padded;
@@ -215,10 +218,7 @@ static void options_end_with_their_block(void **state)
         put32(&f, 3); /* milliseconds */
     }
     put32(&f, 12 + 8 * OPTIONS);
-    put32(&f, ECT_PCAPNG_INTERFACE);
-    put32(&f, 28);
-    put16s(&f, 1, 0);
-    put32(&f, 0);
+    begin_interface(&f, 28, 1);
     put16s(&f, COMMENT, 4);
     put32(&f, 0x20202020);
     put32(&f, 28);
@@ -332,10 +332,7 @@ static void no_resolution(void **state)
         const uint32_t padded = (rows[i].size + 3u) / 4 * 4, total = 20 + 4 + padded + 8;
         file_t f = {0};
         put_section(&f);
-        put32(&f, ECT_PCAPNG_INTERFACE);
-        put32(&f, total);
-        put16s(&f, 1, 0);
-        put32(&f, 0);
+        begin_interface(&f, total, 1);
         put16s(&f, rows[i].first, rows[i].size);
         if (padded > 0)
             put32(&f, 3);
