@@ -40,10 +40,13 @@ def words(ectwin, conform, twins, arguments):
     return [ectwin, "with", *where, *twins, "--", conform, "-i", "{}", *arguments]
 
 
+# The library that is preloaded stays until the process ends.
+IN_PROCESS = os.environ | {"ASAN_OPTIONS": "detect_leaks=0"}
+
+
 def call(ectwin, conform, twins, arguments):
-    environment = os.environ | {"ASAN_OPTIONS": "detect_leaks=0"} # the library that is preloaded stays until the process ends
     return subprocess.run(words(ectwin, conform, twins, arguments), capture_output=True, text=True, timeout=300, check=False,
-                          env=environment)
+                          env=IN_PROCESS)
 
 
 def call_over_network(ectwin, conform, twins, arguments):
@@ -380,9 +383,8 @@ def exit_codes(ectwin, conform):
 
 def long_run(conform, device, only, notes):
     """A run with --long: each case passes, with the note of it"""
-    environment = os.environ | {"ASAN_OPTIONS": "detect_leaks=0"}
     done = subprocess.run([conform, "--in-process", device, "--long", "--only", only, "--format", "json"], capture_output=True,
-                          text=True, check=False, env=environment)
+                          text=True, check=False, env=IN_PROCESS)
     cases = json.loads(done.stdout)["cases"]
     expect(device, (0, ["pass"] * len(notes)), (done.returncode, [c["verdict"] for c in cases]))
     for note, case in zip(notes, cases):
@@ -690,7 +692,9 @@ def dead_slave(ectwin, conform):
 def command(ectwin, conform, only):
     tests = [power, in_process, move, canary, dead_slave, on_request, wrong_file, address_goes_back, equal_runs, end_of_frame, files, exit_codes,
              files_named, interrupted, source_address, formats, report_fields, output_lost, listing, capture] # those that take long first
-    chosen = [test for test in tests if only in (None, test.__name__)] if only != "million" else [million]
+    chosen = [test for test in [*tests, million] if test.__name__ == only] if only else tests
+    if not chosen:
+        sys.exit(f"no test is named {only}: {' '.join(test.__name__ for test in [*tests, million])}")
 
     def wrong(test):
         try:
