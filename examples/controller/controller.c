@@ -158,14 +158,16 @@ static uint64_t next_restart(const settings_t *s, uint64_t end_ns)
 /* Prints the reason why OP was never reached. */
 static void report_failure(const settings_t *s)
 {
-    if (ec_slavecount < 1)
+    if (ec_slavecount < 1) {
         fprintf(stderr, "no slave answers on '%s'\n", s->iface);
-    else if (!maybe_base_unit())
+    } else if (!maybe_base_unit()) {
         fprintf(stderr, "the first slave on '%s' is '%s' with %u bytes in and %u out: no base unit\n", s->iface,
                 ec_slave[1].name, (unsigned int)ec_slave[1].Ibytes, (unsigned int)ec_slave[1].Obytes);
-    else
+    } else {
+        ec_readstate();
         fprintf(stderr, "the base unit did not reach OP on '%s': AL status 0x%02x, code 0x%04x (%s)\n", s->iface,
                 ec_slave[1].state, ec_slave[1].ALstatuscode, ec_ALstatuscode2string(ec_slave[1].ALstatuscode));
+    }
 }
 
 static bool is_over(uint64_t end_ns)

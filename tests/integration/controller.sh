@@ -91,6 +91,17 @@ the_controller_is_safe_without_a_unit() {
     "$(grep -o 'safe\|enabled' "$work/log" | xargs)"
 }
 
+# A unit that refuses OP: AL status and code are named. A watchdog between SAFEOP and OP, as by a late frame: OP is requested again
+the_way_to_op() {
+  check "exit code of a refusal" 3 "$("$ectwin" with --in-process --virtual-time --fault 'al refuse 0x001D slave 1 to OP' vr-bu-ect-map7 -- \
+    "$controller" '{}' --seconds 5 >/dev/null 2>"$work/err"; echo $?)"
+  check "its reason" "the base unit did not reach OP on 'ecat0': AL status 0x14, code 0x001d (Invalid output configuration)" \
+    "$(grep 'did not reach OP' "$work/err")"
+  printf '%s\n' 'al refuse 0x001B slave 1 to OP' 'at 1s off' 'expect ecat.state=8 within 1500ms' >"$work/script"
+  check "a watchdog that is over" 0 "$("$ectwin" with --in-process --virtual-time --scenario "$work/script" vr-bu-ect-map7 -- \
+    "$controller" '{}' --seconds 3 >/dev/null 2>"$work/err"; echo $?)"
+}
+
 # ECL-023, ECL-050: the controller ends and restarts with its counters: no command is lost or repeated
 killed_and_back() {
   "$ectwin" with vr-bu-ect-map7 -- bash -c '
@@ -159,4 +170,4 @@ values_are_checked() {
   check "mode of the socket" 600 "$(cat "$work/mode")"
 }
 
-run_cases all_signals_are_reported the_controller_is_safe_without_a_unit killed_and_back commands_go_both_ways the_display_follows_the_controller sets_arrive_complete no_set_to_read values_are_checked
+run_cases all_signals_are_reported the_controller_is_safe_without_a_unit the_way_to_op killed_and_back commands_go_both_ways the_display_follows_the_controller sets_arrive_complete no_set_to_read values_are_checked
