@@ -33,7 +33,7 @@ static void collect(void *ctx, const char *line)
 #define BOX(element, start, length) "<" element "><Start>" #start "</Start><Length>" #length "</Length></" element ">"
 #define BOXES(recv, commands)                                                                                          \
     ENI_ONE("", "<Mailbox>" BOX("Send", 4096, 128) BOX("Recv", recv, 128) "</Mailbox><InitCmds>" commands "</"         \
-                                                                                                          "InitCmds>")
+                                                                          "InitCmds>")
 #define FMMU_12               "00000100020000030011000101000000"
 #define FMMU_8                "00000100010000070012000101000000"
 #define DATA(parts, commands) ENI_ONE("", "<ProcessData>" parts "</ProcessData><InitCmds>" commands "</InitCmds>")
