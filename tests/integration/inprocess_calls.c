@@ -12,6 +12,7 @@
 #include <pthread.h>
 #include <semaphore.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/epoll.h>
@@ -898,6 +899,47 @@ static void a_child_has_a_bus_of_its_own(void **state)
     close(fd);
 }
 
+typedef struct sender {
+    int fd;
+    atomic_bool ends;
+} sender_t;
+
+static void *send_until_the_end(void *arg)
+{
+    sender_t *its = arg;
+    uint8_t frame[FRAME];
+    for (uint8_t n = 0; !its->ends; n++) {
+        frame_of(frame, n);
+        (void)!send(its->fd, frame, sizeof frame, 0);
+        (void)!recv(its->fd, frame, sizeof frame, MSG_DONTWAIT);
+    }
+    return NULL;
+}
+
+static void forks_beside_calls_of_another_thread(void **state)
+{
+    enum { FORKS = 50, LONGEST_S = 30 };
+    const struct timeval timeout = {.tv_sec = 1};
+    pthread_t thread;
+    int status = -1;
+    (void)state;
+    sender_t its = {.fd = open_socket(0)};
+    assert_int_equal(pthread_create(&thread, NULL, send_until_the_end, &its), 0);
+    for (unsigned int n = 0; n < FORKS; n++) {
+        pid_t child = fork();
+        if (child == 0) {
+            (void)alarm(LONGEST_S);
+            _exit(setsockopt(its.fd, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout) == 0 ? 0 : 1);
+        }
+        assert_int_equal(waitpid(child, &status, 0), child);
+        if (status != 0)
+            fail_msg("child %u of %u: status 0x%04x, expected 0", n + 1, FORKS, (unsigned int)status);
+    }
+    its.ends = true;
+    pthread_join(thread, NULL);
+    close(its.fd);
+}
+
 /* No time of the virtual clock passes while CMD waits for another process. */
 static void child_processes_end_in_order(void **state)
 {
@@ -985,6 +1027,8 @@ int main(int argc, char **argv)
         {"system, popen, wait, waitpid, wait4 and waitid wait for another process", child_processes_end_in_order, NULL,
          NULL, NULL},
         {"A child made by fork has a bus of its own", a_child_has_a_bus_of_its_own, NULL, NULL, NULL},
+        {"Children made by fork while another thread sends can call its sockets", forks_beside_calls_of_another_thread,
+         NULL, NULL, NULL},
     };
     if (!is_started(argc, argv))
         return 1;

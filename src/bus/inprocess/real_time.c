@@ -19,17 +19,20 @@ enum { NS_PER_S = 1000000000, REST_NS = 50000 };
 const bool ect_time_is_virtual = false;
 
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
+static __thread volatile sig_atomic_t locks; /* not 0: the thread takes, has or releases the lock */
 static int wake_fd = -1;
 static uint64_t sleeps_until_ns = ECTWIN_NEVER; /* end of the library thread's sleep */
 
 void ect_time_lock(void)
 {
+    locks = 1;
     REAL(pthread_mutex_lock)(&mutex);
 }
 
 void ect_time_unlock(void)
 {
     REAL(pthread_mutex_unlock)(&mutex);
+    locks = 0;
 }
 
 uint64_t ect_time_now(void)
@@ -124,6 +127,26 @@ void ect_time_bus_started(void)
     (void)REAL(pthread_create)(&thread, &detached, run, NULL);
     pthread_attr_destroy(&detached);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
+}
+
+/* A child has only the thread that called fork(): a lock of another thread would remain locked in the child. A fork in
+ * a signal handler within ect_time_lock() or behind it leaves the lock as it is, which this thread cannot take again.
+ */
+static void before_fork(void)
+{
+    if (locks == 0)
+        REAL(pthread_mutex_lock)(&mutex);
+}
+
+static void after_fork(void)
+{
+    if (locks == 0)
+        REAL(pthread_mutex_unlock)(&mutex);
+}
+
+__attribute__((constructor)) static void begin(void)
+{
+    (void)pthread_atfork(before_fork, after_fork, after_fork);
 }
 
 __attribute__((destructor)) static void end(void)
