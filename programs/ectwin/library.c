@@ -17,6 +17,7 @@
 #include "commands.h"
 #include "products.h"
 #include "run_options.h"
+#include "twin_storage.h"
 
 _Static_assert((int)ECTWIN_FRAME_MAX <= (int)ECT_EXCHANGE_FRAME, "the exchange takes every frame");
 _Static_assert((int)TWIN_MESSAGE == (int)ECTWIN_MESSAGE, "a reason fits");
@@ -185,6 +186,8 @@ static int open_trace(ectwin_bus_t *bus)
     twins->words = bus->words + 1;
     while (twins->words[twins->word_count])
         twins->word_count++;
+    if (twins->own_clock)
+        twin_storage_wait(twins);
     int status = twin_args_trace(twins, "ectwin", &bus->exchange.trace);
     if (status != EXIT_CLEAN)
         ect_chain_free(bus->exchange.chain);
@@ -245,10 +248,11 @@ static void forget_replies(ectwin_bus_t *bus)
     bus->last = &bus->first;
 }
 
-/* Finishes a save under way, within two seconds of bus time. */
+/* Finishes a save under way, within two seconds of bus time, which pass without the disk. */
 static void finish(ectwin_bus_t *bus)
 {
     enum { STEP_NS = 1000000, STEPS = 2000 };
+    twin_storage_wait(&bus->twins);
     for (unsigned int i = 0; i < STEPS && ect_chain_unfinished(bus->exchange.chain); i++) {
         bus->now_ns += STEP_NS;
         (void)ect_exchange_run(&bus->exchange);

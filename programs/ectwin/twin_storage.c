@@ -118,3 +118,9 @@ bool twin_storage_open(twin_args_t *args, const char *who)
 {
     return open_files(args, who) && open_memories(args, who) && open_eeproms(args, who);
 }
+
+void twin_storage_wait(twin_args_t *args)
+{
+    for (size_t i = 0; i < args->count; i++)
+        ect_memory_wait(args->memories[i]);
+}

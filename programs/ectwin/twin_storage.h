@@ -11,4 +11,7 @@
  */
 bool twin_storage_open(twin_args_t *args, const char *who);
 
+/** Lets each save of the twins wait for the disk, see ::ect_memory_wait. After their power-on. */
+void twin_storage_wait(twin_args_t *args);
+
 #endif

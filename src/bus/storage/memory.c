@@ -37,6 +37,7 @@ struct ect_memory {
     void (*saved)(void *ctx, size_t number); /* NULL: none */
     void *saved_ctx;
     size_t number;
+    bool waits;                            /* for the end of each synchronisation */
     int (*flushed)(void *ctx, int result); /* NULL: none */
     void *flushed_ctx;
 };
@@ -123,7 +124,7 @@ static int flush(bank_t *b, bool wait)
 static int bank_flush(void *ctx, unsigned int bank, bool wait)
 {
     ect_memory_t *m = ctx;
-    int result = flush(&m->banks[bank], wait);
+    int result = flush(&m->banks[bank], wait || m->waits);
     return m->flushed ? m->flushed(m->flushed_ctx, result) : result;
 }
 
@@ -331,6 +332,11 @@ void ect_memory_observe(ect_memory_t *memory, void (*saved)(void *ctx, size_t nu
     memory->saved = saved;
     memory->saved_ctx = ctx;
     memory->number = number;
+}
+
+void ect_memory_wait(ect_memory_t *memory)
+{
+    memory->waits = true;
 }
 
 void ect_memory_replace_flush(ect_memory_t *memory, int (*flushed)(void *ctx, int result), void *ctx)

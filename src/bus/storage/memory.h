@@ -36,6 +36,12 @@ const ect_storage_t *ect_memory_storage(const ect_memory_t *memory);
 void ect_memory_observe(ect_memory_t *memory, void (*saved)(void *ctx, size_t number), void *ctx, size_t number);
 
 /**
+ * Lets each ect_storage_t::flush wait until the disk has the data, also one that need not: a save then ends at a time
+ * of the bus that does not depend on the disk's speed. Effective until the memory is closed.
+ */
+void ect_memory_wait(ect_memory_t *memory);
+
+/**
  * Sets a function that gets each result of ect_storage_t::flush and returns the result for the caller, because the time
  * of a disk's completion is not reproducible. NULL: none
  */

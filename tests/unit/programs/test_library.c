@@ -3,6 +3,9 @@
 #define _GNU_SOURCE
 #include "bus/library.h"
 
+#include <aio.h>
+#include <dirent.h>
+#include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
 #include <poll.h>
@@ -19,6 +22,40 @@
 #define START_NS (1000 * MS)
 
 enum { INPUT_END = 0, OUTPUT_END = 1, WORDS = 6, INDEX_AT = 17, TEXT = 512 };
+
+/* A disk that completes only what is waited for. */
+static const struct aiocb *waited_for;
+int __wrap_aio_fsync(int operation, struct aiocb *block);
+int __wrap_aio_error(const struct aiocb *block);
+int __wrap_aio_suspend(const struct aiocb *const list[], int count, const struct timespec *timeout);
+ssize_t __wrap_aio_return(struct aiocb *block);
+
+int __wrap_aio_fsync(int operation, struct aiocb *block)
+{
+    (void)operation;
+    (void)block;
+    waited_for = NULL;
+    return 0;
+}
+
+int __wrap_aio_error(const struct aiocb *block)
+{
+    return block == waited_for ? 0 : EINPROGRESS;
+}
+
+int __wrap_aio_suspend(const struct aiocb *const list[], int count, const struct timespec *timeout)
+{
+    (void)timeout;
+    assert_int_equal(count, 1);
+    waited_for = list[0];
+    return 0;
+}
+
+ssize_t __wrap_aio_return(struct aiocb *block)
+{
+    (void)block;
+    return 0;
+}
 
 static int count_of(const char *const words[WORDS])
 {
@@ -310,6 +347,64 @@ static void power_cycle(void **state)
     ectwin_bus_close(bus);
 }
 
+static void assert_signal(ectwin_bus_t *bus, const char *name, const char *want)
+{
+    char got[TEXT];
+    assert_int_equal(ectwin_bus_get(bus, 1, name, got, sizeof got), 0);
+    assert_string_equal(got, want);
+}
+
+static void set_signal(ectwin_bus_t *bus, const char *name, const char *value, uint64_t now_ns)
+{
+    char why[ECTWIN_MESSAGE];
+    if (ectwin_bus_set(bus, 1, name, value, now_ns, why, sizeof why) != 0)
+        fail_msg("%s=%s: %s", name, value, why);
+}
+
+static void remove_folder(const char *folder)
+{
+    DIR *files = opendir(folder);
+    assert_non_null(files);
+    for (const struct dirent *file = readdir(files); file; file = readdir(files))
+        (void)unlinkat(dirfd(files), file->d_name, 0);
+    closedir(files);
+    assert_int_equal(rmdir(folder), 0);
+}
+
+/* A bus whose time is an argument would have another run with another disk; one on the real clock must not stop. */
+static void saves_and_the_disk(void **state)
+{
+    static const struct {
+        const char *title, *clock[2];
+        const char *saves; /* after a second */
+    } rows[] = {{"a bus with its own clock", {NULL}, "1"},
+                {"in the process of a master, virtual clock", {"--in-process", "--virtual-time"}, "1"},
+                {"in the process of a master, real clock", {"--in-process"}, "0"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char folder[] = "/tmp/test-ectwin-XXXXXX";
+        assert_non_null(mkdtemp(folder));
+        const char *const words[WORDS] = {"--store", folder, "fzm1", rows[i].clock[0], rows[i].clock[1]};
+        print_message("%s\n", rows[i].title);
+        ectwin_bus_t *bus = must_open(words);
+        set_signal(bus, "data1", "7", START_NS);
+        set_signal(bus, "save", "1", START_NS);
+        for (unsigned int ms = 1; ms <= 1000; ms++)
+            (void)ectwin_bus_run(bus, START_NS + ms * MS);
+        assert_signal(bus, "saves", rows[i].saves);
+        ectwin_bus_close(bus);
+        bus = must_open(words);
+        assert_signal(bus, "data1", "7");
+        set_signal(bus, "data1", "8", START_NS);
+        set_signal(bus, "save", "1", START_NS);
+        ectwin_bus_close(bus);
+        bus = must_open(words);
+        assert_signal(bus, "data1", "8");
+        ectwin_bus_close(bus);
+        remove_folder(folder);
+    }
+}
+
 /* --- signals ------------------------------------------------------------------------------------------------------ */
 
 static void get_signals(void **state)
@@ -560,6 +655,7 @@ int main(int argc, char **argv)
         TEST("a call with an earlier time uses the last time", time_that_goes_back),
         TEST("the time of each call is that of the bus", times_of_calls),
         TEST("a power cycle drops late replies and keeps faults and cables", power_cycle),
+        TEST("a save waits for the disk, on the real clock only at the end of the bus", saves_and_the_disk),
         TEST("a signal is read as text, if it has room", get_signals),
         TEST("a signal is set from text, or the reason is returned and nothing changes", set_signals),
         TEST("a fault is set from text, or the reason is returned", set_faults),

@@ -555,12 +555,14 @@ static void slow_disk(void **state)
     static const struct {
         const char *title;
         int end; /* 0, or the error of the disk */
-        bool wait;
+        bool wait, always;
         int result;
-    } rows[] = {{"ends while it is waited for", 0, true, 0},
-                {"fails while it is waited for", EIO, true, -1},
-                {"is not waited for", 0, false, ECT_STORAGE_BUSY},
-                {"is not waited for and will fail", EIO, false, ECT_STORAGE_BUSY}};
+    } rows[] = {{"ends while it is waited for", 0, true, false, 0},
+                {"fails while it is waited for", EIO, true, false, -1},
+                {"is not waited for", 0, false, false, ECT_STORAGE_BUSY},
+                {"is not waited for and will fail", EIO, false, false, ECT_STORAGE_BUSY},
+                {"ends, in a memory that waits", 0, false, true, 0},
+                {"fails, in a memory that waits", EIO, false, true, -1}};
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         ect_memory_t *memory = must_open("slow");
@@ -570,11 +572,13 @@ static void slow_disk(void **state)
         disk.state = EINPROGRESS;
         disk.end = rows[i].end;
         assert_int_equal(s->write(s->ctx, 1, 100, "abcd", 4), 0);
+        if (rows[i].always)
+            ect_memory_wait(memory);
         const int result = s->flush(s->ctx, 1, rows[i].wait);
         if (rows[i].result < 0 ? result >= 0 : result != rows[i].result)
             fail_msg("%s: %d", rows[i].title, result);
         assert_int_equal(disk.begun, 1);
-        assert_int_equal(disk.waits, rows[i].wait ? 1 : 0);
+        assert_int_equal(disk.waits, rows[i].wait || rows[i].always ? 1 : 0);
         ect_memory_close(memory);
         assert_int_equal(disk.waits, 1);
         assert_int_equal(disk.ended, 1);
@@ -801,7 +805,8 @@ int main(int argc, char **argv)
         {"With the standard input closed, a file has descriptor 0, which is closed with the memory", descriptor_0, NULL,
          NULL, NULL},
         {"All descriptors are closed with the memory", closes_its_descriptors, NULL, NULL, NULL},
-        {"A flush waits for a slow disk on request, the close of a memory always", slow_disk, NULL, NULL, NULL},
+        {"A flush waits for a slow disk on request or as set, the close of a memory always", slow_disk, NULL, NULL,
+         NULL},
         {"An observer gets its number once for each save", observed, NULL, NULL, NULL},
         {"A function replaces the result of each flush, with files and without", replaced_flushes, NULL, NULL, NULL},
         {"The longest record fills the bank to its last byte; a longer one is refused", largest_record, NULL, NULL,
