@@ -6,10 +6,8 @@
 set -eu
 cd "$(dirname "$0")/.."
 . tools/dev/stages.sh
-. tools/dev/memory_folder.sh
 shown packages tools/bootstrap.sh test
-# python3 of a version manager is a script that starts the interpreter: 50 ms more for each of hundreds of starts.
-PATH=$(dirname "$(python3 -c 'import sys; print(sys.executable)')"):$PATH
+. tools/dev/test_environment.sh
 stage build preset asan
 if [ $# -gt 0 ]; then
   shown chosen ctest --test-dir build/asan -j "$jobs" "$@"
