@@ -203,7 +203,7 @@ class Program:
         apart = [ROOT / "src/soes", ROOT / "src/ports/soes_hal", ROOT / "src/bus/inprocess"]
         self.library = {s: c for sources in targets.values() for s, c in sources.items()
                         if BUILD / "src" in c.object.parents and s.parent not in apart and c.object.exists()}
-        self.libraries = subprocess.run(["pkg-config", "--libs", "libcjson", "libnl-route-3.0", "libxml-2.0", "cmocka"], check=True,
+        self.libraries = subprocess.run(["pkg-config", "--libs", "libcjson", "libnl-route-3.0", "libxml-2.0", "yaml-0.1", "cmocka"], check=True,
                                         capture_output=True, text=True).stdout.split() + ["-lm"]
         if subprocess.run(["pkg-config", "--exists", "libseccomp"], check=False).returncode == 0:
             self.libraries.append("-lseccomp")
