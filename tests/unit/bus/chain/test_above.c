@@ -745,6 +745,10 @@ static void refuses(void **state)
     assert_int_equal(wire_al(w, 1, 1, NULL), 1); /* other states: as ever */
     wire_configure_mailbox(w, 1);
     wire_go(w, 1, 2);
+    assert_int_equal(wire_al(w, 1, 5, &code), 0x12); /* the slave's own refusal has its own code */
+    assert_int_equal(code, ECT_AL_UNKNOWN_STATE);
+    assert_int_equal(ect_chain_slave(w->chain, 1)->code, ECT_AL_UNKNOWN_STATE);
+    assert_int_equal(wire_al(w, 1, 0x12, &code), 2);
     ect_chain_fault_end(w->chain, 0);
     assert_int_equal(enter_op(w), 8);
 }

@@ -885,6 +885,52 @@ static void times_before_pulses(void **state)
     wait_for_times(true);
 }
 
+/* A time that is recorded postpones the SYNC0 of a slave that is ahead. A frame at the former instant of the SYNC0
+ * finds it pending, whether the slave was polled since or not. */
+static void times_move_a_pulse(void **state)
+{
+    enum { DRIFT_PPB = 100000, FRAMES_BEFORE = 20 };
+    ect_device_t device = testdev;
+    unsigned int moved = 0;
+    uint8_t polled[8], waited[8];
+    (void)state;
+    device.esc_config[3] = 0x08; /* SYNC0 is an AL event */
+    for (unsigned int n = 0; n < FRAMES_BEFORE; n++) {
+        ect_twin_config_t twins[] = {ect_twin_default(&device, NULL), ect_twin_default(&device, NULL)};
+        uint64_t due_ns = 0;
+        wire_t w[2];
+        twins[1].drift_ppb = DRIFT_PPB;
+        for (unsigned int k = 0; k < 2; k++) {
+            uint8_t time[8] = {0}, data = 0;
+            wire_open_twins(&w[k], twins, 2);
+            w[k].manual_poll = true;
+            for (unsigned int frame = 0; frame < n; frame++) {
+                w[k].now_ns += 1 * MS;
+                assert_int_equal(wire_send(&w[k], FRMW, WIRE_STATION, ECT_REG_DC_SYSTEM_TIME, time, 8), 2);
+            }
+            begin_pulses(&w[k], 1);
+            wire_poll(&w[k]);
+            due_ns = ect_esc_due(ect_chain_esc(w[k].chain, 1));
+            w[k].now_ns += 100000;
+            assert_int_equal(wire_send(&w[k], FRMW, WIRE_STATION, ECT_REG_DC_SYSTEM_TIME, time, 8), 2);
+            if (k == 0) {
+                wire_poll(&w[k]);
+                moved += ect_esc_due(ect_chain_esc(w[k].chain, 1)) > due_ns;
+            }
+            w[k].now_ns = due_ns;
+            assert_int_equal(wire_send(&w[k], BRD, 0, ECT_REG_AL_STATUS, &data, 1), 2);
+        }
+        assert_int_equal(wire_read(&w[0], 1, ECT_REG_DC_START_TIME, polled, 8), 1);
+        assert_int_equal(wire_read(&w[1], 1, ECT_REG_DC_START_TIME, waited, 8), 1);
+        if (memcmp(polled, waited, 8) != 0)
+            fail_msg("after %u times: the next SYNC0 is at %" PRIu64 " if polled, else at %" PRIu64, n,
+                     ect_load_le64(polled), ect_load_le64(waited));
+        wire_close(&w[0]);
+        wire_close(&w[1]);
+    }
+    assert_true(moved > 0);
+}
+
 static void expect_lamp(const wire_t *w, size_t position, const char *want)
 {
     char text[ECT_SIGNAL_TEXT_ROOM];
@@ -1316,6 +1362,7 @@ int main(int argc, char **argv)
          NULL, NULL},
         {"CF-088: a recorded system time is applied before any access, also when more are sent than are kept",
          times_wait, NULL, NULL, NULL},
+        {"CF-088 CF-089: a recorded system time moves the next SYNC0", times_move_a_pulse, NULL, NULL, NULL},
         {"CF-088 CF-089: a recorded system time is applied before a pulse of SYNC0", times_before_pulses, NULL, NULL,
          NULL},
         {"CF-002: a broadcast read of AL status gets all bits of all slaves, in one byte or two", status_of_all, NULL,

@@ -124,6 +124,42 @@ static void refused(void **state)
     }
 }
 
+static bool has_any_port(const void *ctx, size_t slave, unsigned int port)
+{
+    if (slave >= *(const size_t *)ctx || port == 0 || port >= ECT_TOPOLOGY_PORTS)
+        fail_msg("asked for port %u of slave %zu", port, slave);
+    return true;
+}
+
+/* A chip may have every port: only slaves before the present one, and ports 1 to 3, are places of a wire. */
+static void places_of_a_wire(void **state)
+{
+    static const struct {
+        const char *what;
+        size_t up;
+        uint8_t port;
+        size_t laid;
+    } rows[] = {
+        {"behind the previous slave", 9, 0, 3},
+        {"at port 1 of the previous slave", 1, 1, 3},
+        {"at port 3, the last one", 1, 3, 3},
+        {"at port 4", 1, 4, 2},
+        {"at port 255", 1, 255, 2},
+        {"at port 2 of the first slave", 0, 2, 3},
+        {"at the place of another slave", 0, 1, 2},
+        {"at itself", 2, 1, 2},
+        {"at a slave behind it", 3, 1, 2},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_topology_node_t nodes[3] = {{.up_port = 1}, {.up_port = 0}, {.up = rows[i].up, .up_port = rows[i].port}};
+        const size_t before = 2;
+        const size_t laid = ect_topology_lay(nodes, 3, has_any_port, &before);
+        if (laid != rows[i].laid)
+            fail_msg("%s: expected %zu slaves connected, got %zu", rows[i].what, rows[i].laid, laid);
+    }
+}
+
 static void expect_order(wire_t *w, const char *what, const char *want)
 {
     char order[16];
@@ -451,6 +487,7 @@ int main(int argc, char **argv)
         {"CF-003 CF-010: a master finds the slaves of a tree in the order of the ports, DL status shows which are open",
          orders, NULL, NULL, NULL},
         {"a tree that cannot be wired is refused, with the twin that cannot", refused, NULL, NULL, NULL},
+        {"a wire ends at port 1, 2 or 3 of a slave before its own", places_of_a_wire, NULL, NULL, NULL},
         {"the wire at the input of a twin comes from a port of another twin, or from the master", wires, NULL, NULL,
          NULL},
         {"CF-010 CF-096: a cut of each wire of a tree removes the twins behind it until the wire is restored",

@@ -9,7 +9,7 @@
 #include "support/testdev.h"
 #include "support/wire.h"
 
-enum { FMMU_OUT = 0, FMMU_IN = 1, OUTPUTS = 0x1200, INPUTS = 0x1300, SLAVES = 2 };
+enum { FMMU_OUT = 0, FMMU_IN = 1, OUTPUTS = 0x1200, INPUTS = 0x1300, MAILBOXES = 0x1400, SLAVES = 2 };
 
 typedef struct rig {
     wire_t w;
@@ -311,6 +311,35 @@ static void sm_reaches_into_another(rig_t *r)
     wire_set_fmmu(&r->w, 0, FMMU_OUT, 0x100, 3, 0, 7, INPUTS - 6, 0, 2);
 }
 
+/* The mailboxes of the second slave, which take no part in the frame, occupy 128 bytes each. */
+static void mailboxes_at(rig_t *r, uint16_t first, uint16_t second)
+{
+    wire_set_sm(&r->w, 1, 0, first, 0, 0x26);
+    wire_set_sm(&r->w, 1, 1, second, 0, 0x22);
+    wire_set_sm(&r->w, 1, 0, first, 128, 0x26);
+    wire_set_sm(&r->w, 1, 1, second, 128, 0x22);
+}
+
+static void mailboxes_adjoin(rig_t *r)
+{
+    mailboxes_at(r, MAILBOXES, MAILBOXES + 128);
+}
+
+static void mailboxes_adjoin_in_turn(rig_t *r)
+{
+    mailboxes_at(r, MAILBOXES + 128, MAILBOXES);
+}
+
+static void mailboxes_share_a_byte(rig_t *r)
+{
+    mailboxes_at(r, MAILBOXES, MAILBOXES + 127);
+}
+
+static void mailboxes_share_a_byte_in_turn(rig_t *r)
+{
+    mailboxes_at(r, MAILBOXES + 127, MAILBOXES);
+}
+
 static void sm_is_locked(rig_t *r)
 {
     const uint8_t locked = 1;
@@ -504,6 +533,10 @@ static void no_plan(void **state)
         {"a SyncManager has no image yet", build_cyclic, sm_restarts, false},
         {"a SyncManager has ECAT events", build_cyclic, sm_has_events, false},
         {"buffers of two SyncManagers overlap", build_cyclic, sm_reaches_into_another, false},
+        {"a mailbox begins behind the other one", build_cyclic, mailboxes_adjoin, true},
+        {"a mailbox ends before the other one", build_cyclic, mailboxes_adjoin_in_turn, true},
+        {"a mailbox begins with the last byte of the other one", build_cyclic, mailboxes_share_a_byte, false},
+        {"a mailbox ends with the first byte of the other one", build_cyclic, mailboxes_share_a_byte_in_turn, false},
         {"the slave has locked a SyncManager", build_cyclic, sm_is_locked, false},
         {"an AL status is new", build_cyclic, status_is_new, false},
         {"the reference clock is fast", build_cyclic, clock_is_trimmed, false},
