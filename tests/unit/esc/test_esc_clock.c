@@ -774,9 +774,22 @@ static void plausibility(void **state)
         uint8_t activation;
         uint64_t ahead_ns; /* 2^63 and more: in the past */
         bool at_once;
-    } rows[] = {{0x03, 3000000000, false},     {0x23, 3000000000, false},     {0x63, 3000000000, true},
-                {0x63, 2000000000, false},     {0x63, 0x80000000, true},      {0x63, 0x7FFFFFFF, false},
-                {0x23, (uint64_t)-1000, true}, {0x03, (uint64_t)-1000, false}};
+    } rows[] = {{0x03, 3000000000, false},
+                {0x23, 3000000000, false},
+                {0x63, 3000000000, true},
+                {0x63, 2000000000, false},
+                {0x63, 0x80000000, true},
+                {0x63, 0x7FFFFFFF, false},
+                {0x23, (uint64_t)-1000, true},
+                {0x03, (uint64_t)-1000, false},
+                {0x23, 0, true},
+                {0x63, 0, true},
+                {0x03, 0, false},
+                {0x23, 1, false},
+                {0x63, 1, false},
+                {0x03, 1, false},
+                {0x23, INT64_MAX, false},
+                {0x23, 1ull << 63, true}};
     chip_advance(c, 10000);
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         start(c, rows[i].activation, local_time(c) + rows[i].ahead_ns, 0, 0);

@@ -23,6 +23,7 @@ typedef struct adsdev {
 } adsdev_t;
 
 static wire_t w;
+static uint16_t mailbox_size = SIZE; /* of the devices that a test opens */
 
 static uint32_t own_read(const ect_aoe_t *aoe, void *instance, uint32_t group, uint32_t offset, uint8_t *data,
                          uint32_t *length)
@@ -79,9 +80,9 @@ static void open_ads(const ect_aoe_t *entry, uint8_t state, bool coe)
     device.sm[0].start = SM0;
     device.sm[1].start = SM1;
     for (unsigned int n = 0; n < 2; n++)
-        device.sm[n].length = device.sm[n].minimum = device.sm[n].maximum = SIZE;
-    device.boot_out = (ect_boot_mailbox_t){SM0, SIZE};
-    device.boot_in = (ect_boot_mailbox_t){SM1, SIZE};
+        device.sm[n].length = device.sm[n].minimum = device.sm[n].maximum = mailbox_size;
+    device.boot_out = (ect_boot_mailbox_t){SM0, mailbox_size};
+    device.boot_in = (ect_boot_mailbox_t){SM1, mailbox_size};
     device.sdo_read = sdo_read;
     if (!coe)
         device.mailbox_protocols = ECT_MAILBOX_AOE;
@@ -105,6 +106,7 @@ static int teardown(void **state)
 {
     (void)state;
     wire_close(&w);
+    mailbox_size = SIZE;
     return 0;
 }
 
@@ -299,6 +301,25 @@ static void information(void **state)
         expect("ReadState", STATE, "", 0, rows[i].reply);
         expect("ReadDeviceInfo", INFO, "", 0, "00000000 03 02 0201 65637477696E 2074657374 2064657669");
     }
+}
+
+/* The name is cut to 16 characters, which end with the mailbox: the previous mail, kept behind it, can be repeated. */
+static void information_fills_the_mailbox(void **state)
+{
+    enum { ACTIVATE = ECT_REG_SM + ECT_SM_SIZE + ECT_SM_ACTIVATE };
+    uint8_t mail[ROOM], before[ROOM], again[ROOM], got[ROOM];
+    (void)state;
+    mailbox_size = ECT_AOE_MAILBOX_LEAST;
+    reopen(&plain, ECT_STATE_PREOP, true);
+    send_mail(mail, build(mail, STATE, 0x0004, ""));
+    const int length = wire_mail_receive(&w, 0, before, sizeof before);
+    assert_int_equal(length, AMS + 8);
+    send_mail(mail, build(mail, INFO, 0x0004, ""));
+    wire_write8(&w, 0, ACTIVATE, wire_read8(&w, 0, ACTIVATE) ^ ECT_SM_ACTIVATE_REPEAT);
+    assert_int_equal(wire_mail_receive(&w, 0, again, sizeof again), length);
+    assert_memory_equal(again, before, (size_t)(MAIL_HEADER + length));
+    assert_int_equal(wire_mail_receive(&w, 0, got, sizeof got), AMS + 24);
+    assert_memory_equal(got + MAIL_HEADER + AMS + 8, "ectwin test devi", 16);
 }
 
 static void unserved(void **state)
@@ -512,6 +533,8 @@ int main(void)
         TEST("AoE: each SDO abort code has an ADS result", abort_codes),
         TEST("AoE: the rights of the AL state hold", state_rights),
         TEST("AoE: ReadDeviceInfo and ReadState report device and AL state", information),
+        TEST("AoE: ReadDeviceInfo in the least mailbox leaves the previous mail for a repeat",
+             information_fills_the_mailbox),
         TEST("AoE: other commands, groups and lengths are refused with the codes of ADS", unserved),
         TEST("AoE: malformed mails get a mailbox error, responses and notifications no reply", malformed),
         TEST("AoE: a master sets the NetId; requests for another NetId are refused", net_id),
