@@ -46,8 +46,6 @@ static bool managed_access(ect_esc_t *esc, const ect_access_t *access, uint32_t 
         if (at < ECT_RAM && limit > ECT_RAM)
             limit = ECT_RAM;
         int n = find_sm(esc, at, &limit);
-        if (limit > end)
-            limit = end;
         uint16_t part = (uint16_t)(limit - at);
         ect_access_t piece = ect_esc_slice(access, (uint16_t)(at - address));
         if (n < 0 && at < ECT_RAM) {

@@ -221,13 +221,6 @@ static size_t find_header(const uint8_t *frame, size_t length)
     return at + IP_AND_UDP;
 }
 
-/* The UDP check sum no longer matches the data; 0 means that there is none. */
-static void clear_udp_checksum(uint8_t *frame, size_t header)
-{
-    if (ect_load_be16(frame + header - IP_AND_UDP - 2) == ETHERTYPE_IPV4)
-        memset(frame + header - 2, 0, 2);
-}
-
 /* Whether the datagrams, by their own lengths and "more" bits, fit into the frame. The length in the EtherCAT header
  * is ignored. */
 static bool datagrams_fit(const uint8_t *frame, size_t at, size_t length)
@@ -297,8 +290,8 @@ ect_frame_result_t ect_esc_pass(ect_esc_t *esc, uint8_t *frame, size_t length, u
         return not_ours(esc);
     if (!datagrams_fit(frame, at + 2, length))
         return invalid(esc);
-    if (at >= ETHERNET_HEADER + IP_AND_UDP)
-        clear_udp_checksum(frame, at);
+    if (at >= ETHERNET_HEADER + IP_AND_UDP) /* the UDP check sum will not match the data; 0 means that there is none */
+        memset(frame + at - 2, 0, 2);
     if (!mark_circulating(esc, frame + at + 2))
         return ECT_FRAME_DESTROYED;
     mark_source(esc, frame);

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* SyncManagers from the slave's side: the configuration by the master compared with the description, and deactivation.
  */
-#include <string.h>
-
 #include "slave/internal.h"
 
 /* Bits of the control register that must be as described: mode, direction, event to the PDI. The master's own
@@ -19,7 +17,6 @@ bool ect_sm_read(ect_slave_t *s, uint8_t block[ECT_SM_BLOCK])
     unsigned int count = s->config.device->sm_count;
     uint16_t size = (uint16_t)((count > 0 ? count : 1) * ECT_SM_SIZE); /* without any, read one */
     ECT_ASSERT(size <= ECT_SM_BLOCK);
-    memset(block, 0, ECT_SM_BLOCK);
     if (!ect_slave_read(s, ECT_REG_SM, block, size))
         return false;
     s->due &= ~(uint32_t)ECT_EVENT_SM_CHANGED;
