@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "ports/virtual/virtual.h"
+#include "seams/record.h"
 #include "sii/sii.h"
 #include "support/confdev.h"
 #include "support/wire.h"
@@ -963,6 +964,43 @@ static void record_of_another_firmware(void **state)
     }
 }
 
+/* The entries of a record: index, sub-index, size, value. One that ends behind the record ends the reading. */
+static void entries_of_a_record(void **state)
+{
+    enum { MAGIC = 0x50435445 };
+    static const struct {
+        const char *title;
+        uint8_t bytes[20], length;
+        uint32_t stored;
+    } rows[] = {
+        {"none", {0}, 0, 100},
+        {"one", {0x00, 0x21, 0, 4, 0, 0x2B, 2, 0, 0}, 9, 555},
+        {"without its last byte", {0x00, 0x21, 0, 4, 0, 0x2B, 2, 0}, 8, 100},
+        {"without its value", {0x00, 0x21, 0, 4, 0}, 5, 100},
+        {"half an address", {0x00}, 1, 100},
+        {"of another sub-index", {0x00, 0x21, 1, 4, 0, 0x2B, 2, 0, 0}, 9, 100},
+        {"too short", {0x00, 0x21, 0, 3, 0, 0x2B, 2, 0}, 8, 100},
+        {"too long", {0x00, 0x21, 0, 5, 0, 0x2B, 2, 0, 0, 0}, 10, 100},
+        {"behind an unknown one", {0xFF, 0x20, 0, 2, 0, 7, 7, 0x00, 0x21, 0, 4, 0, 0x2B, 2, 0, 0}, 16, 555},
+        {"behind one too short", {0x00, 0x21, 0, 1, 0, 9, 0x00, 0x21, 0, 4, 0, 0x2B, 2, 0, 0}, 15, 555},
+        {"behind one without a value", {0x00, 0x21, 0, 0, 0, 0x00, 0x21, 0, 4, 0, 0x2B, 2, 0, 0}, 14, 555},
+        {"before half of one", {0x00, 0x21, 0, 4, 0, 0x2B, 2, 0, 0, 0x00, 0x21, 0, 4}, 13, 555},
+        {"behind one of 65535 bytes", {0xFF, 0x20, 0, 0xFF, 0xFF, 0x00, 0x21, 0, 4, 0, 0x2B, 2, 0, 0}, 14, 100},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_record_t newest, record;
+        fresh_medium();
+        assert_int_equal(ect_record_find(&storage, MAGIC, &newest), 0);
+        assert_true(ect_record_begin(&record, &newest));
+        assert_true(ect_record_put(&record, rows[i].bytes, rows[i].length));
+        assert_true(ect_record_commit(&record, MAGIC));
+        power_on_device(&confdev, &storage);
+        if (t.device.stored != rows[i].stored)
+            fail_msg("%s: expected %u, got %u", rows[i].title, rows[i].stored, t.device.stored);
+    }
+}
+
 static void refused_in_whole_objects(void **state)
 {
     (void)state;
@@ -1086,6 +1124,7 @@ int main(int argc, char **argv)
         TEST("CF-081: a medium that does not respond", medium_does_not_answer),
         TEST("CF-081: a medium that is too small is refused", medium_too_small),
         TEST("CF-081: a record of another firmware is ignored", record_of_another_firmware),
+        TEST("CF-081: a record is read up to an entry that ends behind it", entries_of_a_record),
         TEST("CF-073 CF-074: whole objects and counts are checked like single entries", refused_in_whole_objects),
         TEST("CF-080: unknown types, and overwriting of acknowledged messages", diagnosis_types),
         TEST("CF-082: the next master runs without SYNC0, and is not checked against the SYNC0 of the previous one",

@@ -149,6 +149,58 @@ static void one_needs_another(void **state)
     }
 }
 
+static const ect_signal_t choices[] = {
+    ECT_SIGNAL_CHOICE(testdev_t, array[0], "a", 0, 9, 1, ""),
+    ECT_SIGNAL_CHOICE(testdev_t, array[1], "b", 0, 9, 2, ""),
+    ECT_SIGNAL_CHOICE(testdev_t, array[2], "c", 0, 9, 2, ""),
+    ECT_SIGNAL(testdev_t, array[3], "x", U16, WRITE, 0, 9, NULL, ""),
+    ECT_SIGNAL(testdev_t, in_bits, "y", U8, WRITE, 0, 9, NULL, ""),
+};
+static const ect_signal_group_t choice_group = {.signal_count = sizeof choices / sizeof choices[0], .signals = choices};
+static char written[16];
+
+static const char *note_name(void *instance, const ect_signal_t *signal, uint16_t number, const void *value,
+                             uint64_t now_ns)
+{
+    (void)instance;
+    (void)number;
+    (void)value;
+    (void)now_ns;
+    strcat(written, signal->name);
+    return NULL;
+}
+
+/* Signals with a turn replace values of others: turn 1, then turn 2, then the signals without a turn. */
+static void turns(void **state)
+{
+    static const ect_plant_t chooses = {
+        .signal_groups = &choice_group, .signal_group_count = 1, .signal_write = note_name};
+    static const struct {
+        const char *given, *written;
+    } rows[] = {{"a", "a"},     {"xy", "xy"},       {"yx", "yx"},       {"ab", "ab"},       {"ba", "ab"},
+                {"bc", "bc"},   {"cb", "cb"},       {"xa", "ax"},       {"xb", "bx"},       {"ax", "ax"},
+                {"xba", "abx"}, {"yxcba", "acbyx"}, {"abcxy", "abcxy"}, {"cxayb", "acbxy"}, {"xayab", "aabxy"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_twin_config_t twin = ect_twin_default(&testdev, &chooses);
+        const size_t count = strlen(rows[i].given);
+        char names[5][2] = {{0}};
+        ect_setting_t settings[5];
+        char message[ECT_SIGNAL_MESSAGE];
+        wire_t w;
+        wire_open_twins(&w, &twin, 1);
+        for (size_t n = 0; n < count; n++) {
+            names[n][0] = rows[i].given[n];
+            settings[n] = (ect_setting_t){names[n], "1"};
+        }
+        written[0] = 0;
+        assert_true(ect_settings_apply(w.chain, 0, settings, count, w.now_ns, message));
+        if (strcmp(written, rows[i].written) != 0)
+            fail_msg("settings %s: expected the order %s, got %s", rows[i].given, rows[i].written, written);
+        wire_close(&w);
+    }
+}
+
 /* Values at places found before; a place without a value is left out. */
 static void written_at_places(void **state)
 {
@@ -375,6 +427,7 @@ int main(int argc, char **argv)
         {"settings are made in any order, all or none, and refused with the first reason", all_or_none, NULL, NULL,
          NULL},
         {"settings that need others are made after those, whatever their order", one_needs_another, NULL, NULL, NULL},
+        {"settings that replace values of others are made first, by their turn", turns, NULL, NULL, NULL},
         {"values are written at places, all or none", written_at_places, NULL, NULL, NULL},
         {"the refusal of an unknown signal names the nearest one, or the command that lists them", names_nearby, NULL,
          NULL, NULL},

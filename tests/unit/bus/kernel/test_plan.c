@@ -311,6 +311,65 @@ static void sm_reaches_into_another(rig_t *r)
     wire_set_fmmu(&r->w, 0, FMMU_OUT, 0x100, 3, 0, 7, INPUTS - 6, 0, 2);
 }
 
+/* Moves the outputs of the first slave, whose three buffers occupy three times their length. */
+static void outputs_at(rig_t *r, uint32_t start, uint16_t length, uint8_t control)
+{
+    wire_set_sm(&r->w, 0, 2, OUTPUTS, 0, control);
+    wire_set_sm(&r->w, 0, 2, (uint16_t)start, 0, control);
+    wire_set_sm(&r->w, 0, 2, (uint16_t)start, length, control);
+    wire_set_fmmu(&r->w, 0, FMMU_OUT, 0x100, length, 0, 7, (uint16_t)start, 0, 2);
+}
+
+static void outputs_before_inputs(rig_t *r)
+{
+    outputs_at(r, INPUTS - 9, 3, 0x64);
+}
+
+static void outputs_reach_inputs(rig_t *r)
+{
+    outputs_at(r, INPUTS - 8, 3, 0x64);
+}
+
+static void outputs_behind_inputs(rig_t *r)
+{
+    outputs_at(r, INPUTS + 9, 3, 0x64);
+}
+
+static void inputs_reach_outputs(rig_t *r)
+{
+    outputs_at(r, INPUTS + 8, 3, 0x64);
+}
+
+static void outputs_end_with_the_memory(rig_t *r)
+{
+    outputs_at(r, ect_chain_esc(r->w.chain, 0)->memory_size - 9, 3, 0x64);
+}
+
+static void outputs_end_behind_the_memory(rig_t *r)
+{
+    outputs_at(r, ect_chain_esc(r->w.chain, 0)->memory_size - 8, 3, 0x64);
+}
+
+static void outputs_of_two_bytes(rig_t *r)
+{
+    outputs_at(r, OUTPUTS, 2, 0x64);
+}
+
+static void outputs_of_one_byte(rig_t *r)
+{
+    outputs_at(r, OUTPUTS, 1, 0x64);
+}
+
+static void outputs_by_mailbox(rig_t *r)
+{
+    outputs_at(r, OUTPUTS, 3, 0x66);
+}
+
+static void outputs_are_inputs(rig_t *r)
+{
+    outputs_at(r, OUTPUTS, 3, 0x60);
+}
+
 /* The mailboxes of the second slave, which take no part in the frame, occupy 128 bytes each. */
 static void mailboxes_at(rig_t *r, uint16_t first, uint16_t second)
 {
@@ -533,6 +592,16 @@ static void no_plan(void **state)
         {"a SyncManager has no image yet", build_cyclic, sm_restarts, false},
         {"a SyncManager has ECAT events", build_cyclic, sm_has_events, false},
         {"buffers of two SyncManagers overlap", build_cyclic, sm_reaches_into_another, false},
+        {"buffers end before those of another", build_cyclic, outputs_before_inputs, true},
+        {"buffers end with the first byte of another", build_cyclic, outputs_reach_inputs, false},
+        {"buffers begin behind those of another", build_cyclic, outputs_behind_inputs, true},
+        {"buffers begin with the last byte of another", build_cyclic, inputs_reach_outputs, false},
+        {"buffers end with the memory", build_cyclic, outputs_end_with_the_memory, true},
+        {"buffers end behind the memory", build_cyclic, outputs_end_behind_the_memory, false},
+        {"outputs of two bytes", build_cyclic, outputs_of_two_bytes, true},
+        {"outputs of one byte", build_cyclic, outputs_of_one_byte, false},
+        {"outputs in a mailbox", build_cyclic, outputs_by_mailbox, false},
+        {"outputs in a SyncManager of inputs", build_cyclic, outputs_are_inputs, false},
         {"a mailbox begins behind the other one", build_cyclic, mailboxes_adjoin, true},
         {"a mailbox ends before the other one", build_cyclic, mailboxes_adjoin_in_turn, true},
         {"a mailbox begins with the last byte of the other one", build_cyclic, mailboxes_share_a_byte, false},
