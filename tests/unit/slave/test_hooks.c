@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "seams/mailbox.h"
 #include "support/testdev.h"
 #include "support/wire.h"
 
@@ -165,6 +166,46 @@ static void staging_too_small(void **state)
     wire_close(&w);
 }
 
+enum { MAILBOX = 128, LAST = MAILBOX - 1 };
+
+static uint8_t built[MAILBOX]; /* the last mail that the hook was called with */
+static uint16_t built_size;
+
+static void mail(void *instance, uint8_t *mail, uint16_t size)
+{
+    (void)instance;
+    memcpy(built, mail, MAILBOX);
+    built_size = size;
+    mail[12] ^= 0xFF;
+    mail[LAST] = 0x5A;
+}
+
+/* A device changes a complete mail before the master reads it, and a repetition is the changed mail. */
+static void mails_changed(void **state)
+{
+    enum { ACTIVATE = ECT_REG_SM + ECT_SM_SIZE + ECT_SM_ACTIVATE };
+    static const uint8_t upload[] = {0x00, 0x20, 0x40, 0x00, 0x20, 0, 0, 0, 0, 0};
+    ect_device_t device = testdev;
+    uint8_t got[MAILBOX], again[MAILBOX];
+    wire_t w;
+    (void)state;
+    device.mail = mail;
+    wire_open_one(&w, &device);
+    wire_go(&w, 0, ECT_STATE_PREOP);
+    assert_int_equal(wire_mail_request(&w, 0, ECT_MAILBOX_TYPE_COE, upload, sizeof upload), 1);
+    assert_int_equal(wire_mail_receive(&w, 0, got, sizeof got), 10);
+    assert_int_equal(built_size, MAILBOX);
+    assert_int_equal(ect_load_le16(built), 10);
+    assert_int_equal(built[5], ECT_MAILBOX_TYPE_COE | 1 << 4);
+    assert_int_equal(ect_load_le32(built + 12), 0x11223344);
+    assert_int_equal(ect_load_le32(got + 12), 0x112233BB);
+    assert_int_equal(got[LAST], 0x5A);
+    wire_write8(&w, 0, ACTIVATE, wire_read8(&w, 0, ACTIVATE) ^ ECT_SM_ACTIVATE_REPEAT);
+    assert_int_equal(wire_mail_receive(&w, 0, again, sizeof again), 10);
+    assert_memory_equal(again, got, sizeof got);
+    wire_close(&w);
+}
+
 /* A device's buffer: of its size, zero, at the same address after a power cycle with new content; or missing. */
 static void buffer(void **state)
 {
@@ -196,6 +237,7 @@ int main(int argc, char **argv)
         T("CF-069: a device supplies the data of a read, at any length", read_supplied),
         T("CF-070: the device gets a long value as a whole before any part is stored", long_write_checked),
         T("CF-070: a long value without a buffer is refused as out of memory, and changes nothing", staging_too_small),
+        T("a device changes a mail to the master, which is also repeated so", mails_changed),
         T("a device has its big buffer, zero at each power-on, if the host supplies one", buffer),
     };
     if (argc > 1)

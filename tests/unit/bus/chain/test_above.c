@@ -632,6 +632,23 @@ static void emergencies(void **state)
     assert_int_equal(testdev_of(w, 1)->standard.error_register, 32);
 }
 
+/* A fault of an object's mails applies to responses of SDO transfers of the object, and to no emergency between them.
+ */
+static void emergency_beside_a_transfer(void **state)
+{
+    wire_t *w = *state;
+    uint8_t mail[ROOM] = {0};
+    set(w, "mail type of 0x2000 slave 2");
+    assert_int_equal(request(w, mail), 10);
+    assert_int_equal(mail[5] & 0x0F, 0x0F);
+    set(w, "emergency 0x5530 register 32 data 0102030405 slave 2");
+    assert_int_equal(wire_mail_receive(w, 1, mail, ROOM), 10);
+    assert_int_equal(mail[5] & 0x0F, ECT_MAILBOX_TYPE_COE);
+    assert_int_equal(mail[7] >> 4, 1);
+    assert_int_equal(request(w, mail), 10);
+    assert_int_equal(mail[5] & 0x0F, 0x0F);
+}
+
 /* A device that serves no emergencies: with other protocols, or without any. */
 static void no_emergencies(void **state)
 {
@@ -1039,6 +1056,7 @@ int main(int argc, char **argv)
         TEST("a mail comes again when the first one has been fetched", twice_after_a_while),
         TEST("mails in mailboxes of 17 to 2048 bytes are changed", mails_of_any_length),
         TEST("an emergency on demand", emergencies),
+        TEST("a fault of an object's mails applies to no emergency", emergency_beside_a_transfer),
         TEST("an emergency on demand needs a device that has emergencies", no_emergencies),
         TEST("an abort concerns SDO alone", aborts_of_SDO_alone),
         TEST("a slave leaves its state with any AL status code", drops),

@@ -218,6 +218,42 @@ static void later(void **state)
     expect(1, "analog", "200");
 }
 
+/* Values that are due together set the target if any of their results is another one. */
+static void due_together(void **state)
+{
+    static const struct {
+        const char *first, *second;
+        bool sets;
+        const char *target;
+    } rows[] = {{"200", "300", true, "3"},
+                {"200", "240", true, "2"}, /* the second one gives the same result */
+                {"40", "200", true, "2"},  /* the first one gives the result before */
+                {"40", "30", false, "0"}};
+    (void)state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        ect_connection_t list[] = {from_to(0, "analog", 1, "analog")};
+        unsigned int calls = 0;
+        set(0, "analog", "0");
+        list[0].delay_ns = 10 * MS;
+        list[0].factor = 0.01;
+        ect_connections_t *connections = ect_connections_new(list, COUNT(list));
+        assert_non_null(connections);
+        (void)ect_connections_run(connections, 0, count_calls, &calls);
+        assert_true(ect_connections_run(connections, 10 * MS, count_calls, &calls)); /* 0 */
+        set(0, "analog", rows[i].first);
+        (void)ect_connections_run(connections, 20 * MS, count_calls, &calls);
+        set(0, "analog", rows[i].second);
+        (void)ect_connections_run(connections, 21 * MS, count_calls, &calls);
+        calls = 0;
+        const bool sets = ect_connections_run(connections, 31 * MS, count_calls, &calls);
+        if (sets != rows[i].sets || calls != (rows[i].sets ? 1u : 0u))
+            fail_msg("%s, then %s: expected that it sets: %d, got %d with %u calls", rows[i].first, rows[i].second,
+                     rows[i].sets, sets, calls);
+        expect(1, "analog", rows[i].target);
+        ect_connections_free(connections);
+    }
+}
+
 static void crowded(void **state)
 {
     ect_connection_t list[] = {from_to(0, "analog", 1, "analog")};
@@ -299,6 +335,7 @@ int main(void)
         {"the time of the next value of all connections, and the twins whose signals are set", next_time, setup,
          teardown, NULL},
         {"a delay is exact, and keeps each value", later, setup, teardown, NULL},
+        {"values that are due together set a target once", due_together, setup, teardown, NULL},
         {"a delay with too many values keeps the newest", crowded, setup, teardown, NULL},
         {"a loop with a delay is an oscillator", oscillator, setup, teardown, NULL},
         {"a loop without a delay is found", loops, setup, teardown, NULL},
