@@ -1160,18 +1160,24 @@ void *__real_calloc(size_t count, size_t size);
 void *__wrap_calloc(size_t count, size_t size);
 
 static unsigned int callocs_left = UINT_MAX;
+static bool one_fails; /* else all that follow fail too */
 
 void *__wrap_calloc(size_t count, size_t size)
 {
-    return callocs_left == 0 || callocs_left-- == 0 ? NULL : __real_calloc(count, size);
+    if (callocs_left == 0) {
+        callocs_left = one_fails ? UINT_MAX : 0;
+        return NULL;
+    }
+    callocs_left--;
+    return __real_calloc(count, size);
 }
 
-/* An allocation of any of its blocks fails: no memory is leaked, which a sanitizer checks. */
-static void memory_runs_out(void **state)
+/* An allocation of any of its blocks fails, alone or with all later ones: no memory is leaked, which a sanitizer
+ * checks. */
+static void each_block_fails(void)
 {
     unsigned int failed = 0;
     ect_fast_t *fast = NULL;
-    (void)state;
     for (unsigned int left = 0; !fast; left++) {
         callocs_left = left;
         fast = ect_fast_new(3);
@@ -1195,6 +1201,15 @@ static void memory_runs_out(void **state)
         callocs_left = UINT_MAX;
     }
     ect_names_free(names);
+}
+
+static void memory_runs_out(void **state)
+{
+    (void)state;
+    each_block_fails();
+    one_fails = true;
+    each_block_fails();
+    one_fails = false;
 }
 
 /* The same of a chain with all that its twins can have. Without memory for the delays the chain has none. */
