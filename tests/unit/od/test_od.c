@@ -710,6 +710,75 @@ static void limits_of_other_types(void **state)
 
 enum { LINK_AT = 4, LINK_ROOM = 16 };
 
+/* A number with memory has a link of its bytes; any other entry has none. */
+static void entries_with_a_link(void **state)
+{
+    enum { UNSIGNED24 = 0x0016, UNSIGNED56 = 0x001A, RX = ECT_ACCESS_RXPDO, TX = ECT_ACCESS_TXPDO };
+    static const struct {
+        const char *what;
+        uint16_t type, bits, access;
+        uint32_t value;
+        uintptr_t at;
+        ect_link_t want;
+    } rows[] = {
+        {"INTEGER8", ECT_TYPE_INTEGER8, 8, RX, 0, 5, {5, 1, true, false, true, false}},
+        {"INTEGER16", ECT_TYPE_INTEGER16, 16, TX, 7, 6, {6, 2, true, false, false, true}},
+        {"INTEGER32", ECT_TYPE_INTEGER32, 32, RX | TX, 1, 8, {8, 4, true, false, true, true}},
+        {"INTEGER64", ECT_TYPE_INTEGER64, 64, 0, 0, 16, {16, 8, true, false, false, false}},
+        {"UNSIGNED8", ECT_TYPE_UNSIGNED8, 8, 0, 0, 300, {300, 1, false, false, false, false}},
+        {"UNSIGNED16", ECT_TYPE_UNSIGNED16, 16, 0, 0, 6, {6, 2, false, false, false, false}},
+        {"UNSIGNED32", ECT_TYPE_UNSIGNED32, 32, 0, 0, 6, {6, 4, false, false, false, false}},
+        {"UNSIGNED64", ECT_TYPE_UNSIGNED64, 64, 0, 0, 6, {6, 8, false, false, false, false}},
+        {"REAL32", ECT_TYPE_REAL32, 32, 0, 0, 6, {6, 4, false, true, false, false}},
+        {"REAL64", ECT_TYPE_REAL64, 64, 0, 0, 6, {6, 8, false, true, false, false}},
+        {"3 bytes", UNSIGNED24, 24, 0, 0, 6, {0}},
+        {"7 bytes", UNSIGNED56, 56, 0, 0, 6, {0}},
+        {"a text of 4 bytes", ECT_TYPE_VISIBLE_STRING, 32, 0, 0, 6, {0}},
+        {"4 octets", ECT_TYPE_OCTET_STRING, 32, 0, 0, 6, {0}},
+        {"no memory", ECT_TYPE_UNSIGNED32, 32, RX, 5, 0, {0}},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_entry_t entry = {0,   rows[i].type,  rows[i].bits,      rows[i].access,
+                                   "E", rows[i].value, (void *)rows[i].at};
+        const ect_object_t object = {0x2000, ECT_OBJECT_VAR, 0, 0, "O", &entry};
+        const ect_od_t od = {.objects = &object, .count = 1, .base = (void *)(uintptr_t)1};
+        const ect_link_t got = ect_link_to(&od, 0x2000, 0), want = rows[i].want;
+        if (got.offset != want.offset || got.bytes != want.bytes || got.is_signed != want.is_signed ||
+            got.is_real != want.is_real || got.output != want.output || got.given != want.given)
+            fail_msg("%s: expected %u bytes at %u, got %u at %u: signed %d, real %d, output %d, given %d", rows[i].what,
+                     want.bytes, want.offset, got.bytes, got.offset, got.is_signed, got.is_real, got.output, got.given);
+        assert_int_equal(ect_link_to(&od, 0x2001, 0).bytes, 0);
+        assert_int_equal(ect_link_to(&od, 0x2000, 1).bytes, 0);
+    }
+}
+
+/* Elements count from 0: that of a variable is its value, that of another object the sub-index behind its number. */
+static void elements_with_a_link(void **state)
+{
+    static const ect_entry_t one[] = {{0, ECT_TYPE_UNSIGNED16, 16, 0, "E", 0, (void *)0x20}};
+    static const ect_entry_t several[] = {{0, ECT_TYPE_UNSIGNED8, 8, 0, "N", 0, (void *)0x40},
+                                          {1, ECT_TYPE_UNSIGNED16, 16, 0, "1", 0, (void *)0x41},
+                                          {2, ECT_TYPE_UNSIGNED16, 16, 0, "2", 0, (void *)0x43},
+                                          {255, ECT_TYPE_UNSIGNED16, 16, 0, "255", 0, (void *)0x45}};
+    static const ect_object_t objects[] = {{0x2000, ECT_OBJECT_VAR, 0, 0, "V", one},
+                                           {0x2001, ECT_OBJECT_RECORD, 255, 3, "R", several}};
+    static const struct {
+        uint16_t index;
+        unsigned int number;
+        uint32_t offset; /* 0: no link */
+    } rows[] = {{0x2000, 0, 0x20},   {0x2000, 1, 0},   {0x2001, 0, 0x41}, {0x2001, 1, 0x43}, {0x2001, 2, 0},
+                {0x2001, 254, 0x45}, {0x2001, 255, 0}, {0x2001, 256, 0},  {0x2002, 0, 0}};
+    const ect_od_t od = {.objects = objects, .count = 2, .base = (void *)(uintptr_t)1};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_link_t got = ect_link_to_element(&od, rows[i].index, rows[i].number);
+        if (got.offset != rows[i].offset || (got.bytes != 0) != (rows[i].offset != 0))
+            fail_msg("element %u of %04X: expected the offset %u, got %u with %u bytes", rows[i].number, rows[i].index,
+                     rows[i].offset, got.offset, got.bytes);
+    }
+}
+
 /* A value that is stored is limited to the type, and no byte beside it changes. */
 static void linked_integers(void **state)
 {
@@ -829,6 +898,8 @@ int main(int argc, char **argv)
         {"FZM-013: an UNSIGNED64 above 2^63 is too high, not too low", limits_of_large_numbers, NULL, NULL, NULL},
         {"FZM-013: an entry that is no number has no limits", limits_of_other_types, NULL, NULL, NULL},
         {"a linked integer has the range of its type", linked_integers, NULL, NULL, NULL},
+        {"a number with memory has a link, any other entry none", entries_with_a_link, NULL, NULL, NULL},
+        {"the elements of an object have links by their number", elements_with_a_link, NULL, NULL, NULL},
         {"a linked floating-point number keeps its fraction, others are rounded", linked_reals, NULL, NULL, NULL},
     };
     if (argc > 1)
