@@ -206,6 +206,29 @@ static void mails_changed(void **state)
     wire_close(&w);
 }
 
+/* A device that waits for nothing has its time once more after each entry that a master has written, and only then. */
+static void time_after_a_write(void **state)
+{
+    uint32_t number = 77;
+    uint8_t data[OCTETS] = {0};
+    size_t size = sizeof data;
+    wire_t w;
+    (void)state;
+    wire_open_one(&w, &testdev);
+    wire_go(&w, 0, ECT_STATE_PREOP);
+    const testdev_t *t = instance_of(&w);
+    const unsigned int before = t->ticks;
+    expect_code("read", wire_sdo_upload(&w, 0, 0x2000, 0, false, data, &size), 0);
+    assert_int_equal(t->ticks, before);
+    expect_code("written", wire_sdo_download(&w, 0, 0x2000, 0, false, &number, 4), 0);
+    assert_int_equal(t->ticks, before + 1);
+    expect_code("written in segments", wire_sdo_download(&w, 0, 0x2002, 0, false, data, OCTETS), 0);
+    assert_int_equal(t->ticks, before + 2);
+    expect_code("refused", wire_sdo_download(&w, 0, 0x1000, 0, false, &number, 4), 0x06010002);
+    assert_int_equal(t->ticks, before + 2);
+    wire_close(&w);
+}
+
 /* A device's buffer: of its size, zero, at the same address after a power cycle with new content; or missing. */
 static void buffer(void **state)
 {
@@ -238,6 +261,7 @@ int main(int argc, char **argv)
         T("CF-070: the device gets a long value as a whole before any part is stored", long_write_checked),
         T("CF-070: a long value without a buffer is refused as out of memory, and changes nothing", staging_too_small),
         T("a device changes a mail to the master, which is also repeated so", mails_changed),
+        T("a device has its time after an entry was written", time_after_a_write),
         T("a device has its big buffer, zero at each power-on, if the host supplies one", buffer),
     };
     if (argc > 1)
