@@ -964,6 +964,30 @@ static void record_of_another_firmware(void **state)
     }
 }
 
+/* The device requests it anywhere; the next poll stores once. */
+static void stored_by_the_device(void **state)
+{
+    enum { MAGIC = 0x50435445 };
+    ect_record_t record;
+    (void)state;
+    fresh_medium();
+    power_on(true);
+    t.device.stored = 888;
+    t.device.host->store(t.device.host->ctx);
+    assert_int_equal(ect_record_find(&storage, MAGIC, &record), 0);
+    for (unsigned int polls = 0; polls < 3; polls++) {
+        poll();
+        assert_int_equal(ect_record_find(&storage, MAGIC, &record), 1);
+        assert_int_equal(record.sequence, 1);
+    }
+    t.device.host->store(t.device.host->ctx);
+    poll();
+    assert_int_equal(ect_record_find(&storage, MAGIC, &record), 1);
+    assert_int_equal(record.sequence, 2);
+    power_on(true);
+    assert_int_equal(t.device.stored, 888);
+}
+
 /* The entries of a record: index, sub-index, size, value. One that ends behind the record ends the reading. */
 static void entries_of_a_record(void **state)
 {
@@ -1124,6 +1148,7 @@ int main(int argc, char **argv)
         TEST("CF-081: a medium that does not respond", medium_does_not_answer),
         TEST("CF-081: a medium that is too small is refused", medium_too_small),
         TEST("CF-081: a record of another firmware is ignored", record_of_another_firmware),
+        TEST("CF-081: a request of the device stores once, at the next poll", stored_by_the_device),
         TEST("CF-081: a record is read up to an entry that ends behind it", entries_of_a_record),
         TEST("CF-073 CF-074: whole objects and counts are checked like single entries", refused_in_whole_objects),
         TEST("CF-080: unknown types, and overwriting of acknowledged messages", diagnosis_types),

@@ -419,6 +419,30 @@ static void queue(void **state)
     assert_int_equal(data[0], 0xA3);
 }
 
+/* The queue has room for a write of its whole size, initially and when all writes have reached the chip. */
+static void whole_queue(void **state)
+{
+    enum { ENTRY = 12 };
+    const ect_slow_config_t config = {.board = ect_board("lan9252-spi")};
+    static ect_slow_t slow;
+    static uint8_t data[sizeof slow.queue];
+    chip_t *c = *state;
+    ect_slow_init(&slow, &config, &c->esc, c->w.now_ns);
+    ect_pdi_t pdi = ect_slow_pdi(&slow);
+    uint64_t now_ns = c->w.now_ns;
+    for (uint8_t n = 1; n <= 3; n++) {
+        const uint16_t length = (uint16_t)(sizeof slow.queue - ENTRY + (n == 3 ? 1 : 0));
+        memset(data, n, sizeof data);
+        assert_true(ect_slow_begins(&slow, now_ns));
+        assert_int_equal(pdi.write(pdi.ctx, 0x1000, data, length), 0);
+        assert_int_equal(c->memory[0x1000], n == 3 ? 3 : n - 1); /* one byte more reaches the chip at once */
+        (void)ect_slow_end(&slow, ECT_NEVER);
+        now_ns = slow.busy_ns;
+        ect_slow_run(&slow, now_ns);
+        assert_int_equal(c->memory[0x1000], n);
+    }
+}
+
 /* The main loop of a board without interrupt pin reads the event word without a pause. */
 static void idle_reads(void **state)
 {
@@ -609,6 +633,8 @@ int main(void)
         {"receive times are those of the chain and a jitter, also after a reset", receive_times, NULL, NULL, NULL},
         {"the jitter of receive times does not grow with changes of links", jitter_does_not_grow, NULL, NULL, NULL},
         {"a poll of a board begins with the next read of the event word", idle_reads, chip_setup, chip_teardown, NULL},
+        {"the queue of a board's writes has its whole room again when it is empty", whole_queue, chip_setup,
+         chip_teardown, NULL},
         {"writes of a board reach the chip at their times, or at once if they do not fit or before a read", queue,
          chip_setup, chip_teardown, NULL},
         {"a power cycle discards the delayed writes of a board", reset_under_way, NULL, NULL, NULL},
