@@ -303,6 +303,19 @@ static void inactive_fmmu_of_bits(rig_t *r)
     (void)wire_write8(&r->w, 1, ECT_REG_FMMU + ECT_FMMU_SIZE * FMMU_OUT + ECT_FMMU_ACTIVATE, 0);
 }
 
+/* Two more FMMUs of inputs: the second one maps other addresses, the first one those of the frame. */
+static void two_more_fmmus(rig_t *r)
+{
+    wire_set_fmmu(&r->w, 1, 2, 0x109, 3, 0, 7, INPUTS, 0, 1);
+    wire_set_fmmu(&r->w, 1, 3, 0x200, 3, 0, 7, INPUTS, 0, 1);
+}
+
+static void one_of_two_more_fmmus(rig_t *r)
+{
+    two_more_fmmus(r);
+    (void)wire_write8(&r->w, 1, ECT_REG_FMMU + ECT_FMMU_SIZE * 2 + ECT_FMMU_ACTIVATE, 0);
+}
+
 static void sm_reaches_into_another(rig_t *r)
 {
     wire_set_sm(&r->w, 0, 2, OUTPUTS, 0, 0x64);
@@ -588,6 +601,8 @@ static void no_plan(void **state)
         {"an FMMU of inputs maps bits, and the frame writes", write_to_inputs, fmmu_of_bits, true},
         {"an FMMU of outputs maps bits, and the frame reads", read_of_outputs, output_fmmu_of_bits, true},
         {"an FMMU that is not active maps bits", build_cyclic, inactive_fmmu_of_bits, true},
+        {"two FMMUs of inputs have the same logical addresses", build_cyclic, two_more_fmmus, false},
+        {"one of them is not active, a third one has others", build_cyclic, one_of_two_more_fmmus, true},
         {"a SyncManager is off", build_cyclic, sm_is_off, false},
         {"a SyncManager has no image yet", build_cyclic, sm_restarts, false},
         {"a SyncManager has ECAT events", build_cyclic, sm_has_events, false},
