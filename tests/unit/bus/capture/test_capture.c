@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -19,7 +20,7 @@
 
 #include "wire/bytes.h"
 
-enum { BUFFER = 32768, FRAME = 60, FILE_ROOM = 1024 * 1024 };
+enum { BUFFER = 32768, FRAME = 60, FILE_ROOM = 2 * 1024 * 1024 };
 
 typedef struct rig {
     char path[64];
@@ -28,6 +29,56 @@ typedef struct rig {
     size_t size;
     uint8_t frame[4000];
 } rig_t;
+
+/* Calls of the operating system that fail or do less than they could. */
+static struct {
+    size_t piece;         /* most bytes of a write; 0: all */
+    unsigned int signals; /* writes before the one that a signal interrupts, and between two of these; 0: none */
+    unsigned int writes;
+    off_t refused;       /* a write to this offset fails with EIO ... */
+    bool refuses, stops; /* ... if `refuses`; each write takes 0 bytes */
+    bool calloc_fails, malloc_fails, thread_fails;
+} os;
+
+void *__real_calloc(size_t count, size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__real_malloc(size_t size);
+void *__wrap_malloc(size_t size);
+ssize_t __real_pwrite(int fd, const void *bytes, size_t length, off_t at);
+ssize_t __wrap_pwrite(int fd, const void *bytes, size_t length, off_t at);
+int __real_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*start)(void *), void *argument);
+int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*start)(void *), void *argument);
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+    return os.calloc_fails ? NULL : __real_calloc(count, size);
+}
+
+void *__wrap_malloc(size_t size)
+{
+    return os.malloc_fails ? NULL : __real_malloc(size);
+}
+
+ssize_t __wrap_pwrite(int fd, const void *bytes, size_t length, off_t at)
+{
+    os.writes++;
+    if (os.stops)
+        return 0;
+    if (os.refuses && at == os.refused) {
+        errno = EIO;
+        return -1;
+    }
+    if (os.signals > 0 && os.writes % os.signals == 0) {
+        errno = EINTR;
+        return -1;
+    }
+    return __real_pwrite(fd, bytes, os.piece > 0 && length > os.piece ? os.piece : length, at);
+}
+
+int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*start)(void *), void *argument)
+{
+    return os.thread_fails ? EAGAIN : __real_pthread_create(thread, attributes, start, argument);
+}
 
 /* A block of the file, or a packet of it. */
 typedef struct block {
@@ -50,6 +101,7 @@ static int setup(void **state)
 static int teardown(void **state)
 {
     rig_t *r = *state;
+    memset(&os, 0, sizeof os);
     unlink(r->path);
     free(r->bytes);
     free(r);
@@ -87,18 +139,26 @@ static bool add(rig_t *r, uint64_t time_ns, size_t length)
     return ect_capture_frame(r->capture, 0, ECT_PCAPNG_INBOUND, time_ns, r->frame, length);
 }
 
-/* The n-th block of a type. Every block before it must be whole. @return false: there are not so many */
+/* The next block, which must be whole. @return false: the file ends */
+static bool next(const rig_t *r, size_t *at, block_t *block)
+{
+    if (*at == r->size)
+        return false;
+    assert_true(r->size - *at >= 12);
+    *block = (block_t){ect_load_le32(r->bytes + *at), ect_load_le32(r->bytes + *at + 4), r->bytes + *at + 8};
+    assert_true(block->total >= 12 && block->total % 4 == 0 && block->total <= r->size - *at);
+    assert_int_equal(ect_load_le32(r->bytes + *at + block->total - 4), block->total);
+    *at += block->total;
+    return true;
+}
+
+/* The n-th block of a type. @return false: there are not so many */
 static bool find(const rig_t *r, uint32_t type, size_t n, block_t *block)
 {
     size_t at = 0;
-    while (at < r->size) {
-        assert_true(r->size - at >= 12);
-        *block = (block_t){ect_load_le32(r->bytes + at), ect_load_le32(r->bytes + at + 4), r->bytes + at + 8};
-        assert_true(block->total >= 12 && block->total % 4 == 0 && block->total <= r->size - at);
-        assert_int_equal(ect_load_le32(r->bytes + at + block->total - 4), block->total);
+    while (next(r, &at, block)) {
         if (block->type == type && n-- == 0)
             return true;
-        at += block->total;
     }
     return false;
 }
@@ -106,9 +166,9 @@ static bool find(const rig_t *r, uint32_t type, size_t n, block_t *block)
 static size_t count(const rig_t *r, uint32_t type)
 {
     block_t block;
-    size_t n = 0;
-    while (find(r, type, n, &block))
-        n++;
+    size_t n = 0, at = 0;
+    while (next(r, &at, &block))
+        n += block.type == type;
     return n;
 }
 
@@ -139,13 +199,16 @@ static void frames(void **state)
     end(r, 0);
     assert_true(find(r, ECT_PCAPNG_SECTION, 0, &b));
     assert_int_equal(ect_load_le32(b.body), ECT_PCAPNG_MAGIC);
+    assert_memory_equal(b.body + 4, "\1\0\0\0\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF", 12); /* version 1.0, any length */
     assert_memory_equal(option(&b, 16, ECT_PCAPNG_APPLICATION, &length), "test", 4);
+    assert_int_equal(length, 4);
     assert_int_equal(count(r, ECT_PCAPNG_INTERFACE), 2);
     assert_true(find(r, ECT_PCAPNG_INTERFACE, 0, &b));
     assert_int_equal(ect_load_le32(b.body), 1); /* Ethernet, whole frames */
     assert_int_equal(ect_load_le32(b.body + 4), 0);
     assert_memory_equal(option(&b, 8, ECT_PCAPNG_NAME, &length), "ecat0", 5);
     assert_int_equal(*option(&b, 8, ECT_PCAPNG_RESOLUTION, &length), 9);
+    assert_int_equal(length, 1);
     assert_true(find(r, ECT_PCAPNG_PACKET, 0, &b));
     assert_int_equal(ect_load_le32(b.body), 0);
     assert_int_equal(ect_load_le32(b.body + 4), 0x12);
@@ -154,6 +217,7 @@ static void frames(void **state)
     assert_int_equal(ect_load_le32(b.body + 16), 61);
     assert_memory_equal(b.body + 20, r->frame, 61);
     assert_int_equal(*option(&b, 84, ECT_PCAPNG_FLAGS, &length), 1);
+    assert_int_equal(length, 4);
     assert_memory_equal(option(&b, 84, ECT_PCAPNG_COMMENT, &length), "one\ntwo", 7);
     assert_int_equal(length, 7);
     assert_true(find(r, ECT_PCAPNG_PACKET, 1, &b));
@@ -179,8 +243,11 @@ static void long_comment(void **state)
     assert_true(add(r, 1, FRAME));
     end(r, 0);
     assert_true(find(r, ECT_PCAPNG_PACKET, 0, &b));
-    assert_non_null(option(&b, 20 + FRAME, ECT_PCAPNG_COMMENT, &length));
+    const uint8_t *comment = option(&b, 20 + FRAME, ECT_PCAPNG_COMMENT, &length);
+    assert_non_null(comment);
     assert_int_equal(length, ECT_PCAPNG_COMMENT_MOST);
+    for (size_t i = 0; i < length; i++) /* the third line has no room */
+        assert_int_equal(comment[i], i == sizeof line - 1 ? '\n' : 'x');
 }
 
 static void comment_at_the_end(void **state)
@@ -221,6 +288,22 @@ static void full_buffer(void **state)
     assert_int_equal(length, 8);
     assert_true(find(r, ECT_PCAPNG_PACKET, kept - 1, &b));
     assert_null(option(&b, 20 + FRAME, ECT_PCAPNG_DROPPED, &length));
+}
+
+/* 16 blocks of 2048 bytes. */
+static void exactly_full(void **state)
+{
+    rig_t *r = *state;
+    const ect_capture_config_t config = config_of(r);
+    begin(r, &config);
+    for (unsigned int i = 0; i < BUFFER / 2048; i++)
+        assert_true(add(r, i, 2048 - 44));
+    assert_false(ect_capture_local(r->capture, r->frame, 0));
+    ect_capture_flush(r->capture);
+    for (unsigned int i = 0; i < BUFFER / 2048; i++)
+        assert_true(add(r, i, 2048 - 44));
+    end(r, 0);
+    assert_int_equal(count(r, ECT_PCAPNG_PACKET), 2 * BUFFER / 2048);
 }
 
 /* No packet follows that could count them, so the last block does. */
@@ -290,6 +373,82 @@ static void limit_and_backlog(void **state)
     limit_with(*state, 250);
 }
 
+/* A packet with a block of `length` bytes; a frame has 44 bytes of its block around it. */
+static void add_block(rig_t *r, uint64_t time_ns, size_t length)
+{
+    assert_true(add(r, time_ns, length - 44));
+}
+
+typedef struct half {
+    const char *what;
+    uint64_t most;
+    size_t first;  /* length of the first packet with the blocks before it */
+    size_t single; /* packets written one by one after it */
+    size_t burst;  /* packets of one flush after them */
+    size_t last;   /* length of the last one of these */
+    uint64_t kept; /* number of the first packet that stays when the limit is exceeded */
+} half_t;
+
+/* Adds packets after one of an earlier capture until the limit has removed some, and checks which ones stay. */
+static void removes_half(rig_t *r, const half_t *row)
+{
+    enum { BLOCK = 2048 };
+    ect_capture_config_t config = config_of(r);
+    uint64_t number = 0;
+    block_t b;
+    begin(r, &config);
+    assert_true(add(r, 0, FRAME));
+    end(r, 0);
+    const size_t section = r->size;
+    config.append = true;
+    config.most = row->most;
+    config.buffer = 131072;
+    begin(r, &config);
+    read_back(r);
+    add_block(r, ++number, row->first - (r->size - section));
+    for (size_t i = 0; i < row->single; i++) {
+        ect_capture_flush(r->capture);
+        add_block(r, ++number, BLOCK);
+    }
+    ect_capture_flush(r->capture);
+    for (size_t i = 1; i <= row->burst; i++)
+        add_block(r, ++number, i == row->burst ? row->last : BLOCK);
+    ect_capture_flush(r->capture);
+    read_back(r);
+    size_t longest = 0;
+    while (count(r, ECT_PCAPNG_PACKET) == number + 1) {
+        longest = r->size - section;
+        add_block(r, ++number, BLOCK);
+        ect_capture_flush(r->capture);
+        read_back(r);
+    }
+    end(r, 0);
+    assert_true(find(r, ECT_PCAPNG_PACKET, 1, &b));
+    if (ect_load_le32(b.body + 8) != row->kept || longest > row->most || longest + BLOCK <= row->most)
+        fail_msg("%s: expected packets from %u on after at most %u bytes, got %u after %zu", row->what,
+                 (unsigned int)row->kept, (unsigned int)row->most, (unsigned int)ect_load_le32(b.body + 8), longest);
+    assert_true(find(r, ECT_PCAPNG_PACKET, 0, &b)); /* that of the earlier capture */
+    assert_int_equal(ect_load_le32(b.body + 8), 0);
+}
+
+/* A flush is written in pieces of whole blocks, of an eighth of the limit or 64 KiB at most. The older half ends with
+ * the first piece that reaches the middle. */
+static void halves(void **state)
+{
+    static const half_t rows[] = {
+        {"the middle is reached exactly", 65536, 2048, 15, 0, 0, 17},
+        {"the middle is not reached", 65536, 2044, 15, 0, 0, 18},
+        {"a piece of an eighth", 65536, 2048, 14, 4, 2048, 20},
+        {"more than an eighth", 65536, 2048, 14, 4, 2052, 19},
+        {"a limit of 80 KiB", 81920, 2048, 18, 5, 2048, 25},
+        {"more than 10 KiB", 81920, 2048, 18, 5, 2052, 24},
+        {"a piece of 64 KiB", 1048576, 2048, 254, 32, 2048, 288},
+        {"more than 64 KiB", 1048576, 2048, 254, 32, 2052, 287},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        removes_half(*state, &rows[i]);
+}
+
 static void sections(void **state)
 {
     rig_t *r = *state;
@@ -322,6 +481,51 @@ static void thread(void **state)
     }
     end(r, 0);
     assert_int_equal(count(r, ECT_PCAPNG_PACKET), kept);
+}
+
+/* In place of a thread, a flush writes. */
+static void no_thread(void **state)
+{
+    rig_t *r = *state;
+    const ect_capture_config_t config = config_of(r);
+    sigset_t before, after;
+    begin(r, &config);
+    sigemptyset(&before);
+    sigaddset(&before, SIGUSR2);
+    assert_int_equal(pthread_sigmask(SIG_SETMASK, &before, NULL), 0);
+    os.thread_fails = true;
+    assert_false(ect_capture_start(r->capture));
+    assert_int_equal(pthread_sigmask(SIG_SETMASK, NULL, &after), 0);
+    assert_true(sigismember(&after, SIGUSR2) && !sigismember(&after, SIGUSR1));
+    sigemptyset(&before);
+    assert_int_equal(pthread_sigmask(SIG_SETMASK, &before, NULL), 0);
+    assert_true(add(r, 1, FRAME));
+    ect_capture_flush(r->capture);
+    read_back(r);
+    assert_int_equal(count(r, ECT_PCAPNG_PACKET), 1);
+    end(r, 0);
+}
+
+/* A signal to the process waits for the caller, which blocks it. */
+static void signals(void **state)
+{
+    rig_t *r = *state;
+    const ect_capture_config_t config = config_of(r);
+    const struct timespec now = {0};
+    sigset_t mask, one, pending;
+    begin(r, &config);
+    assert_true(ect_capture_start(r->capture));
+    assert_int_equal(pthread_sigmask(SIG_SETMASK, NULL, &mask), 0);
+    assert_false(sigismember(&mask, SIGUSR1));
+    sigemptyset(&one);
+    sigaddset(&one, SIGUSR1);
+    assert_int_equal(pthread_sigmask(SIG_BLOCK, &one, NULL), 0);
+    assert_int_equal(kill(getpid(), SIGUSR1), 0); /* would end the process in a thread that takes it */
+    end(r, 0);
+    assert_int_equal(sigpending(&pending), 0);
+    assert_true(sigismember(&pending, SIGUSR1));
+    assert_int_equal(sigtimedwait(&one, NULL, &now), SIGUSR1);
+    assert_int_equal(pthread_sigmask(SIG_SETMASK, &mask, NULL), 0);
 }
 
 static off_t size_of(const rig_t *r)
@@ -375,6 +579,96 @@ static void idle_thread_ends(void **state)
     assert_true(ect_capture_start(r->capture));
     end(r, 0);
     assert_int_equal(count(r, ECT_PCAPNG_PACKET), 0);
+}
+
+/* Numbers of all packets: each is there, in order. */
+static void expect_packets(const rig_t *r, uint32_t first, size_t wanted)
+{
+    block_t b;
+    assert_int_equal(count(r, ECT_PCAPNG_PACKET), wanted);
+    for (size_t i = 0; i < wanted; i++) {
+        assert_true(find(r, ECT_PCAPNG_PACKET, i, &b));
+        assert_int_equal(ect_load_le32(b.body + 8), first + i);
+        assert_memory_equal(b.body + 20, r->frame, FRAME);
+    }
+}
+
+/* The writes that move the newer half over the older one are among them. */
+static void short_writes(void **state)
+{
+    enum { FILL = ECT_CAPTURE_SMALLEST / 104 };
+    rig_t *r = *state;
+    block_t b;
+    ect_capture_config_t config = config_of(r);
+    config.most = ECT_CAPTURE_SMALLEST;
+    os.piece = 7;
+    os.signals = 3;
+    begin(r, &config);
+    for (unsigned int i = 0; i < FILL - 10; i++) {
+        assert_true(add(r, i, FRAME));
+        if (i % 40 == 0)
+            ect_capture_flush(r->capture);
+    }
+    ect_capture_flush(r->capture);
+    read_back(r);
+    expect_packets(r, 0, FILL - 10);
+    for (unsigned int i = FILL - 10; i < FILL + 10; i++)
+        assert_true(add(r, i, FRAME));
+    end(r, 0);
+    assert_true(find(r, ECT_PCAPNG_PACKET, 0, &b));
+    const uint32_t first = ect_load_le32(b.body + 8);
+    assert_in_range(first, FILL / 2 - 100, FILL / 2 + 100);
+    expect_packets(r, first, FILL + 10 - first);
+}
+
+/* The first write of the newer half over the older one fails; or each write takes no bytes. */
+static void refused_writes(void **state)
+{
+    rig_t *r = *state;
+    for (int i = 0; i < 2; i++) {
+        ect_capture_config_t config = config_of(r);
+        config.most = ECT_CAPTURE_SMALLEST;
+        begin(r, &config);
+        os.refused = size_of(r);
+        bool added = true;
+        for (unsigned int n = 0; n < 5000 && added; n++) {
+            added = add(r, n, FRAME);
+            ect_capture_flush(r->capture);
+            os.refuses = i == 0;
+            os.stops = i != 0;
+        }
+        os.refuses = os.stops = false;
+        assert_false(added);
+        end(r, EIO);
+        assert_true(r->size <= ECT_CAPTURE_SMALLEST);
+        if (i != 0)
+            expect_packets(r, 0, 1);
+    }
+}
+
+static void no_memory(void **state)
+{
+    rig_t *r = *state;
+    const ect_capture_config_t config = config_of(r);
+    for (int i = 0; i < 2; i++) {
+        char message[ECT_CAPTURE_MESSAGE] = "", expected[ECT_CAPTURE_MESSAGE];
+        os.calloc_fails = i == 0;
+        os.malloc_fails = i != 0;
+        ect_capture_t *c = ect_capture_open(&config, message);
+        os.calloc_fails = os.malloc_fails = false;
+        (void)snprintf(expected, sizeof expected, "cannot write '%s': not enough memory", r->path);
+        assert_null(c);
+        assert_string_equal(message, expected);
+    }
+    begin(r, &config);
+    os.malloc_fails = true;
+    const bool large = ect_capture_local(r->capture, r->frame, 1000),
+               small = ect_capture_local(r->capture, r->frame, 5);
+    os.malloc_fails = false;
+    end(r, 0);
+    assert_false(large);
+    assert_true(small);
+    assert_int_equal(count(r, ECT_PCAPNG_LOCAL), 1);
 }
 
 /* A file that must not grow: a full disk. */
@@ -445,10 +739,11 @@ static void refused(void **state)
     rig_t *r = *state;
     const struct {
         const char *path, *message;
+        int reason;
     } wrong[] = {
-        {"/no/such/file", "cannot write '/no/such/file': No such file or directory"},
-        {"/dev/null", "cannot write '/dev/null': it is not a regular file"},
-        {"/tmp", "cannot write '/tmp': Is a directory"},
+        {"/no/such/file", "cannot write '/no/such/file': No such file or directory", ENOENT},
+        {"/dev/null", "cannot write '/dev/null': it is not a regular file", EINVAL},
+        {"/tmp", "cannot write '/tmp': Is a directory", EISDIR},
     };
     char message[ECT_CAPTURE_MESSAGE];
     ect_capture_config_t config = config_of(r);
@@ -456,7 +751,10 @@ static void refused(void **state)
     close(before);
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         config.path = wrong[i].path;
-        assert_null(ect_capture_open(&config, message));
+        ect_capture_t *c = ect_capture_open(&config, message);
+        const int reason = errno;
+        assert_null(c);
+        assert_int_equal(reason, wrong[i].reason);
         assert_string_equal(message, wrong[i].message);
     }
     const int after = open("/dev/null", O_RDONLY);
@@ -477,6 +775,101 @@ static void taken(void **state)
     assert_non_null(strstr(message, "another capture writes to it; give this one another name"));
     end(r, 0);
     assert_int_equal(count(r, ECT_PCAPNG_PACKET), 1);
+}
+
+/* The standard input is closed, as a service may have it: the file gets descriptor 0. */
+static void descriptor_0(void **state)
+{
+    rig_t *r = *state;
+    char message[ECT_CAPTURE_MESSAGE] = "";
+    ect_capture_config_t config = config_of(r);
+    const int input = dup(STDIN_FILENO);
+    (void)close(STDIN_FILENO);
+    ect_capture_t *c = ect_capture_open(&config, message);
+    const int flags = fcntl(STDIN_FILENO, F_GETFD);
+    const int failed = c ? ect_capture_close(c, NULL, 0, 0) : -1;
+    config.path = "/dev/null";
+    ect_capture_t *wrong = ect_capture_open(&config, message);
+    const int left = fcntl(STDIN_FILENO, F_GETFD);
+    if (input >= 0) {
+        (void)dup2(input, STDIN_FILENO);
+        (void)close(input);
+    }
+    assert_non_null(c);
+    assert_int_equal(failed, 0);
+    assert_int_equal(flags, FD_CLOEXEC); /* no program that the twin starts keeps the file open */
+    assert_null(wrong);
+    assert_int_equal(left, -1);
+}
+
+/* A letter for each run of blocks of one type. */
+static const char *order_of(const rig_t *r)
+{
+    static char order[16];
+    size_t at = 0, length = 0;
+    block_t b;
+    while (next(r, &at, &b)) {
+        const char letter = b.type == ECT_PCAPNG_SECTION      ? 'S'
+                            : b.type == ECT_PCAPNG_INTERFACE  ? 'I'
+                            : b.type == ECT_PCAPNG_PACKET     ? 'P'
+                            : b.type == ECT_PCAPNG_LOCAL      ? 'L'
+                            : b.type == ECT_PCAPNG_STATISTICS ? 'T'
+                                                              : '?';
+        assert_true(length + 1 < sizeof order);
+        if (length == 0 || order[length - 1] != letter)
+            order[length++] = letter;
+    }
+    order[length] = '\0';
+    return order;
+}
+
+/* The buffer is full before. */
+static void last_data(void **state)
+{
+    rig_t *r = *state;
+    for (size_t length = 0; length <= 5; length += 5) {
+        ect_capture_config_t config = config_of(r);
+        block_t b;
+        config.offset_ns = 1;
+        begin(r, &config);
+        while (add(r, 1, FRAME))
+            ;
+        ect_capture_comment(r->capture, "end");
+        assert_int_equal(ect_capture_close(r->capture, r->frame, length, 0x1000000FEull), 0);
+        read_back(r);
+        assert_string_equal(order_of(r), length > 0 ? "SIPLT" : "SIPT");
+        assert_true(find(r, ECT_PCAPNG_STATISTICS, 0, &b));
+        assert_int_equal(ect_load_le32(b.body + 4), 1);
+        assert_int_equal(ect_load_le32(b.body + 8), 0xFF);
+    }
+}
+
+/* First before the middle of the file is reached, then behind it. */
+static void large_data(void **state)
+{
+    enum { LARGE = ECT_CAPTURE_SMALLEST / 2 + 6000 };
+    rig_t *r = *state;
+    block_t b;
+    ect_capture_config_t config = config_of(r);
+    uint8_t *data = calloc(1, LARGE);
+    config.most = ECT_CAPTURE_SMALLEST;
+    config.buffer = ECT_CAPTURE_SMALLEST;
+    begin(r, &config);
+    for (unsigned int i = 0; i < 14; i++)
+        assert_true(add(r, i, 2000));
+    ect_capture_flush(r->capture);
+    data[LARGE - 1] = 1;
+    for (unsigned int i = 0; i < 2; i++) {
+        assert_true(ect_capture_local(r->capture, data, LARGE));
+        ect_capture_flush(r->capture);
+        read_back(r);
+        assert_true(find(r, ECT_PCAPNG_LOCAL, 0, &b));
+        assert_int_equal(b.body[LARGE - 1], 1);
+        assert_string_equal(order_of(r), "SIL");
+        assert_int_equal(count(r, ECT_PCAPNG_LOCAL), 1);
+    }
+    free(data);
+    end(r, 0);
 }
 
 static void local_data(void **state)
@@ -507,6 +900,11 @@ static void cut_text(void **state)
     (void)ect_pcapng_statistics(block, 0x8123456789ABCDEF, "x");
     assert_int_equal(ect_load_le32(block + 8), 0); /* the interface */
     assert_true(ect_load_le32(block + 12) == 0x81234567 && ect_load_le32(block + 16) == 0x89ABCDEF);
+    memset(text, 0x80, sizeof text - 1); /* no character begins */
+    text[sizeof text - 1] = 0;
+    (void)ect_pcapng_statistics(block, 0, text);
+    assert_int_equal(ect_load_le16(block + 22), 0);
+    assert_int_equal(ect_pcapng_section(block, NULL), 28);
 }
 
 int main(void)
@@ -518,20 +916,30 @@ int main(void)
         CASE("a comment that grows too long is cut", long_comment),
         CASE("a comment after the last frame ends the section", comment_at_the_end),
         CASE("a full buffer drops frames, and the next frame has their number", full_buffer),
+        CASE("a buffer is full when no byte is left", exactly_full),
         CASE("at the limit the older half goes; heads and newest frames stay", limit),
         CASE("a backlog is written in pieces that the limit takes", limit_and_backlog),
+        CASE("the half that goes consists of whole pieces, in the last section alone", halves),
         CASE("with append each capture is a section of its own; without it the file is emptied", sections),
         CASE("a thread writes what is added, all of it", thread),
+        CASE("without a thread each flush writes", no_thread),
+        CASE("the thread takes no signals", signals),
         CASE("each flush wakes the thread", flush_wakes_the_thread),
         CASE("the file has the rights of the mask, and is no program", rights_of_the_file),
         CASE("a thread that has nothing to do ends", idle_thread_ends),
         CASE("frames that were dropped at the end are counted by the last block, which is there for that",
              dropped_at_the_end),
+        CASE("writes of a few bytes, and writes that a signal interrupts, are continued", short_writes),
+        CASE("a file that takes no bytes ends with an error", refused_writes),
+        CASE("without memory no capture is opened, and no large data are added", no_memory),
         CASE("after a failed write frames are dropped, and the end reports the reason", failed_write),
         CASE("a file that another process shortens ends with an error", shortened),
         CASE("a file without room for its heads is refused with one line", heads_refused),
         CASE("a file that cannot be written gives one line", refused),
         CASE("a second capture does not touch the file of the first", taken),
+        CASE("a capture may have descriptor 0", descriptor_0),
+        CASE("the last data are behind the packets and before the comment", last_data),
+        CASE("data of more than half the limit leave no packet", large_data),
         CASE("local data are blocks between the frames", local_data),
         CASE("a text is cut between characters", cut_text),
     };

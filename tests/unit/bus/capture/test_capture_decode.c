@@ -88,6 +88,8 @@ static void a_command_has_its_place_and_the_data_that_travel(void **state)
         {11, 0x01020304, "AA", 1, "LWR logical 0x01020304, 1 byte, WKC 1"},
         {12, 0x01200304, "AA", -1, "LRW logical 0x01200304, 1 byte: AA"},
         {12, 0x10001000, "AA BB CC DD EE FF", 3, "LRW logical 0x10001000, 6 bytes, WKC 3: AA BB CC DD EE FF"},
+        {10, 0x10000000, "AA BB CC DD EE FF", 3, "LRD logical 0x10000000, 6 bytes, WKC 3: AA BB CC DD EE FF"},
+        {11, 0x14000000, "AA BB CC DD EE FF", -1, "LWR logical 0x14000000, 6 bytes: AA BB CC DD EE FF"},
         {13, AT(0, 0x0910), "AA", -1, "ARMW 0000:0910 distributed clocks, 1 byte: AA"},
         {14, AT(1001, 0x0910), "AA", 1, "FRMW 03E9:0910 distributed clocks, 1 byte, WKC 1: AA"},
         {15, AT(0, 0x1000), "AA", -1, "command 15 0000:1000 mailbox out, 1 byte: AA"},
@@ -122,6 +124,7 @@ static void AL_control_and_AL_status_are_states_in_words(void **state)
         {4, AT(1001, 0x0130), "14 00 00 00 1B 00", 1,
          "FPRD 03E9:0130 AL status, 6 bytes, WKC 1: 14 00 00 00 1B 00 | SAFEOP + error, code 0x001B"},
         {4, AT(1001, 0x0131), "08 00", 1, "FPRD 03E9:0131 AL status, 2 bytes, WKC 1: 08 00"},
+        {10, 0x01300000, "08 00 00 00 1B 00", 1, "LRD logical 0x01300000, 6 bytes, WKC 1: 08 00 00 00 1B 00"},
         {12, 0x01300000, "08 00 00 00 1B 00", 1, "LRW logical 0x01300000, 6 bytes, WKC 1: 08 00 00 00 1B 00"},
         {5, AT(1001, 0x0120), "", -1, "FPWR 03E9:0120 AL control, 0 bytes:"},
     };
@@ -212,6 +215,11 @@ static void a_mail_has_its_service_in_words(void **state)
          "00"},
         {4, AT(1001, 0x1400), "00 00 00 00 00 0F", 1,
          "FPRD 03E9:1400 mailbox in, 6 bytes, WKC 1 | mail of 0 bytes, counter 0:  type 15 | 00 00 00 00 00 0F"},
+        {9, AT(0, 0x1000), "02 00 00 00 00 04 01 00", -1,
+         "BRW 0000:1000 mailbox out, 8 bytes | mail of 2 bytes, counter 0: FoE type 4 | 02 00 00 00 00 04 01 00"},
+        {13, AT(1, 0x1400), "02 00 00 00 00 04 01 00", 1,
+         "ARMW 0001:1400 mailbox in, 8 bytes, WKC 1 | mail of 2 bytes, counter 0: FoE type 4 | 02 00 00 00 00 04 01 "
+         "00"},
         {4, AT(1001, 0x1400), "00 00 00 00 00", 1, "FPRD 03E9:1400 mailbox in, 5 bytes, WKC 1: 00 00 00 00 00"},
         {5, AT(1001, 0x1400), "00 00 00 00 00 00", 1, "FPWR 03E9:1400 mailbox in, 6 bytes, WKC 1"},
     };

@@ -8,6 +8,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -562,6 +563,80 @@ static void many_interfaces(void **state)
     assert_non_null(strstr(message, "more interfaces than are read"));
 }
 
+/* A head and a body of zeros. */
+typedef struct large {
+    uint8_t bytes[ECT_READER_BLOCK + 100];
+    size_t size;
+} large_t;
+
+static void expect_large(large_t *l, ect_item_kind_t kind, const char *message)
+{
+    ect_reader_t r = {.file = fmemopen(l->bytes, l->size, "rb")};
+    ect_item_t item;
+    assert_int_equal(ect_reader_next(&r, &item), ECT_ITEM_SECTION);
+    assert_int_equal(ect_reader_next(&r, &item), kind);
+    assert_string_equal(r.message, message);
+    if (kind != ECT_ITEM_WRONG)
+        assert_int_equal(item.bytes[item.captured - 1], 0);
+    close_file(&r);
+}
+
+static void largest_blocks(void **state)
+{
+    large_t *l = malloc(sizeof *l);
+    (void)state;
+    for (uint32_t more = 0; more <= 4; more += 4) {
+        file_t f = {.size = 0};
+        const uint32_t total = ECT_READER_BLOCK + 8 + more;
+        put_section(&f);
+        put32(&f, ECT_PCAPNG_LOCAL);
+        put32(&f, total);
+        *l = (large_t){.size = f.size - 8 + total};
+        memcpy(l->bytes, f.bytes, f.size);
+        ect_store_le32(l->bytes + l->size - 4, total);
+        expect_large(l, more == 0 ? ECT_ITEM_LOCAL : ECT_ITEM_WRONG,
+                     more == 0 ? "" : "a block of 1048588 bytes, at byte 28");
+    }
+    for (uint32_t more = 0; more <= 1; more++) {
+        file_t f = {.size = 0};
+        put_pcap(&f, 0xA1B2C3D4, 1);
+        put32(&f, 0);
+        put32(&f, 0);
+        put32(&f, ECT_READER_BLOCK + more);
+        put32(&f, ECT_READER_BLOCK + more);
+        *l = (large_t){.size = f.size + ECT_READER_BLOCK + more};
+        memcpy(l->bytes, f.bytes, f.size);
+        expect_large(l, more == 0 ? ECT_ITEM_PACKET : ECT_ITEM_WRONG,
+                     more == 0 ? "" : "a packet of 1048577 bytes, at byte 24");
+    }
+    free(l);
+}
+
+/* The reader goes back in a file of pcapng alone. */
+static void pipes(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        file_t f = {.size = 0};
+        int ends[2];
+        ect_item_t item;
+        if (i == 0) {
+            put_pcap(&f, 0xA1B2C3D4, 1);
+            put_pcap_packet(&f, 7, 5, FRAME);
+        } else {
+            put_section(&f);
+        }
+        assert_int_equal(pipe(ends), 0);
+        assert_int_equal(write(ends[1], f.bytes, f.size), f.size);
+        (void)close(ends[1]);
+        ect_reader_t r = {.file = fdopen(ends[0], "rb")};
+        assert_int_equal(ect_reader_next(&r, &item), i == 0 ? ECT_ITEM_SECTION : ECT_ITEM_WRONG);
+        assert_string_equal(r.message, i == 0 ? "" : "no capture: neither pcapng nor pcap, at byte 0");
+        assert_int_equal(ect_reader_next(&r, &item), i == 0 ? ECT_ITEM_PACKET : ECT_ITEM_END);
+        close_file(&r);
+    }
+}
+
 static void random_damage(void **state)
 {
     enum { RUNS = 20000 };
@@ -608,6 +683,8 @@ int main(void)
         {"Attack: blocks of pcapng that are too short", short_blocks, NULL, NULL, NULL},
         {"Attack: lengths of pcap that lie", old_lies, NULL, NULL, NULL},
         {"Attack: interfaces without end", many_interfaces, NULL, NULL, NULL},
+        {"Attack: blocks and packets of more than 1 MiB", largest_blocks, NULL, NULL, NULL},
+        {"a pipe gives a file of pcap, and none of pcapng", pipes, NULL, NULL, NULL},
         {"Attack: damage at random", random_damage, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("capture_reader", tests, NULL, NULL);

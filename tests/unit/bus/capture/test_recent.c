@@ -98,6 +98,7 @@ static void a_few_frames(void **state)
     (void)state;
     add(&r, 1, 60); /* no capture */
     assert_int_equal(ect_recent_size(&r), 0);
+    ect_recent_read(&r, 0, (uint8_t[1]){0}, 0);
     assert_true(ect_recent_start(&r, names, 5000000000ull));
     for (uint32_t i = 1; i <= PACKETS; i++)
         add(&r, i, 60 + i);
