@@ -249,7 +249,6 @@ ect_capture_t *ect_capture_open(const ect_capture_config_t *config, char *messag
     uint8_t *buffer = malloc(config->buffer);
     const char *why = "not enough memory";
     if (c && buffer) {
-        c->fd = -1;
         c->most = config->most;
         c->size = config->buffer;
         c->buffer = buffer;
@@ -260,7 +259,7 @@ ect_capture_t *ect_capture_open(const ect_capture_config_t *config, char *messag
         return c;
     int error = errno;
     snprintf(message, ECT_CAPTURE_MESSAGE, "cannot write '%.300s': %s", config->path, why);
-    if (c && c->fd >= 0)
+    if (c && buffer && c->fd >= 0)
         close(c->fd);
     free(buffer);
     free(c);

@@ -601,12 +601,12 @@ static void short_writes(void **state)
     block_t b;
     ect_capture_config_t config = config_of(r);
     config.most = ECT_CAPTURE_SMALLEST;
-    os.piece = 7;
+    os.piece = 3;
     os.signals = 3;
     begin(r, &config);
     for (unsigned int i = 0; i < FILL - 10; i++) {
         assert_true(add(r, i, FRAME));
-        if (i % 40 == 0)
+        if (i % 8 == 0)
             ect_capture_flush(r->capture);
     }
     ect_capture_flush(r->capture);
@@ -649,6 +649,7 @@ static void refused_writes(void **state)
 static void no_memory(void **state)
 {
     rig_t *r = *state;
+    const int input = fcntl(STDIN_FILENO, F_GETFD);
     const ect_capture_config_t config = config_of(r);
     for (int i = 0; i < 2; i++) {
         char message[ECT_CAPTURE_MESSAGE] = "", expected[ECT_CAPTURE_MESSAGE];
@@ -659,6 +660,7 @@ static void no_memory(void **state)
         (void)snprintf(expected, sizeof expected, "cannot write '%s': not enough memory", r->path);
         assert_null(c);
         assert_string_equal(message, expected);
+        assert_int_equal(fcntl(STDIN_FILENO, F_GETFD), input); /* no file was opened, and none is closed */
     }
     begin(r, &config);
     os.malloc_fails = true;
