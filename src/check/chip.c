@@ -32,6 +32,11 @@ static bool roles_good(const report_t *r, unsigned int n)
     const ect_sm_t *sm = &r->device->sm[n];
     if (sm->type > ECT_SM_INPUTS)
         return wrong(r, "SM%u: there is no type %u", n, sm->type);
+    if (ect_sm_role(sm) > ECT_SM_INPUTS)
+        return wrong(r, "SM%u: there is no role %u", n, ect_sm_role(sm));
+    if ((sm->flags & ECT_SM_FLAG_VIRTUAL) != 0 && sm->type != ECT_SM_UNUSED)
+        return wrong(r, "SM%u: it is virtual, so its type is %u, not %u; `role` has its role", n, ECT_SM_UNUSED,
+                     sm->type);
     if (has_mailbox(r) && n < 2 && sm->type != mailboxes[n])
         return wrong(r, "SM%u: with a mailbox its type is %u, not %u", n, mailboxes[n], sm->type);
     if (is_mailbox(sm) && (!has_mailbox(r) || n >= 2))

@@ -120,15 +120,15 @@ enum { ECT_SMS = 8, ECT_FMMUS = 8 };
  * SyncManager is the sum of the PDOs assigned there.
  */
 typedef struct ect_sm {
-    uint16_t start;   /**< ESC address */
-    uint16_t length;  /**< bytes of a mailbox; process data: 0, the PDOs determine it (::ect_device_sm_bytes) */
-    uint16_t minimum; /**< mailboxes: smallest length that a master may choose; 0: exactly `length` */
-    uint16_t maximum; /**< largest length that a master may choose, or that a changeable mapping may reach; 0: the
-                         default length */
-    uint8_t control;  /**< control register: 0x26, 0x22, 0x64 (watchdog), 0x20 ... */
-    uint8_t type;     /**< ECT_SM_... */
-    uint8_t flags;    /**< ECT_SM_FLAG_... */
-    uint8_t role;     /**< with ECT_SM_FLAG_VIRTUAL: ECT_SM_OUTPUTS or ECT_SM_INPUTS; `type` is ECT_SM_UNUSED then */
+    uint16_t start;       /**< ESC address */
+    uint16_t length;      /**< bytes of a mailbox; process data: 0, the PDOs determine it (::ect_device_sm_bytes) */
+    uint16_t minimum;     /**< mailboxes: smallest length that a master may choose; 0: exactly `length` */
+    uint16_t maximum;     /**< largest length that a master may choose, or that a changeable mapping may reach; 0: the
+                             default length */
+    uint8_t control;      /**< control register: 0x26, 0x22, 0x64 (watchdog), 0x20 ... */
+    uint8_t type;         /**< ECT_SM_... */
+    uint8_t flags;        /**< ECT_SM_FLAG_... */
+    uint8_t role;         /**< with ECT_SM_FLAG_VIRTUAL: ECT_SM_...; `type` is ECT_SM_UNUSED then */
     const uint16_t *pdos; /**< with ECT_SM_FLAG_VIRTUAL: indices of its PDOs, 0 at the end; NULL: none */
 } ect_sm_t;
 

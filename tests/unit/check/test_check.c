@@ -141,6 +141,8 @@ typedef struct row {
     X(fmmus_too_many, gauge, (D.esc = "lan9252", D.fmmu_count = 4), "fmmu_count: 4 FMMUs are more than")               \
     X(fmmu_role, gauge, D.fmmu[1] = 4, "FMMU1: there is no role 4")                                                    \
     X(sm_type, gauge, D.sm[2].type = 5, "SM2: there is no type 5")                                                     \
+    X(virtual_type, terminal, (D.sm[2].flags = ECT_SM_FLAG_VIRTUAL, D.sm[2].role = ECT_SM_INPUTS),                     \
+      "SM2: it is virtual, so its type is 0, not 4; `role` has its role")                                              \
     X(sm0_type, gauge, D.sm[0].type = ECT_SM_UNUSED, "SM0: with a mailbox its type is 1, not 0")                       \
     X(mailbox_elsewhere, gauge, D.sm[2].type = ECT_SM_MAILBOX_IN, "SM2: a mailbox is in SM0 and SM1")                  \
     X(mailbox_without, terminal, D.sm[0].type = ECT_SM_MAILBOX_OUT, "1C10h: SM0 has no process data")                  \

@@ -296,6 +296,33 @@ static void neighbours_may_touch_and_not_overlap(void **state)
     expect_wrong("end of SM2", 5, "it overlaps SM0", with_mailbox(0x1208, 64));
 }
 
+/* SM3 of a device without 1C00h, which would have its type. */
+static void a_virtual_SyncManager_has_a_known_role(void **state)
+{
+    static const struct {
+        uint8_t flags, role;
+        const char *mistake; /* NULL: none */
+    } rows[] = {
+        {ECT_SM_FLAG_VIRTUAL, ECT_SM_UNUSED, NULL},
+        {ECT_SM_FLAG_VIRTUAL, ECT_SM_OUTPUTS, NULL},
+        {ECT_SM_FLAG_VIRTUAL | ECT_SM_FLAG_OP_ONLY, ECT_SM_INPUTS, NULL},
+        {ECT_SM_FLAG_VIRTUAL, ECT_SM_INPUTS + 1, "SM3: there is no role 5"},
+        {ECT_SM_FLAG_VIRTUAL, 255, "SM3: there is no role 255"},
+        {ECT_SM_FLAG_OP_ONLY, 255, NULL}, /* not read */
+    };
+    (void)state;
+    for (unsigned int i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        copy_t *c = copy_device(&terminal);
+        assert_int_equal(c->device.sm_count, 3);
+        c->device.sm_count = 4;
+        c->device.sm[3] = (ect_sm_t){.start = 0x0990, .length = 8, .flags = rows[i].flags, .role = rows[i].role};
+        if (rows[i].mistake != NULL)
+            expect_wrong("virtual", i, rows[i].mistake, c);
+        else
+            expect_good("virtual", i, c);
+    }
+}
+
 static void every_role_has_its_direction_and_mode(void **state)
 {
     (void)state;
@@ -474,6 +501,7 @@ int main(void)
         cmocka_unit_test(mailboxes_have_their_shortest_to_longest_length),
         cmocka_unit_test(memory_is_that_of_the_chip),
         cmocka_unit_test(neighbours_may_touch_and_not_overlap),
+        cmocka_unit_test(a_virtual_SyncManager_has_a_known_role),
         cmocka_unit_test(every_role_has_its_direction_and_mode),
         cmocka_unit_test(sync_managers_and_fmmus_are_as_many_as_the_chip_has),
         cmocka_unit_test(objects_ascend_from_the_first_to_the_last),
