@@ -187,12 +187,14 @@ static bool has_mailbox(const ect_device_t *device)
     return device->mailbox_protocols != 0 && device->sm_count >= 2;
 }
 
-/* @return the FMMUs of process data: one for each SyncManager that has any */
+/* @return the FMMUs of process data: one for each SyncManager that has any, virtual ones included */
 static unsigned int count_fmmus(const ect_device_t *device)
 {
     unsigned int count = 0;
-    for (unsigned int n = 0; n < device->sm_count; n++)
-        count += ect_device_sm_is_process(device, n) && ect_device_sm_bytes(device, n) > 0;
+    for (unsigned int n = 0; n < device->sm_count; n++) {
+        const uint8_t role = ect_sm_role(&device->sm[n]);
+        count += (role == ECT_SM_OUTPUTS || role == ECT_SM_INPUTS) && ect_device_sm_bytes(device, n) > 0;
+    }
     return count;
 }
 

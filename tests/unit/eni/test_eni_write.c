@@ -718,6 +718,191 @@ static void ENI_020_more_than_eight_mailboxes_have_bits_in_several_bytes(void **
     drop(&w);
 }
 
+static void ENI_020_the_FMMU_of_a_mailbox_is_behind_those_of_virtual_SyncManagers(void **state)
+{
+    static const struct {
+        const char *esc;
+        bool given;
+    } rows[] = {{"et1100", true}, {"et1200", false}}; /* 8 and 3 FMMUs */
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_device_t device = *ect_catalogue_find("fzm1")->device;
+        written_t w = {.count = 0};
+        device.esc = rows[i].esc;
+        device.sm_count = 5;
+        device.sm[4] = (ect_sm_t){.start = 0x0990, .length = 8, .flags = ECT_SM_FLAG_VIRTUAL, .role = ECT_SM_INPUTS};
+        add_part(&w, "fzm1");
+        w.parts[0].device = &device;
+        write_parts(rows[i].esc, &w);
+        const ect_eni_slave_t *slave = slave_of(w.eni, 0);
+        for (unsigned int n = 0; n < 3; n++) {
+            const ect_eni_command_t *fmmu = command_at(slave, ECT_ENI_PS, (uint16_t)(ECT_REG_FMMU + 16 * n));
+            assert_non_null(fmmu);
+            assert_int_equal(ect_load_le16(fmmu->data.bytes + 8), n == 2 ? 0x0990 : device.sm[2 + n].start);
+            assert_null(command_at(slave, ECT_ENI_IP, fmmu->ado));
+        }
+        const ect_eni_command_t *state_bit = command_at(slave, ECT_ENI_IP, ECT_REG_FMMU + 16 * 3);
+        assert_int_equal(slave->mailbox.status_bit.given, rows[i].given);
+        assert_int_equal(state_bit != NULL, rows[i].given);
+        if (rows[i].given)
+            assert_int_equal(ect_load_le16(state_bit->data.bytes + 8), 0x080D);
+        drop(&w);
+    }
+}
+
+/* A device with process data of any length: those of virtual SyncManagers. */
+static ect_device_t sized_device(bool mailbox, uint16_t outputs, uint16_t inputs)
+{
+    ect_device_t device = *ect_catalogue_find("fzm1")->device;
+    const unsigned int first = mailbox ? 2 : 0;
+    device.mailbox_protocols = mailbox ? device.mailbox_protocols : 0;
+    device.init_command_count = 0;
+    device.sm_count = (uint8_t)(first + 2);
+    device.sm[first] = (ect_sm_t){.length = outputs, .flags = ECT_SM_FLAG_VIRTUAL, .role = ECT_SM_OUTPUTS};
+    device.sm[first + 1] = (ect_sm_t){.length = inputs, .flags = ECT_SM_FLAG_VIRTUAL, .role = ECT_SM_INPUTS};
+    return device;
+}
+
+/* The cyclic frames as text: each command has a name, an address, its bytes, its working counter and its place in the
+ * process image. A bar ends a frame. */
+static const char *frames_of(const ect_eni_t *eni)
+{
+    static char text[1000];
+    static const char *const names[] = {[7] = "BRD", [10] = "LRD", [11] = "LWR", [14] = "FRMW"};
+    const ect_eni_cyclic_t *cyclic = ect_eni_network(eni)->cyclics;
+    size_t used = 0;
+    for (size_t i = 0; i < cyclic->frame_count; i++) {
+        const ect_eni_frame_t *frame = &cyclic->frames[i];
+        for (size_t n = 0; n < frame->command_count; n++) {
+            const ect_eni_command_t *c = &frame->commands[n];
+            used +=
+                (size_t)snprintf(text + used, sizeof text - used, "%s%s %X %zu x%d @%u", n > 0 ? ", " : "",
+                                 names[c->command], c->address != 0 ? (unsigned int)c->address : c->ado, c->data.length,
+                                 c->counter, (unsigned int)(c->command == 11 ? c->output_offset : c->input_offset));
+            assert_int_equal(c->command == 11 ? c->input_offset : c->output_offset, 0);
+        }
+        used += (size_t)snprintf(text + used, sizeof text - used, "|");
+    }
+    return text;
+}
+
+/* A frame has up to 1498 bytes of datagrams, a datagram up to 1486 bytes of data; the headers take 12 each. */
+static void ENI_016_ENI_017_commands_fill_datagrams_and_frames_between_slaves(void **state)
+{
+    enum { MOST = 3 };
+    static const struct {
+        const char *title;
+        bool mailbox, clock;
+        uint16_t bytes[MOST][2]; /* outputs and inputs of each slave; none: the end */
+        uint32_t inputs;         /* bytes of the process image */
+        const char *frames;
+    } rows[] = {
+        {"a full frame",
+         false,
+         false,
+         {{730, 730}},
+         732,
+         "BRD 130 2 x1 @730, LWR 10000 730 x1 @0, LRD 1000000 730 x1 @0|"},
+        {"a byte more",
+         false,
+         false,
+         {{730, 731}},
+         733,
+         "BRD 130 2 x1 @731, LWR 10000 730 x1 @0|LRD 1000000 731 x1 @0|"},
+        {"a full frame with a clock",
+         false,
+         true,
+         {{722, 722}},
+         728,
+         "FRMW 910 4 x-1 @724, BRD 130 2 x1 @722, LWR 10000 722 x1 @0, LRD 1000000 722 x1 @0|"},
+        {"a byte more with a clock",
+         false,
+         true,
+         {{723, 722}},
+         728,
+         "FRMW 910 4 x-1 @724, BRD 130 2 x1 @722, LWR 10000 723 x1 @0|LRD 1000000 722 x1 @0|"},
+        {"a full frame with a mailbox",
+         true,
+         false,
+         {{723, 724}},
+         727,
+         "BRD 130 2 x1 @724, LRD 9000000 1 x1 @726, LWR 10000 723 x1 @0, LRD 1000000 724 x1 @0|"},
+        {"a byte more with a mailbox",
+         true,
+         false,
+         {{724, 724}},
+         727,
+         "BRD 130 2 x1 @724, LRD 9000000 1 x1 @726, LWR 10000 724 x1 @0|LRD 1000000 724 x1 @0|"},
+        {"mailboxes and clocks",
+         true,
+         true,
+         {{1, 2}, {3, 4}},
+         13,
+         "FRMW 910 4 x-1 @9, BRD 130 2 x2 @6, LRD 9000000 1 x2 @8, LWR 10000 4 x2 @0, LRD 1000000 6 x2 @0|"},
+        {"a full datagram", false, false, {{0, 743}, {0, 743}}, 1488, "BRD 130 2 x2 @1486|LRD 1000000 1486 x2 @0|"},
+        {"two datagrams",
+         false,
+         false,
+         {{0, 743}, {0, 744}},
+         1489,
+         "BRD 130 2 x2 @1487, LRD 1000000 743 x1 @0|LRD 10002E7 744 x1 @743|"},
+        {"a second frame that is full",
+         false,
+         false,
+         {{1000, 0}, {737, 737}},
+         739,
+         "BRD 130 2 x2 @737, LWR 10000 1000 x1 @0|LWR 103E8 737 x1 @1000, LRD 1000000 737 x1 @0|"},
+        {"a second frame and a third",
+         false,
+         false,
+         {{1000, 0}, {737, 0}, {0, 738}},
+         740,
+         "BRD 130 2 x3 @738, LWR 10000 1000 x1 @0|LWR 103E8 737 x1 @1000|LRD 1000000 738 x1 @0|"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_device_t devices[MOST];
+        uint32_t outputs = 0;
+        written_t w = {.count = 0};
+        for (size_t n = 0; n < MOST && rows[i].bytes[n][0] + rows[i].bytes[n][1] > 0; n++) {
+            devices[n] = sized_device(rows[i].mailbox, rows[i].bytes[n][0], rows[i].bytes[n][1]);
+            add_part(&w, "fzm1");
+            w.parts[n].device = &devices[n];
+            w.parts[n].clock = rows[i].clock ? clock_of(&devices[n]) : NULL;
+            outputs += rows[i].bytes[n][0];
+        }
+        write_parts(rows[i].title, &w);
+        if (strcmp(frames_of(w.eni), rows[i].frames) != 0)
+            fail_msg("%s: expected %s\n  got      %s", rows[i].title, rows[i].frames, frames_of(w.eni));
+        assert_int_equal(ect_eni_network(w.eni)->inputs.bytes, rows[i].inputs);
+        assert_int_equal(ect_eni_network(w.eni)->outputs.bytes, outputs);
+        drop(&w);
+    }
+}
+
+static void an_unknown_role_of_a_SyncManager_has_no_type(void **state)
+{
+    static const struct {
+        uint8_t role;
+        const char *type; /* NULL: no element */
+    } rows[] = {{0, NULL}, {1, "MBoxOut"}, {2, "MBoxIn"}, {3, "Outputs"}, {4, "Inputs"}, {5, ""}, {255, ""}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_device_t device = *ect_catalogue_find("fzm1")->device;
+        written_t w = {.count = 0};
+        device.sm_count = 5;
+        device.sm[4] = (ect_sm_t){.flags = ECT_SM_FLAG_VIRTUAL, .role = rows[i].role};
+        add_part(&w, "fzm1");
+        w.parts[0].device = &device;
+        write_parts("roles", &w);
+        const ect_eni_sm_t *sm = &slave_of(w.eni, 0)->sms[4];
+        assert_int_equal(sm->given, rows[i].type != NULL);
+        if (rows[i].type != NULL)
+            assert_string_equal(sm->type, rows[i].type);
+        drop(&w);
+    }
+}
+
 static void ENI_007_a_disabled_command_stays_disabled(void **state)
 {
     char why[400] = "";
@@ -968,6 +1153,9 @@ int main(int argc, char **argv)
         cmocka_unit_test(ENI_019_no_other_command_is_adapted),
         cmocka_unit_test(ENI_020_mailboxes_have_a_bit_each),
         cmocka_unit_test(ENI_020_more_than_eight_mailboxes_have_bits_in_several_bytes),
+        cmocka_unit_test(ENI_020_the_FMMU_of_a_mailbox_is_behind_those_of_virtual_SyncManagers),
+        cmocka_unit_test(ENI_016_ENI_017_commands_fill_datagrams_and_frames_between_slaves),
+        cmocka_unit_test(an_unknown_role_of_a_SyncManager_has_no_type),
         cmocka_unit_test(ENI_025_mails_of_AoE_EoE_SoE_and_FoE_come_back),
         cmocka_unit_test(ENI_025_a_mail_of_FoE_without_a_name_has_no_operation),
         cmocka_unit_test(ENI_025_commands_of_an_ESI_file_are_those_of_the_written_file),
