@@ -881,6 +881,75 @@ static void ENI_025_a_reply_of_SoE_is_bounded_whatever_the_slave_sends(void **st
     }
 }
 
+/* A drive with a mailbox of 16 bytes that stores each mail, and confirms the last one. */
+typedef struct written_mails {
+    uint8_t mails[4][16];
+    unsigned int count;
+} written_mails_t;
+
+static bool written_exchange(void *ctx, uint8_t *frame, size_t length)
+{
+    enum { COMMAND = 16, LENGTH = 22, DATA = 26, FPWR = 5 };
+    static const uint8_t reply[] = {4, 0, 0, 0, 0, 5, 0x24, 0x40, 17, 0};
+    written_mails_t *w = ctx;
+    (void)length;
+    assert_int_equal(frame[LENGTH], 16);
+    if (frame[COMMAND] == FPWR) {
+        assert_true(w->count < 4);
+        memcpy(w->mails[w->count++], frame + DATA, 16);
+    } else {
+        memcpy(frame + DATA, reply, sizeof reply);
+    }
+    frame[DATA + 16] = 1;
+    return true;
+}
+
+static void written_report(void *ctx, const char *line)
+{
+    (void)ctx;
+    fail_msg("%s", line);
+}
+
+/* Each mail has the number of further mails in place of the IDN, and the last one has the IDN. */
+static void ENI_025_a_long_value_of_SoE_is_sent_in_mails_that_fit_the_mailbox(void **state)
+{
+    enum { ROOM = 6, VALUE = 0x80 };
+    static const struct {
+        size_t bytes;
+        unsigned int mails;
+    } rows[] = {{0, 1}, {1, 1}, {ROOM, 1}, {ROOM + 1, 2}, {2 * ROOM, 2}, {2 * ROOM + 1, 3}, {3 * ROOM + 2, 4}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char data[2 * 4 * ROOM + 1] = "", text[1500];
+        for (size_t k = 0; k < rows[i].bytes; k++)
+            (void)snprintf(data + 2 * k, 3, "%02x", (unsigned int)(VALUE + k));
+        (void)snprintf(text, sizeof text,
+                       ENI_ONE("", "<Mailbox><Send><Start>4096</Start><Length>16</Length></Send><Recv><Start>4160"
+                                   "</Start><Length>16</Length></Recv><SoE><InitCmd><Transition>PS</Transition>"
+                                   "<OpCode>3</OpCode><DriveNo>1</DriveNo><IDN>17</IDN><Elements>64</Elements>"
+                                   "<Data>%s</Data></InitCmd></SoE></Mailbox>"),
+                       data);
+        written_mails_t w = {.count = 0};
+        const ect_eni_wire_t wire = {
+            .ctx = &w, .exchange = written_exchange, .wait = fake_wait, .report = written_report};
+        ect_eni_t *eni = eni_of("writes", text);
+        ect_eni_player_t player = {.eni = eni, .wire = &wire, .state = ECT_ENI_PREOP};
+        assert_true(ect_eni_play(&player, ECT_ENI_SAFEOP));
+        assert_int_equal(w.count, rows[i].mails);
+        for (unsigned int n = 0; n < w.count; n++) {
+            const unsigned int left = w.count - 1 - n;
+            const size_t at = (size_t)n * ROOM, count = left > 0 ? ROOM : rows[i].bytes - at;
+            uint8_t expected[16] = {
+                (uint8_t)(4 + count),         0, 0, 0, 0, (uint8_t)((n + 1) << 4 | 5), left > 0 ? 0x2B : 0x23, 0x40,
+                left > 0 ? (uint8_t)left : 17};
+            for (size_t k = 0; k < count; k++)
+                expected[10 + k] = (uint8_t)(VALUE + at + k);
+            assert_memory_equal(w.mails[n], expected, sizeof expected);
+        }
+        ect_eni_close(eni);
+    }
+}
+
 /* A slave that replies to each read of its mailbox with the same mail of AoE or EoE. */
 typedef struct server {
     uint8_t mail[64];
@@ -1064,6 +1133,7 @@ int main(void)
         cmocka_unit_test(ENI_025_mails_of_AoE_and_EoE_get_the_reply_of_the_twin),
         cmocka_unit_test(ENI_025_commands_of_SoE_get_the_reply_of_the_twin),
         cmocka_unit_test(ENI_025_a_reply_of_SoE_is_bounded_whatever_the_slave_sends),
+        cmocka_unit_test(ENI_025_a_long_value_of_SoE_is_sent_in_mails_that_fit_the_mailbox),
         cmocka_unit_test(ENI_024_PREOP_is_waited_for_a_second_or_until_an_error),
         cmocka_unit_test(ENI_015_a_mailbox_is_tried_for_a_second_or_the_Timeout_of_the_command),
         cmocka_unit_test(ENI_016_a_cycle_takes_the_shortest_CycleTime_or_a_millisecond),
