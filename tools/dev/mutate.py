@@ -203,10 +203,10 @@ class Program:
         apart = [ROOT / "src/soes", ROOT / "src/ports/soes_hal", ROOT / "src/bus/inprocess"]
         self.library = {s: c for sources in targets.values() for s, c in sources.items()
                         if BUILD / "src" in c.object.parents and s.parent not in apart and c.object.exists()}
-        self.libraries = subprocess.run(["pkg-config", "--libs", "libcjson", "libnl-route-3.0", "libxml-2.0", "yaml-0.1", "cmocka"], check=True,
-                                        capture_output=True, text=True).stdout.split() + ["-lm"]
-        if subprocess.run(["pkg-config", "--exists", "libseccomp"], check=False).returncode == 0:
-            self.libraries.append("-lseccomp")
+        modules = ["libcjson", "libnl-route-3.0", "libxml-2.0", "yaml-0.1", "cmocka"]
+        modules += [optional for optional in ("libseccomp", "libmodbus", "libbpf")
+                    if subprocess.run(["pkg-config", "--exists", optional], check=False).returncode == 0]
+        self.libraries = run_for_text("pkg-config", "--libs", *modules).split() + ["-lm"]
         self.link(BUILD / "libcore.so", {})
         self.support = targets["test_support"]
         unit = ROOT / "tests/unit"
@@ -216,7 +216,7 @@ class Program:
                                     if s.parent in WITH_APPLICATION and c.object.exists()}
         self.tests, self.as_built = {}, set()
         for name in self.own:
-            if "--wrap=" in link_command(name) or self.link_test(name, BUILD / name, {}).returncode != 0:
+            if any("--wrap=" in word for word in link_command(name)) or self.link_test(name, BUILD / name, {}).returncode != 0:
                 self.as_built.add(name)
             self.tests[name] = BUILD / "tests" / name if name in self.as_built else BUILD / name
 
