@@ -439,6 +439,7 @@ static void halves(void **state)
         {"the middle is reached exactly", 65536, 2048, 15, 0, 0, 17},
         {"the middle is not reached", 65536, 2044, 15, 0, 0, 18},
         {"a piece of an eighth", 65536, 2048, 14, 4, 2048, 20},
+        {"a full piece and another one", 65536, 2048, 14, 5, 2048, 20},
         {"more than an eighth", 65536, 2048, 14, 4, 2052, 19},
         {"a limit of 80 KiB", 81920, 2048, 18, 5, 2048, 25},
         {"more than 10 KiB", 81920, 2048, 18, 5, 2052, 24},

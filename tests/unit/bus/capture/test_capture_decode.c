@@ -127,6 +127,7 @@ static void AL_control_and_AL_status_are_states_in_words(void **state)
         {10, 0x01300000, "08 00 00 00 1B 00", 1, "LRD logical 0x01300000, 6 bytes, WKC 1: 08 00 00 00 1B 00"},
         {12, 0x01300000, "08 00 00 00 1B 00", 1, "LRW logical 0x01300000, 6 bytes, WKC 1: 08 00 00 00 1B 00"},
         {5, AT(1001, 0x0120), "", -1, "FPWR 03E9:0120 AL control, 0 bytes:"},
+        {4, AT(1001, 0x0130), "", 1, "FPRD 03E9:0130 AL status, 0 bytes, WKC 1:"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
