@@ -174,6 +174,48 @@ void *__wrap_calloc(size_t count, size_t size)
     return calloc_fails ? NULL : __real_calloc(count, size);
 }
 
+static size_t read_piece; /* most bytes of a read; 0: all */
+static bool read_fails;
+
+ssize_t __real_read(int file, void *bytes, size_t size);
+ssize_t __wrap_read(int file, void *bytes, size_t size);
+
+ssize_t __wrap_read(int file, void *bytes, size_t size)
+{
+    if (read_fails) {
+        errno = EIO;
+        return -1;
+    }
+    return __real_read(file, bytes, read_piece > 0 && size > read_piece ? read_piece : size);
+}
+
+static void file_in_pieces(void **state)
+{
+    static const size_t pieces[] = {1000, 4096, 0};
+    (void)state;
+    for (size_t i = 0; i < sizeof pieces / sizeof pieces[0]; i++) {
+        char text[300] = "";
+        read_piece = pieces[i];
+        ect_esi_t *esi = ect_esi_open(ESI_FILES "/analog.xml", text, sizeof text);
+        read_piece = 0;
+        if (esi == NULL || ect_esi_select(esi, "AI2", text, sizeof text) == NULL)
+            fail_msg("pieces of %zu bytes: %s", pieces[i], text);
+        ect_esi_close(esi);
+    }
+}
+
+static void file_that_cannot_be_read(void **state)
+{
+    char text[600] = "", expected[600];
+    (void)state;
+    read_fails = true;
+    ect_esi_t *esi = ect_esi_open(ESI_FILES "/analog.xml", text, sizeof text);
+    read_fails = false;
+    (void)snprintf(expected, sizeof expected, "%s: %s", ESI_FILES "/analog.xml", strerror(EIO));
+    assert_null(esi);
+    assert_string_equal(text, expected);
+}
+
 static void *no_malloc(size_t size)
 {
     (void)size;
@@ -390,6 +432,8 @@ int main(void)
         {"bad XML, a contradiction, an attack: refused with file, line and error", refusals, NULL, NULL, NULL},
         {"100000 levels of elements are refused", deep_nesting, NULL, NULL, NULL},
         {"An unreadable file is refused", files, NULL, NULL, NULL},
+        {"a file is read in pieces of any size", file_in_pieces, NULL, NULL, NULL},
+        {"a file that cannot be read gives one line with the reason", file_that_cannot_be_read, NULL, NULL, NULL},
         {"a file for which there is no memory is refused with the reason", file_without_memory, NULL, NULL, NULL},
         {"a device for which there is no memory is refused with the reason", no_memory_for_a_device, NULL, NULL, NULL},
         {"bytes that no parser gets are refused", unparsed_bytes, NULL, NULL, NULL},

@@ -415,6 +415,32 @@ static void notes_are_counted(void **state)
     }
 }
 
+/* Each kind has its own count, whatever notes lie between two of a kind. */
+static void kinds_of_notes_are_counted(void **state)
+{
+#define BAD(index)                                                                                                     \
+    "<Object><Index>" index "</Index><Name>O</Name><Type>USINT</Type><BitSize>8</BitSize><Info><MinValue>1</MinValue>" \
+    "<MaxValue>5</MaxValue><DefaultValue>9</DefaultValue></Info></Object>"
+    static const char text[] =
+        ESI_DEVICE("<Profile><Dictionary><DataTypes><DataType><Name>USINT</Name><BitSize>8</BitSize></DataType>"
+                   "</DataTypes><Objects>" BAD("#x2000") BAD("#x2001") BAD("#x2000") BAD("#x2001") BAD("#x2002")
+                       BAD("#x2002") "</Objects></Dictionary></Profile>" ESI_MAILBOX_SMS "<Mailbox><CoE/></Mailbox>");
+    static const char *const wanted[] = {
+        "line 2: object 2000 occurs twice: the first one is used (and 2 more like it)",
+        "object 2000:0: its default 9 is not within its limits 1 to 5: no limits (and 2 more like it)",
+    };
+    size_t count;
+    (void)state;
+    made_t m = make_text("kinds", text);
+    (void)ect_esi_twin_notes(m.twin, &count);
+    assert_int_equal(count, 2);
+    for (size_t i = 0; i < 2; i++) {
+        if (note_of(&m, wanted[i]) == NULL)
+            fail_msg("expected the note \"%s\"", wanted[i]);
+    }
+    free_made(&m);
+}
+
 static double seconds_for(size_t objects)
 {
     char *text = file_of(objects, 1);
@@ -947,6 +973,7 @@ int main(void)
         {"PDO configuration is a service only where something can be written", services, NULL, NULL, NULL},
         {"1C00h has the names of the file", name_of_1c00, NULL, NULL, NULL},
         {"a note of one kind appears once, with the number of those like it", notes_are_counted, NULL, NULL, NULL},
+        {"notes of several kinds have a count each", kinds_of_notes_are_counted, NULL, NULL, NULL},
         {"the time for a twin grows with its objects, not with their square", time_in_objects, NULL, NULL, NULL},
         {"a dictionary of more entries than a twin can have is refused", too_many_entries, NULL, NULL, NULL},
         {"a virtual SyncManager is in the SII with its registers, its length and its flag", virtual_in_the_sii, NULL,
