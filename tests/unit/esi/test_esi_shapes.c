@@ -363,6 +363,53 @@ static void name_of_1c00(void **state)
     }
 }
 
+/* Values of sensors in floating point, which a master writes: only finite ones are accepted. */
+static void infinite_values_of_sensors(void **state)
+{
+#define SENSOR(profile, objects)                                                                                       \
+    ESI_DEVICE("<Profile><ProfileNo>" profile "</ProfileNo><Dictionary><DataTypes><DataType><Name>REAL</Name>"         \
+               "<BitSize>32</BitSize></DataType><DataType><Name>USINT</Name><BitSize>8</BitSize></DataType><DataType>" \
+               "<Name>DT</Name><BitSize>48</BitSize><SubItem><SubIdx>0</SubIdx><Name>N</Name><Type>USINT</Type>"       \
+               "<BitSize>8</BitSize><BitOffs>0</BitOffs></SubItem><SubItem><SubIdx>1</SubIdx><Name>V</Name><Type>REAL" \
+               "</Type><BitSize>32</BitSize><BitOffs>16</BitOffs><Flags><Access>rw</Access></Flags></SubItem>"         \
+               "</DataType></DataTypes><Objects>" objects "</Objects></Dictionary></Profile>" ESI_MAILBOX_SMS          \
+               "<Mailbox><CoE/></Mailbox>")
+#define REAL_OBJECT(index)                                                                                             \
+    "<Object><Index>" index "</Index><Name>V</Name><Type>REAL</Type><BitSize>32</BitSize><Flags><Access>rw</Access>"   \
+    "</Flags></Object>"
+    static const struct {
+        const char *text;
+        ect_behaviour_t behaviour;
+        uint16_t index;
+        uint8_t subindex;
+    } sensors[] = {
+        {SENSOR("404", "<Object><Index>#x6130</Index><Name>V</Name><Type>DT</Type><BitSize>48</BitSize></Object>"),
+         ECT_BEHAVIOUR_CIA404, 0x6130, 1},
+        {SENSOR("406", REAL_OBJECT("#x6003") REAL_OBJECT("#x6004")), ECT_BEHAVIOUR_CIA406, 0x6003, 0},
+    };
+    static const struct {
+        uint32_t bits;
+        bool finite;
+    } rows[] = {{0x7F800000, false}, {0xFF800000, false}, {0x7FC00000, false}, {0x3F800000, true}, {0, true}};
+    (void)state;
+    for (size_t k = 0; k < sizeof sensors / sizeof sensors[0]; k++) {
+        char why[300] = "";
+        wire_t w;
+        made_t m = make_text("a sensor in floating point", sensors[k].text);
+        if (!ect_esi_twin_behave(m.twin, sensors[k].behaviour, why, sizeof why))
+            fail_msg("%s", why);
+        power_on(&w, m.twin);
+        wire_go(&w, 0, PREOP);
+        for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+            const uint32_t code = write_number(&w, sensors[k].index, sensors[k].subindex, rows[i].bits, 4);
+            if (code != (rows[i].finite ? 0 : 0x06090030))
+                fail_msg("%04X: %08X: got %08X", sensors[k].index, (unsigned int)rows[i].bits, (unsigned int)code);
+        }
+        wire_close(&w);
+        free_made(&m);
+    }
+}
+
 /* A file with a dictionary of `count` objects, each of a type of its own with `items` entries and a bad default. */
 static char *file_of(size_t count, size_t items)
 {
@@ -968,6 +1015,7 @@ int main(void)
         {"MinData and MaxData are read by the sign of the type", limits_by_sign, NULL, NULL, NULL},
         {"PDOs without entries, and entries without bits, are a note", empty_pdos, NULL, NULL, NULL},
         {"a mapping of a master has room in a SyncManager without MaxSize", mapping_without_max_size, NULL, NULL, NULL},
+        {"a sensor accepts finite values only", infinite_values_of_sensors, NULL, NULL, NULL},
         {"a set value in floating point that is infinite or no number", infinite_set_values, NULL, NULL, NULL},
         {"a turn without 608Fh has a hundred times 6065h of the file", resolutions, NULL, NULL, NULL},
         {"PDO configuration is a service only where something can be written", services, NULL, NULL, NULL},
