@@ -488,6 +488,29 @@ static void kinds_of_notes_are_counted(void **state)
     free_made(&m);
 }
 
+/* The size is a multiple of 128 bytes, and fits a number of 16 bits. */
+static void sizes_of_EEPROMs(void **state)
+{
+    static const struct {
+        unsigned int given;
+        uint16_t size;
+        const char *note;
+    } rows[] = {
+        {0, 1024, NULL}, /* not given */
+        {2048, 2048, NULL},     {2049, 2176, NULL},
+        {0xFF80, 0xFF80, NULL}, {0xFF81, 0xFF80, "its EEPROM has 65536 bytes; the twin's has 65408"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char text[1000];
+        (void)snprintf(text, sizeof text, ESI_DEVICE("<Eeprom><ByteSize>%u</ByteSize></Eeprom>"), rows[i].given);
+        made_t m = make_text("an EEPROM", text);
+        assert_int_equal(device_of(&m)->sii_size, rows[i].size);
+        expect_note("an EEPROM", &m, rows[i].note);
+        free_made(&m);
+    }
+}
+
 static double seconds_for(size_t objects)
 {
     char *text = file_of(objects, 1);
@@ -1021,6 +1044,7 @@ int main(void)
         {"PDO configuration is a service only where something can be written", services, NULL, NULL, NULL},
         {"1C00h has the names of the file", name_of_1c00, NULL, NULL, NULL},
         {"a note of one kind appears once, with the number of those like it", notes_are_counted, NULL, NULL, NULL},
+        {"an EEPROM has up to 65408 bytes, in steps of 128", sizes_of_EEPROMs, NULL, NULL, NULL},
         {"notes of several kinds have a count each", kinds_of_notes_are_counted, NULL, NULL, NULL},
         {"the time for a twin grows with its objects, not with their square", time_in_objects, NULL, NULL, NULL},
         {"a dictionary of more entries than a twin can have is refused", too_many_entries, NULL, NULL, NULL},
