@@ -78,7 +78,13 @@ static bool show_progress(void *ctx, const char *what, unsigned int done, unsign
     (void)ctx;
     if (isatty(STDERR_FILENO))
         fprintf(stderr, "\rectwin-probe: %s %u of %u \r", what, done, all);
-    return interrupted == 0;
+    return true;
+}
+
+static bool is_interrupted(void *ctx)
+{
+    (void)ctx;
+    return interrupted != 0;
 }
 
 static int fail(const ect_reader_t *r, const args_t *args)
@@ -152,7 +158,8 @@ static int run(ect_packet_t *port, const args_t *args)
     const ect_reader_link_t link = ect_reader_packet_link(port);
     const ect_reader_config_t config = {.position = (uint16_t)(args->slave - 1),
                                         .limit_ms = (uint32_t)(args->limit_s * 1000),
-                                        .progress = show_progress};
+                                        .progress = show_progress,
+                                        .stopped = is_interrupted};
     int status = EXIT_CLEAN;
     if (ect_reader_open(&reader, &link, &config) != ECT_READER_OK)
         status = fail(&reader, args);

@@ -31,7 +31,9 @@ enum { SKIPS = 64, FAILURES = 3 };
 ect_reader_result_t reader_report(ect_reader_t *r, ect_reader_result_t result, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 ect_reader_result_t reader_good(ect_reader_t *r);
-/* @return whether the limit has passed; on true the result is recorded */
+/* @return whether the user has stopped the reader; on true the result is recorded */
+bool reader_is_stopped(ect_reader_t *r);
+/* The same, or the limit has passed. */
 bool reader_is_over(ect_reader_t *r);
 /* @return whether the run continues (ect_reader_config_t::progress) */
 bool reader_progress(ect_reader_t *r, const char *what, unsigned int done, unsigned int all);

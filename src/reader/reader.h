@@ -66,7 +66,7 @@ typedef enum ect_reader_result {
     ECT_READER_WRONG,    /**< a reply that violates the standard */
     ECT_READER_TOO_LONG, /**< more bytes than the caller has room for; the transfer was aborted */
     ECT_READER_LOST,     /**< no frame returned, or no slave processed it */
-    ECT_READER_STOPPED,  /**< ::ect_reader_config_t::progress returned false, or the limit has passed */
+    ECT_READER_STOPPED,  /**< ::ect_reader_config_t::progress returned false, `stopped` true, or the limit has passed */
     ECT_READER_DECLINED, /**< ::ect_reader_config_t::changes forbids a necessary change */
 } ect_reader_result_t;
 
@@ -94,6 +94,9 @@ typedef struct ect_reader_config {
     void *progress_ctx; /**< first argument of `progress` */
     /** Called before each object (`done` of `all`) and each block of the EEPROM (bytes); false stops. NULL: none. */
     bool (*progress)(void *progress_ctx, const char *what, unsigned int done, unsigned int all);
+    /** Called before each frame, also while the reader waits for a state or a mail, with the argument of `progress`;
+     * true stops. ::ect_reader_close does not call it. NULL: none. */
+    bool (*stopped)(void *progress_ctx);
 } ect_reader_config_t;
 
 /** Limit of the kept bytes of another master's mail. */

@@ -25,8 +25,20 @@ uint64_t reader_now(const ect_reader_t *r)
     return r->link->now(r->link->ctx);
 }
 
+static const char by_user[] = "stopped by the user";
+
+bool reader_is_stopped(ect_reader_t *r)
+{
+    if (r->config.stopped == NULL || !r->config.stopped(r->config.progress_ctx))
+        return false;
+    (void)reader_report(r, ECT_READER_STOPPED, by_user);
+    return true;
+}
+
 bool reader_is_over(ect_reader_t *r)
 {
+    if (reader_is_stopped(r))
+        return true;
     if (reader_now(r) < r->limit_ns)
         return false;
     (void)reader_report(r, ECT_READER_STOPPED, "not finished within %u ms", r->config.limit_ms);
@@ -39,7 +51,7 @@ bool reader_progress(ect_reader_t *r, const char *what, unsigned int done, unsig
         return false;
     if (r->config.progress == NULL || r->config.progress(r->config.progress_ctx, what, done, all))
         return true;
-    (void)reader_report(r, ECT_READER_STOPPED, "stopped by the user");
+    (void)reader_report(r, ECT_READER_STOPPED, by_user);
     return false;
 }
 

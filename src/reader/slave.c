@@ -28,6 +28,8 @@ static ect_reader_result_t count_slaves(ect_reader_t *r)
     const bool came = reader_ask(r, BRD, ECT_REG_TYPE, &byte, 1, &r->count);
     if (came && r->config.position < r->count)
         return ECT_READER_OK;
+    if (!came && reader_is_stopped(r))
+        return r->result;
     return came ? reader_report(r, ECT_READER_LOST, "the segment has only %u slave%s", r->count,
                                 r->count == 1 ? "" : "s")
                 : reader_report(r, ECT_READER_LOST, "no frame returns: is a slave connected?");
@@ -198,6 +200,7 @@ void ect_reader_close(ect_reader_t *r)
     ECT_ASSERT(r->link != NULL);
     memcpy(text, r->text, sizeof text);
     r->limit_ns = reader_now(r) + 2 * r->config.state_ms * NS_PER_MS;
+    r->config.stopped = NULL;
     if (r->brought_up) {
         (void)change_state(r, INIT);
         (void)put_sms(r, r->found_sms);

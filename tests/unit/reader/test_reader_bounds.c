@@ -736,6 +736,79 @@ static void progress_counts_objects(void **state)
     }
 }
 
+/* The user stops the reader at one of its questions, and keeps to it. */
+typedef struct user {
+    const liar_t *l;
+    unsigned int questions, stops_at;
+    unsigned int frames; /* until the stop */
+} user_t;
+
+static bool is_stopped(void *ctx)
+{
+    user_t *u = ctx;
+    const bool stops = u->questions++ >= u->stops_at;
+    if (stops && u->questions == u->stops_at + 1)
+        u->frames = u->l->frames;
+    return stops;
+}
+
+static ect_reader_result_t read_value(const liar_t *l, user_t *user)
+{
+    const ect_reader_config_t config = {.stopped = is_stopped, .progress_ctx = user};
+    uint8_t value[4];
+    size_t size = sizeof value;
+    if (ect_reader_open(&reader, &l->link, &config) == ECT_READER_OK)
+        (void)ect_reader_upload(&reader, 0x1000, 0, false, value, &size);
+    return reader.result;
+}
+
+static void no_frame_follows_a_stop(void **state)
+{
+    static const uint64_t lost_from[] = {UINT64_MAX, 1, 40}; /* frames; from a number on each is lost */
+    static const liar_kind_t kind = {"lost", .datagram = loses_all_from_number};
+    (void)state;
+    for (size_t i = 0; i < sizeof lost_from / sizeof lost_from[0]; i++) {
+        ect_reader_result_t result = ECT_READER_STOPPED;
+        for (unsigned int stops_at = 0; result == ECT_READER_STOPPED; stops_at++) {
+            liar_t l;
+            user_t user = {.l = &l, .stops_at = stops_at};
+            liar_open(&l, &testdev, &kind);
+            l.number = lost_from[i];
+            result = read_value(&l, &user);
+            const unsigned int frames = l.frames;
+            l.number = UINT64_MAX;
+            ect_reader_close(&reader);
+            if (user.questions > stops_at && (result != ECT_READER_STOPPED || frames != user.frames ||
+                                              strcmp(reader.text, "stopped by the user") != 0))
+                fail_msg("stopped at question %u: expected no frame after %u, got %u; result %d, '%s'", stops_at,
+                         user.frames, frames, result, reader.text);
+            assert_int_equal(wire_read8(&l.w, 0, ECT_REG_AL_STATUS), INIT);
+            liar_close(&l);
+        }
+        assert_int_equal(result, i == 0 ? ECT_READER_OK : ECT_READER_LOST);
+    }
+}
+
+static void the_user_stops_a_wait_for_a_state(void **state)
+{
+    user_t user = {.stops_at = 2000};
+    static const liar_kind_t kind = {"waited for", .datagram = keeps_waiting};
+    static const wait_t never = {
+        "state not reached", APRD, ECT_REG_AL_STATUS, ECT_REG_AL_CONTROL, 0, 0x1F, INIT, {0}, 0};
+    liar_t l;
+    (void)state;
+    waited = &never;
+    polls = 0;
+    liar_open(&l, &testdev, &kind);
+    user.l = &l;
+    assert_int_equal(read_value(&l, &user), ECT_READER_STOPPED);
+    assert_string_equal(reader.text, "stopped by the user");
+    assert_int_equal(l.frames, user.frames);
+    l.kind = NULL;
+    ect_reader_close(&reader);
+    liar_close(&l);
+}
+
 /* The caller takes longer over the first entry than the reader may run. */
 static void holds_up(void *ctx, const ect_reader_object_t *object, const ect_reader_entry_t *entry)
 {
@@ -794,6 +867,8 @@ int main(int argc, char **argv)
         {"SyncManager 0 to 31 have the assignments 1C10h to 1C2Fh", each_sync_manager_has_its_assignment, NULL, NULL,
          NULL},
         {"progress counts the objects, and stops where it is refused", progress_counts_objects, NULL, NULL, NULL},
+        {"no frame follows a stop, until the slave returns to its state", no_frame_follows_a_stop, NULL, NULL, NULL},
+        {"the user stops a wait for a state", the_user_stops_a_wait_for_a_state, NULL, NULL, NULL},
         {"a limit that passes between two objects is no gap of the next", a_limit_between_two_objects_is_no_gap, NULL,
          NULL, NULL},
     };
