@@ -83,6 +83,7 @@ static int fetch(connection_t *connection, const char *slave, const char *who)
     int status = EXIT_CLEAN;
     double serial = -1;
     for (unsigned int tries = 0; status == EXIT_CLEAN && tries < MOST_TRIES;) {
+        const size_t had = set.have;
         cJSON *request = cJSON_CreateObject();
         cJSON_AddStringToObject(request, "op", "data");
         connection_add_slave(request, slave);
@@ -90,6 +91,10 @@ static int fetch(connection_t *connection, const char *slave, const char *who)
         status = connection_request(connection, request, who, take_piece);
         if (status != EXIT_CLEAN || (set.known && set.have == set.size))
             return status;
+        if (set.serial == serial && set.have <= had) {
+            fprintf(stderr, "%s: a reply of the twin has no data: run ectwin and the twin in one version\n", who);
+            return EXIT_RUN;
+        }
         tries += set.serial != serial;
         serial = set.serial;
     }
