@@ -38,18 +38,19 @@ static bool find_library(const char *name, char path[PATH_MAX])
     return false;
 }
 
-/* Finds CMD as a shell does. @return false: not found; starting CMD reports this */
+/* Finds CMD as execvp() does: an empty element of PATH is the working directory. @return false: not found; starting CMD
+ * reports this */
 static bool find_command(const char *name, char path[PATH_MAX])
 {
     if (strchr(name, '/'))
         return snprintf(path, PATH_MAX, "%s", name) < PATH_MAX;
     const char *folders = getenv("PATH");
-    while (folders && *folders) {
+    while (folders) {
         size_t length = strcspn(folders, ":");
-        snprintf(path, PATH_MAX, "%.*s/%s", (int)length, folders, name);
+        snprintf(path, PATH_MAX, "%.*s%s%s", (int)length, folders, length > 0 ? "/" : "", name);
         if (access(path, X_OK) == 0)
             return true;
-        folders += length + (folders[length] == ':');
+        folders = folders[length] == ':' ? folders + length + 1 : NULL;
     }
     return false;
 }

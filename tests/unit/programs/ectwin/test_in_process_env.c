@@ -204,16 +204,22 @@ static void other_files(void **state)
     }
 }
 
-/* CMD without a slash is the first program of this name in PATH that can be started. */
+/* CMD without a slash is the first program of this name in PATH that can be started; an empty element of PATH is the
+ * working directory (POSIX.1-2017, XBD 8.3). */
 static void folders_of_programs(void **state)
 {
     static const program_t own = {.part_count = 0}, foreign = {.processor = 0x1234};
     static const struct {
         const char *path; /* NULL: not set */
         bool fits;
-    } rows[] = {{"a", true},    {"b", false},   {"a:b", true},        {"b:a", false},      {"nosuch:b", false},
-                {"c:b", false}, {"::b", false}, {"nosuch:a:b", true}, {"nosuch", true},    {"", true},
-                {NULL, true},   {"b:", false},  {"nosuch:c", true},   {"nosuch::b", false}};
+        bool here; /* there is a program in the working directory, which does not fit */
+    } rows[] = {
+        {"a", true, false},         {"b", false, false},       {"a:b", true, false},        {"b:a", false, false},
+        {"nosuch:b", false, false}, {"c:b", false, false},     {"nosuch:a:b", true, false}, {"nosuch", true, false},
+        {NULL, true, false},        {"nosuch:c", true, false}, {NULL, true, true},          {"a", true, true},
+        {"b:", false, false},       {"::b", false, false},     {"nosuch::b", false, false}, {":a", true, false},
+        {"a:", true, true},         {":a", false, true},       {"nosuch:", false, true},    {"nosuch::a", false, true},
+        {"", false, true},          {"", true, false}};
     char message[INPROCESS_MESSAGE], *before = strdup(getenv("PATH"));
     (void)state;
     mkdir("a", 0755);
@@ -225,6 +231,10 @@ static void folders_of_programs(void **state)
     assert_int_equal(chmod("c/program", 0644), 0); /* cannot be started */
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         in_process_t p = {.command = "program"};
+        if (rows[i].here)
+            write_program("program", &foreign);
+        else
+            (void)unlink("program");
         if (rows[i].path)
             setenv("PATH", rows[i].path, 1);
         else
