@@ -301,8 +301,11 @@ ect_memory_t *ect_memory_open(const char *path, char *message)
         why = step < 2 ? open_bank(m, step, path) : check_bank(m, step - 2, path, message);
     if (!why)
         return m;
-    snprintf(message, ECT_MEMORY_MESSAGE, "cannot keep what is saved in '%.400s.%u': %s", path ? path : "",
-             step > 0 ? (step - 1) % 2 : 0, why);
+    if (path)
+        snprintf(message, ECT_MEMORY_MESSAGE, "cannot keep what is saved in '%.400s.%u': %s", path,
+                 step > 0 ? (step - 1) % 2 : 0, why);
+    else
+        snprintf(message, ECT_MEMORY_MESSAGE, "cannot keep what is saved: %s", why);
     ect_memory_close(m);
     return NULL;
 }
