@@ -425,7 +425,7 @@ static int write_slave(clone_t *c, uint16_t n, size_t image_size)
     printf("%u %s @0x%08" PRIX32 "/0x%08" PRIX32 ": EEPROM %zu bytes, %u objects, %zu PDOs", n + 1u, model->type,
            model->product_code, model->revision, image_size, c->objects, model->pdo_count);
     if (c->unread > 0)
-        printf(", %u entries without a value", c->unread);
+        printf(", %u %s without a value", c->unread, c->unread == 1 ? "entry" : "entries");
     printf("\n");
     fprintf(c->bus.file, "  - device: 'esi:%s'\n    name: slave%u\n", name, n + 1u);
     if (status == EXIT_CLEAN)

@@ -48,7 +48,7 @@ static void name_namespace(pid_t pid, char name[64])
     snprintf(process, sizeof process, "%d", (int)pid);
     read_namespace(process, name);
     read_namespace("self", own);
-    if (*name == 0 || pid == 0)
+    if (*name == 0) /* as of process 0, one of another process namespace */
         strcpy(name, "?");
     else if (strcmp(name, own) == 0)
         strcpy(name, "here");

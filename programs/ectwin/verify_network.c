@@ -54,11 +54,12 @@ static void pass_time(void *ctx, uint64_t ns)
 {
     bench_t *b = ctx;
     const uint64_t until = b->now_ns + ns;
-    while (b->now_ns < until) {
+    for (;;) {
         const uint64_t next = ect_chain_poll(b->chain, b->now_ns);
+        if (b->now_ns >= until)
+            return;
         b->now_ns = next > b->now_ns && next < until ? next : until;
     }
-    (void)ect_chain_poll(b->chain, b->now_ns);
 }
 
 static void report(void *ctx, const char *line)

@@ -136,6 +136,22 @@ check "--esi-dir: the comment" "No SDO information: names and objects are those 
 grep -v -e '<Data>' -e '<CoE' -e 'No SDO information' "$work/file" >"$work/from_file"
 device=esi:$work/esi/fzm1.xml fzm1_clone --preop
 check "--esi-dir: the same as by SDO information" "" "$(grep -v -e '<Data>' -e '<CoE' "$work/file" | diff - "$work/from_file")"
+# A slave that no longer replies, from an object of the ESI file alone on: gaps of the third request in a row, of a lost frame, of the limit.
+while IFS='|' read -r action limit gaps unread reason; do
+  rm -rf "$work/one"
+  echo "at the 1st upload of 0x1C32 after 1us $action" >"$work/scenario"
+  on_virtual_time --quiet --scenario "$work/scenario" "esi:$work/silent.xml" -- \
+    "$ectwin" clone --preop -i {} -o "$work/one" --esi-dir "$work/esi" --limit "$limit" >"$work/said" 2>"$work/err"
+  check "--esi-dir, $action: exit code, objects, entries without a value" "3 12 objects $unread without a value" \
+    "$? $(sed 's/.*, \([0-9]* objects\), [0-9]* PDOs, /\1 /' "$work/said")"
+  check "--esi-dir, $action: gaps" "$gaps" "$(sed -n 's/^  \(....:..\): no value: .*/\1/p' "$work"/one/01-*.xml | xargs)"
+  check "--esi-dir, $action: the reason" "ectwin clone: slave 1: dictionary, read in part: $reason" "$(grep 'in part' "$work/err")"
+done <<'END'
+mail lost slave 1|600|1C32:01 1C32:02 1C32:04|3 entries|no reply within 2000 ms
+hang slave 1|600|1C32:01 1C32:02 1C32:04|3 entries|the slave does not empty its mailbox within 2000 ms
+drop|600|1C32:00|1 entry|no frame returns (0x080D)
+mail late 1900ms slave 1|2|1C32:02|1 entry|not finished within 2000 ms
+END
 rm "$work/esi/fzm1.xml"
 fzm1_clone --preop --esi-dir "$work/esi"
 check "--esi-dir without the file" "0 8 ectwin clone: slave 1: no SDO information: no file has its vendor, product and revision" \

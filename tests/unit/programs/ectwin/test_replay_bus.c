@@ -404,6 +404,9 @@ static void mails_are_compared_by_header_and_service(void **state)
         {PREOP "FPRD 1001 1080 ~7\n= 00000000000301#1",
          "  frame 10, slave 1, mail 1: bus CoE service 0, 0000h:00, command 0x00, twin nothing more\n"
          ": 5 frames and 5 replies in 0.008 s of the bus: 1 differences\n"},
+        {PREOP "FPWR 1001 080E 00\n= 00#1\nFPRD 1001 1080 ~7\n= ~7#0",
+         "  frame 12, slave 1, mail 1: bus nothing more, twin error mail\n"
+         ": 6 frames and 6 replies in 0.010 s of the bus: 1 differences\n"},
         {PREOP "FPRD 1001 1080 ~6\n= 000000000003#1",
          "  frame 10, FPRD 1001:1080, slave 1: working counter: bus 1, twin 0\n"
          ": 5 frames and 5 replies in 0.008 s of the bus: 1 differences\n"},
