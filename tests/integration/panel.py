@@ -50,6 +50,13 @@ class Panel:
     def descriptors(self):
         return len(os.listdir(f"/proc/{self.process.pid}/fd"))
 
+    def wait_for_descriptors(self, number):
+        """Waits until the program has so many, or two minutes. Returns their number."""
+        deadline = time.monotonic() + 120
+        while self.descriptors() != number and time.monotonic() < deadline:
+            time.sleep(0.05)
+        return self.descriptors()
+
     def stop(self):
         self.process.send_signal(signal.SIGTERM)
         text = self.process.communicate(timeout=120)[1]
@@ -89,10 +96,10 @@ class Page:
         head, self.received = self.received.split(b"\r\n\r\n", 1)
         return int(head.split()[1])
 
-    def frame(self, opcode, content):
+    def frame(self, opcode, content, last=True):
         size = struct.pack("!B", 0x80 | len(content)) if len(content) < 126 else struct.pack("!BH", 0x80 | 126, len(content))
         mask = os.urandom(4)
-        self.socket.sendall(bytes([0x80 | opcode]) + size + mask + bytes(b ^ mask[i % 4] for i, b in enumerate(content)))
+        self.socket.sendall(bytes([0x80 * last | opcode]) + size + mask + bytes(b ^ mask[i % 4] for i, b in enumerate(content)))
 
     def send(self, message):
         self.frame(1, (message if isinstance(message, str) else json.dumps(message)).encode())
@@ -206,6 +213,20 @@ def pages():
     again = subprocess.run([ECTWIN, "panel", "--port", str(first.port)], capture_output=True, text=True)
     check("a port that is taken: status 2 and a line", (2, True), (again.returncode, "cannot listen at 127.0.0.1" in again.stderr))
     first.stop()
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    reader, writer = os.pipe()
+    os.close(reader)
+    unread = subprocess.Popen([ECTWIN, "panel", "--port", str(port)], stdout=writer, stderr=subprocess.DEVNULL)
+    os.close(writer)
+    served, deadline = None, time.monotonic() + 120
+    while served is None and unread.poll() is None and time.monotonic() < deadline:
+        with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), timeout=120) as one:
+            one.sendall(f"GET /icon.svg HTTP/1.0\r\nHost: localhost:{port}\r\n\r\n".encode())
+            served = one.recv(15)
+    check("a reader of its line that has ended does not end the panel", b"HTTP/1.0 200 OK", served)
+    unread.terminate()
+    check("its status at SIGTERM is 0 all the same", 0, unread.wait(120))
     wrong = subprocess.run([ECTWIN, "panel", "--bind", "example.org"], capture_output=True, text=True)
     check("a name is no address", 1, wrong.returncode)
     with tempfile.TemporaryDirectory() as folder:
@@ -213,6 +234,18 @@ def pages():
         lacking = subprocess.run([alone, "panel"], capture_output=True, text=True, env={"PATH": folder})
         check("without ectwin-panel: status 2 and the cure", (2, True), (lacking.returncode, "install libwebsockets-dev" in lacking.stderr))
         check("its help is there all the same", 0, subprocess.run([alone, "panel", "--help"], stdout=subprocess.DEVNULL, env={"PATH": folder}).returncode)
+    refused = subprocess.run([ECTWIN, "panel", "x"], capture_output=True, text=True)
+    check("an argument: status 1 and a line", (1, "ectwin panel: it takes no argument"), (refused.returncode, refused.stderr.split("\n")[0]))
+    version = subprocess.run([ECTWIN, "panel", "--version"], capture_output=True, text=True).stdout
+    check("its version is that of ectwin", subprocess.run([ECTWIN, "--version"], capture_output=True, text=True).stdout.split()[1:],
+          version.split()[1:])
+    with running("--open", "--view", "--bind", "127.0.0.2") as panel:
+        check("each option is read, whatever follows it", "http://127.0.0.2", panel.base.rsplit(":", 1)[0])
+    with running("--bind", "127.0.0.1", "--view") as panel:
+        check("an address, then --view: no change", True, Page(panel, panel.token).wait("hello")["view"])
+    with contextlib.suppress(OSError), socket.create_server(("::1", 0), family=socket.AF_INET6):  # a machine with IPv6
+        with running("--bind", "::1") as panel:
+            check("an address of IPv6 is in brackets", "http://[::1]", panel.base.rsplit(":", 1)[0])
     with running("--bind", "0.0.0.0") as panel:
         pass
     check("another address than this machine's: a warning", True, "everybody on the network path" in panel.errors)
@@ -235,6 +268,12 @@ def browsers():
         check("SEC: other users cannot read it", "600", (folder / "mode").read_text().strip())
         check("SEC: the token is not among the arguments", False, panel.token in page)
     check("the file is removed at the end", False, os.path.exists(page))
+    path, os.environ["PATH"] = os.environ["PATH"], str(folder / "nosuch")
+    with twins("fzm1"), running("--open") as panel:
+        pass
+    check("--open without xdg-open: a line with the cure",
+          "ectwin panel: cannot run xdg-open (No such file or directory): open the URL yourself\n", panel.errors)
+    os.environ["PATH"] = path
     shutil.rmtree(folder / "ectwin")
     with running("--open") as panel:
         pass
@@ -321,13 +360,14 @@ def buses():
         with twins("fzm1", "--name", "press"):
             found = page.wait("buses", lambda m: m["buses"])["buses"][0]
             check("a twin that starts is in the list", ("press", 1), (found["about"]["name"], found["about"]["slaves"]))
-            page.send({"trace": [page.open_bus(found["bus"])[1, "ready"]]})
-            page.wait("changes")
+            ready = page.open_bus(found["bus"])[1, "ready"]
+            one = panel.descriptors()
+            for signals, connections in (([ready], 1), ([], 0), ([ready], 1)):
+                page.send({"trace": signals})
+                check(f"a page that plots {len(signals)} signals: connections for changes", one + connections,
+                      panel.wait_for_descriptors(one + connections))
         check("a twin that ends leaves it", [], page.wait("buses", lambda m: not m["buses"])["buses"])
-        deadline = time.monotonic() + 120
-        while panel.descriptors() != idle and time.monotonic() < deadline:
-            time.sleep(0.05)
-        check("both connections to it are closed", idle, panel.descriptors())
+        check("both connections to it are closed", idle, panel.wait_for_descriptors(idle))
 
 
 def hostile():
@@ -344,6 +384,16 @@ def hostile():
         page.wait("hello")
         page.frame(2, b"\0\1")
         check("SEC: a binary message closes the connection", None, page.wait("never"))
+        page = Page(panel, panel.token)
+        request = json.dumps({"id": 1, "bus": bus, "request": {"op": "set", "name": "data1", "value": 2}}).encode()
+        page.frame(1, request[:7], last=False)
+        page.frame(0, request[7:20], last=False)
+        page.frame(0, request[20:])
+        check("a message in parts is taken whole", {"ok": True}, page.wait("reply")["reply"])
+        page.frame(1, b" " * 2000, last=False)
+        page.frame(0, b" " * 2096, last=False)
+        page.frame(0, b" ")
+        check("SEC: a long one in parts closes the connection", None, page.wait("never"))
         page = Page(panel, panel.token)
         page.wait("hello")
         with contextlib.suppress(OSError):

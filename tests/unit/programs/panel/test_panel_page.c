@@ -383,6 +383,46 @@ static void too_many_requests(void **state)
     assert_int_equal(from_page("{\"id\":9,\"bus\":1,\"request\":{\"op\":\"set\"}}"), PAGE_CLOSE);
 }
 
+/* A request for a twin has less room than a message of a page. */
+static void a_long_request(void **state)
+{
+    static const struct {
+        size_t spaces; /* in its text */
+        page_action_t action;
+    } rows[] = {{REQUEST_LINE - 100, PAGE_PASS_ON}, {REQUEST_LINE, PAGE_DONE}};
+    char text[REQUEST_TEXT];
+    (void)state;
+    open_bus();
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        snprintf(text, sizeof text,
+                 "{\"id\":%zu,\"bus\":1,\"request\":{\"op\":\"set\",\"name\":\"a\",\"value\":\"%*s\"}}", i,
+                 (int)rows[i].spaces, "");
+        if (from_page(text) != rows[i].action)
+            fail_msg("a request of %zu bytes: expected action %d", strlen(text), (int)rows[i].action);
+    }
+    expect("{\"event\":\"reply\",\"id\":1,\"reply\":{\"ok\":false,\"message\":\"too much for one request\"}}");
+}
+
+static void a_refused_watch(void **state)
+{
+    static const struct {
+        const char *reply, *trouble;
+    } rows[] = {{"{\"ok\":false,\"message\":\"a \\\"b\\\"\"}\n", "a \\\"b\\\""},
+                {"{\"ok\":false}\n", "the twin does not report its signals"},
+                {"{\"ok\":false,\"message\":7}\n", "the twin does not report its signals"}};
+    char want[256];
+    (void)state;
+    open_bus();
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        const link_request_t request = {.kind = LINK_WATCH};
+        assert_true(link_ask(&bus->link, "{}", &request));
+        from_bus(rows[i].reply);
+        snprintf(want, sizeof want, "{\"event\":\"trouble\",\"bus\":1,\"message\":\"%s\"}", rows[i].trouble);
+        expect(want);
+        expect("");
+    }
+}
+
 static void rules(void **state)
 {
     static const char *const bad[] = {"{\"token\":\"\"}", "{\"token\":1}", "{}", "{\"open\":1}", "", "{", "[]", "1"};
@@ -769,6 +809,8 @@ int main(int argc, char **argv)
         {"SEC: lines without end are no reply", too_many_lines, begin, finish, NULL},
         {"A reply that is too long becomes a short one", a_long_reply, begin, finish, NULL},
         {"SEC: a seventeenth request without a reply ends the connection", too_many_requests, begin, finish, NULL},
+        {"A request that is too long for the twin is refused", a_long_request, begin, finish, NULL},
+        {"The reason of a twin that reports no changes is shown", a_refused_watch, begin, finish, NULL},
         {"SEC: a page that breaks the rules is closed", rules, begin, finish, NULL},
         {"Signals and values that exceed one message are sent in several", many_signals, begin, finish, NULL},
         {"More signals than a connection watches: the reason is shown", too_many_signals, begin, finish, NULL},
