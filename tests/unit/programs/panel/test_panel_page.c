@@ -280,8 +280,10 @@ static void events(void **state)
     bus_poll(bus, true);
     expect_requests(ABOUT "{\"op\":\"stats\"}\n{\"op\":\"fault\"}\n" EVENTS("9"));
     assert_int_equal(from_page("{\"open\":1}"), PAGE_LEAVE); /* again: all that are kept */
-    while (page_next(page, &buses, message) > 0 && !strstr(message, "\"events\"")) {
+    size_t length;
+    while ((length = page_next(page, &buses, message)) > 0 && !strstr(message, "\"events\"")) {
     }
+    message[length] = '\0';
     assert_non_null(strstr(message, EVENT("8") "," EVENT("9")));
 }
 
@@ -381,6 +383,34 @@ static void too_many_requests(void **state)
     for (int i = 0; i < PAGE_REPLIES; i++)
         assert_int_equal(from_page("{\"id\":9,\"bus\":1,\"request\":{\"op\":\"set\"}}"), PAGE_PASS_ON);
     assert_int_equal(from_page("{\"id\":9,\"bus\":1,\"request\":{\"op\":\"set\"}}"), PAGE_CLOSE);
+}
+
+static void a_bus_opened_again(void **state)
+{
+    static const link_request_t watch = {.kind = LINK_WATCH}, later = {.kind = LINK_EVENTS};
+    static const char *const all[] = {
+        "{\"event\":\"trouble\",\"bus\":1,\"message\":\"b\"}",
+        "{\"event\":\"signals\",\"bus\":1,\"of\":2,\"from\":0,\"signals\":[" SIGNAL_A "," SIGNAL_B "]}",
+        "{\"event\":\"faults\",\"bus\":1,\"faults\":[\"drop \\\"5%\",\"reorder\"]}",
+        "{\"event\":\"events\",\"bus\":1,\"events\":[" EVENT("1") "]}",
+        "{\"event\":\"stats\",\"bus\":1,\"counters\":{\"frames\":1},\"answers\":{\"answers\":[]}}",
+        "{\"event\":\"values\",\"bus\":1,\"values\":[[0,1]]}",
+    };
+    (void)state;
+    open_bus();
+    assert_true(link_ask(&bus->link, "{}", &later));
+    from_bus(EVENT("1") "\n" OK OK);
+    assert_true(link_ask(&bus->link, "{}", &watch));
+    from_bus("{\"ok\":false,\"message\":\"b\"}\n{\"slave\":1,\"name\":\"a\",\"value\":1,\"time\":1.5}\n");
+    while (page_next(page, &buses, message) > 0) {
+    }
+    for (unsigned int times = 0; times < 2; times++) {
+        assert_int_equal(from_page("{\"open\":1}"), PAGE_LEAVE);
+        page->due = true;
+        for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+            expect(all[i]);
+        expect("");
+    }
 }
 
 /* A request for a twin has less room than a message of a page. */
@@ -809,6 +839,7 @@ int main(int argc, char **argv)
         {"SEC: lines without end are no reply", too_many_lines, begin, finish, NULL},
         {"A reply that is too long becomes a short one", a_long_reply, begin, finish, NULL},
         {"SEC: a seventeenth request without a reply ends the connection", too_many_requests, begin, finish, NULL},
+        {"A page that opens its bus again gets all of it again", a_bus_opened_again, begin, finish, NULL},
         {"A request that is too long for the twin is refused", a_long_request, begin, finish, NULL},
         {"The reason of a twin that reports no changes is shown", a_refused_watch, begin, finish, NULL},
         {"SEC: a page that breaks the rules is closed", rules, begin, finish, NULL},
