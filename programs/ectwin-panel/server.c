@@ -68,7 +68,6 @@ typedef struct server {
     buses_t buses;
 } server_t;
 
-static struct lws_context *running;
 static volatile sig_atomic_t stopped;
 
 static server_t *server_of(struct lws *wsi)
@@ -525,12 +524,11 @@ static void tick(lws_sorted_usec_list_t *timer)
 
 /* --- start and end ------------------------------------------------------------------------------------------------ */
 
+/* The loop ends at the next tick at the latest. */
 static void stop(int number)
 {
     (void)number;
     stopped = 1;
-    if (running)
-        lws_cancel_service(running);
 }
 
 static const struct lws_protocols protocols[] = {
@@ -598,7 +596,6 @@ bool server_run(const server_options_t *options, const char *who, void (*ready)(
     signal(SIGPIPE, SIG_IGN);
     if (!listen_at(&server, who))
         return false;
-    running = server.context;
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
     lws_sul_schedule(server.context, 0, &server.timer, tick, TICK_US);
@@ -606,7 +603,6 @@ bool server_run(const server_options_t *options, const char *who, void (*ready)(
     while (!stopped && lws_service(server.context, 0) >= 0) {
     }
     release_all(&server);
-    running = NULL;
     lws_context_destroy(server.context);
     for (size_t i = 0; i < server.buses.count; i++) {
         table_clear(&server.buses.all[i]->table);

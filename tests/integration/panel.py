@@ -366,6 +366,9 @@ def buses():
                 page.send({"trace": signals})
                 check(f"a page that plots {len(signals)} signals: connections for changes", one + connections,
                       panel.wait_for_descriptors(one + connections))
+            check("a camera is triggered", {"ok": True}, page.request(found["bus"], {"op": "set", "slave": 1, "name": "trigger", "value": 1}))
+            check("a signal that is plotted again has its changes", True,
+                  page.wait("changes", lambda m: any(change[::2] == [ready, 1] for change in m["changes"])) is not None)
         check("a twin that ends leaves it", [], page.wait("buses", lambda m: not m["buses"])["buses"])
         check("both connections to it are closed", idle, panel.wait_for_descriptors(idle))
 

@@ -560,6 +560,29 @@ static void half_a_reply(void **state)
     assert_string_equal(page->reply[page->first].text, "{\"ok\":true,\"lines\":[{\"index\":2}]}");
 }
 
+/* The same of lists of faults, and of events, which a request for more follows. */
+static void half_a_list(void **state)
+{
+    static const char *const rows[] = {OK OK "{\"fault\":\"a\"}\n", OK OK OK EVENT("8") "\n"};
+    (void)state;
+    open_bus();
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        bus_poll(bus, true);
+        from_bus(rows[i]);
+        bus_connected(&buses, bus, 78);
+        expect_requests(ABOUT);
+        from_bus(OK);
+        bus_poll(bus, true);
+        expect_requests(POLLED);
+        from_bus(OK SIGNAL_A "\n" OK);
+        expect_requests("{\"op\":\"watch\",\"slave\":0}\n");
+        from_bus(OK "{\"fault\":\"b\"}\n" OK OK OK);
+        expect_requests("");
+        assert_string_equal(bus->faults.text, "[\"b\"]");
+        assert_int_equal(bus->events, 0);
+    }
+}
+
 /* The longest reply that a page gets, and one with a byte more. */
 static void lines_that_just_fit(void **state)
 {
@@ -856,6 +879,7 @@ int main(int argc, char **argv)
         {"The list of faults fits to its last byte", faults_that_just_fit, begin, finish, NULL},
         {"Each reply has all faults, and a line without one adds none", faults_of_each_reply, begin, finish, NULL},
         {"Half a reply ends with its connection", half_a_reply, begin, finish, NULL},
+        {"Half a list ends with its connection", half_a_list, begin, finish, NULL},
         {"The reply of several lines fits to its last byte", lines_that_just_fit, begin, finish, NULL},
         {"A bus is found by its number", buses_by_their_number, begin, finish, NULL},
     };
