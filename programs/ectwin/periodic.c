@@ -82,6 +82,7 @@ static int fetch(connection_t *connection, const char *slave, const char *who)
 {
     int status = EXIT_CLEAN;
     double serial = -1;
+    bool newer = false; /* the last reply is of another set than the one before */
     for (unsigned int tries = 0; status == EXIT_CLEAN && tries < MOST_TRIES;) {
         const size_t had = set.have;
         cJSON *request = cJSON_CreateObject();
@@ -91,14 +92,13 @@ static int fetch(connection_t *connection, const char *slave, const char *who)
         status = connection_request(connection, request, who, take_piece);
         if (status != EXIT_CLEAN || (set.known && set.have == set.size))
             return status;
-        if (set.serial == serial && set.have <= had) {
-            fprintf(stderr, "%s: a reply of the twin has no data: run ectwin and the twin in one version\n", who);
-            return EXIT_RUN;
-        }
-        tries += set.serial != serial;
+        newer = set.serial != serial;
+        tries += newer || set.have <= had;
         serial = set.serial;
     }
-    fprintf(stderr, "%s: sets follow each other faster than they can be fetched\n", who);
+    fprintf(stderr, "%s: %s\n", who,
+            newer ? "sets follow each other faster than they can be fetched"
+                  : "the replies of the twin have no data: run ectwin and the twin in one version");
     return EXIT_RUN;
 }
 
