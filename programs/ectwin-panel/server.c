@@ -285,10 +285,10 @@ static int on_page(struct lws *wsi, enum lws_callback_reasons reason, void *user
         return server_of(wsi)->connections >= CONNECTIONS ? -1 : 0;
     case LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED:
         server_of(wsi)->connections++;
-        return 0;
+        break;
     case LWS_CALLBACK_WSI_DESTROY:
         server_of(wsi)->connections -= server_of(wsi)->connections > 0;
-        return 0;
+        break;
     case LWS_CALLBACK_HTTP:
         return serve_file(wsi, user, bytes);
     case LWS_CALLBACK_HTTP_WRITEABLE:
@@ -300,20 +300,21 @@ static int on_page(struct lws *wsi, enum lws_callback_reasons reason, void *user
         return admit(wsi);
     case LWS_CALLBACK_ESTABLISHED:
         begin_page(wsi, user);
-        return 0;
+        break;
     case LWS_CALLBACK_RECEIVE:
         return take_message(wsi, user, bytes, length);
     case LWS_CALLBACK_RECEIVE_PONG:
         ((browser_t *)user)->silence = 0;
-        return 0;
+        break;
     case LWS_CALLBACK_SERVER_WRITEABLE:
         return write_message(wsi, user);
     case LWS_CALLBACK_CLOSED:
         end_page(wsi, user);
-        return 0;
+        break;
     default:
-        return 0;
+        break;
     }
+    return 0;
 }
 
 /* --- buses -------------------------------------------------------------------------------------------------------- */
@@ -357,10 +358,11 @@ static int on_bus(struct lws *wsi, enum lws_callback_reasons reason, void *user,
     case LWS_CALLBACK_RAW_CLOSE_FILE:
         bus->socket = NULL;
         bus_disconnected(&server_of(wsi)->buses, bus);
-        return 0;
+        break;
     default:
-        return 0;
+        break;
     }
+    return 0;
 }
 
 /* @return NULL: libwebsockets has closed the descriptor */
@@ -410,10 +412,11 @@ static int on_trace(struct lws *wsi, enum lws_callback_reasons reason, void *use
     case LWS_CALLBACK_RAW_CLOSE_FILE:
         bus->trace.socket = NULL;
         trace_restart(&bus->trace);
-        return 0;
+        break;
     default:
-        return 0;
+        break;
     }
+    return 0;
 }
 
 static void take_trace_socket(void *ctx, bus_t *bus, int fd, long process)

@@ -61,9 +61,10 @@ static char *value_of(const char *text, const cJSON *value)
     size_t length = strspn(digits, "-0123456789");
     if (!cJSON_IsNumber(value) || length <= EXACT || !strchr(",}", digits[length]))
         return cJSON_PrintUnformatted(value);
-    char *quoted = cJSON_malloc(length + 3);
+    const size_t room = length + 3;
+    char *quoted = cJSON_malloc(room);
     if (quoted)
-        snprintf(quoted, length + 3, "\"%.*s\"", (int)length, digits);
+        snprintf(quoted, room, "\"%.*s\"", (int)length, digits);
     return quoted;
 }
 

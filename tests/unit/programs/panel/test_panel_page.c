@@ -433,11 +433,18 @@ static void a_long_request(void **state)
     expect("{\"event\":\"reply\",\"id\":1,\"reply\":{\"ok\":false,\"message\":\"too much for one request\"}}");
 }
 
+#define TEN_CONTROLS "\\u0001\\u0001\\u0001\\u0001\\u0001\\u0001\\u0001\\u0001\\u0001\\u0001"
+
+/* The reason has at most 512 bytes in a message; a longer one is left out. */
 static void a_refused_watch(void **state)
 {
     static const struct {
         const char *reply, *trouble;
     } rows[] = {{"{\"ok\":false,\"message\":\"a \\\"b\\\"\"}\n", "a \\\"b\\\""},
+                {"{\"ok\":false,\"message\":\"" TEN_CONTROLS "\"}\n", TEN_CONTROLS},
+                {"{\"ok\":false,\"message\":\"" TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS
+                     TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS "\"}\n",
+                 "the signals are not shown"},
                 {"{\"ok\":false}\n", "the twin does not report its signals"},
                 {"{\"ok\":false,\"message\":7}\n", "the twin does not report its signals"}};
     char want[256];
