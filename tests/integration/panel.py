@@ -370,7 +370,16 @@ def buses():
             check("a signal that is plotted again has its changes", True,
                   page.wait("changes", lambda m: any(change[::2] == [ready, 1] for change in m["changes"])) is not None)
         check("a twin that ends leaves it", [], page.wait("buses", lambda m: not m["buses"])["buses"])
-        check("both connections to it are closed", idle, panel.wait_for_descriptors(idle))
+        def names(message):
+            return sorted(bus["about"].get("name", "") for bus in message["buses"])
+
+        with twins("fzm1", "--name", "left"):
+            page.wait("buses", lambda m: names(m) == ["left"])
+            with twins("fzm1", "--name", "right"), twins("fzm1", "--name", "top"):
+                found = page.wait("buses", lambda m: {"right", "top"} <= set(names(m)))
+                check("each twin is in the list once", ["left", "right", "top"], names(found))
+        check("twins that end leave it", [], page.wait("buses", lambda m: not m["buses"])["buses"])
+        check("all connections to twins are closed", idle, panel.wait_for_descriptors(idle))
 
 
 def hostile():
