@@ -440,14 +440,17 @@ static void a_refused_watch(void **state)
 {
     static const struct {
         const char *reply, *trouble;
-    } rows[] = {{"{\"ok\":false,\"message\":\"a \\\"b\\\"\"}\n", "a \\\"b\\\""},
-                {"{\"ok\":false,\"message\":\"" TEN_CONTROLS "\"}\n", TEN_CONTROLS},
-                {"{\"ok\":false,\"message\":\"" TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS
-                     TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS "\"}\n",
-                 "the signals are not shown"},
-                {"{\"ok\":false}\n", "the twin does not report its signals"},
-                {"{\"ok\":false,\"message\":7}\n", "the twin does not report its signals"}};
-    char want[256];
+    } rows[] = {
+        {"{\"ok\":false,\"message\":\"a \\\"b\\\"\"}\n", "a \\\"b\\\""},
+        {"{\"ok\":false,\"message\":\"" TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS
+         "\"}\n",
+         TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS},
+        {"{\"ok\":false,\"message\":\"" TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS
+             TEN_CONTROLS TEN_CONTROLS TEN_CONTROLS "\"}\n",
+         "the signals are not shown"},
+        {"{\"ok\":false}\n", "the twin does not report its signals"},
+        {"{\"ok\":false,\"message\":7}\n", "the twin does not report its signals"}};
+    char want[1024];
     (void)state;
     open_bus();
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
