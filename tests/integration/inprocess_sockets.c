@@ -18,7 +18,7 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
-enum { ALL = 0x0003, HEADER = 14, LONGEST = 1518, WAITING_MOST = 1024 };
+enum { ALL = 0x0003, HEADER = 14, LONGEST = 1518, WAITING_MOST = 256 };
 enum { TX_RING = 13, FANOUT = 18 }; /* PACKET_TX_RING and PACKET_FANOUT of Linux */
 
 static int open_unbound(void)
@@ -726,7 +726,7 @@ int main(int argc, char **argv)
         {"An address selects the interface, for a socket that is not bound too", sent_to_an_address, NULL, NULL, NULL},
         {"sendmmsg and recvmmsg return the messages before the first that fails", many_until_one_fails, NULL, NULL,
          NULL},
-        {"A socket holds 1024 frames and loses the next ones", full_sockets, NULL, NULL, NULL},
+        {"A socket holds 256 frames and loses the next ones", full_sockets, NULL, NULL, NULL},
         {"A frame is cut to the room of the call", cut_frames, NULL, NULL, NULL},
         {"An address is cut to the room of the caller", cut_addresses, NULL, NULL, NULL},
         {"O_NONBLOCK by socket, fcntl and FIONBIO, on and off", modes, NULL, NULL, NULL},

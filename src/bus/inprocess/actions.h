@@ -4,6 +4,10 @@
  * Signals that the library takes: SIGSEGV and SIGBUS for addresses of the program (user.h), SIGSYS for the dispatch of
  * system calls (raw.h). The program's own action of such a signal is stored apart: `sigaction` and `signal` set and
  * return this action, and a signal that does not concern the library runs it.
+ *
+ * The handlers of all other signals run by a function of the library, which defers them while their thread has the lock
+ * of the bus: a handler may call each function that signal-safety(7) lists. A handler that the program installs without
+ * the C library, where its calls are not dispatched, is not deferred.
  */
 #ifndef ECT_BUS_INPROCESS_ACTIONS_H
 #define ECT_BUS_INPROCESS_ACTIONS_H
@@ -35,6 +39,32 @@ void ect_action_run(int number, siginfo_t *info, void *context);
 
 /** Sets and returns the program's own action of a taken signal, like sigaction(2). @param action  NULL: unchanged */
 void ect_action_exchange(int number, const struct sigaction *action, struct sigaction *before);
+
+/**
+ * Sets and returns the action of any signal, like sigaction(2): of a taken one the program's own, of another one with a
+ * handler that is deferred.
+ * @return 0; -1 (errno)
+ */
+int ect_action_set(int number, const struct sigaction *action, struct sigaction *before);
+
+/**
+ * Defers the program's handlers in this thread, and its cancellation, until ::ect_action_release. Calls may be nested.
+ * Handlers of faults and of SIGABRT are not deferred.
+ */
+void ect_action_hold(void);
+/** Runs the deferred handlers, unless the hold is nested. */
+void ect_action_release(void);
+
+/** Handlers of the program that have run in this thread. */
+typedef struct ect_handled {
+    unsigned int count;
+    bool restarts; /**< each of them has SA_RESTART */
+} ect_handled_t;
+
+/** Begins to count the handlers of this thread. A handler's own use of these functions does not change the count. */
+void ect_action_watch(void);
+/** @return the handlers since ::ect_action_watch */
+ect_handled_t ect_action_handled(void);
 
 /** @return a signal mask of the kernel without the signals that no thread may block */
 uint64_t ect_action_mask(uint64_t mask);

@@ -2,6 +2,7 @@
 /* Clocks and sleeps of the C library on the virtual clock. */
 #define _GNU_SOURCE
 #include <errno.h>
+#include <pthread.h>
 #include <sched.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -87,7 +88,10 @@ REPLACES time_t time(time_t *result)
 /* @return the remaining time if a signal handler has ended the sleep; 0: complete */
 static uint64_t sleep_until(uint64_t until_ns)
 {
-    if (ect_virtual_wait(NULL, until_ns) != ECT_WAIT_INTERRUPTED)
+    pthread_testcancel();
+    ect_wait_t result = ect_virtual_wait(NULL, until_ns);
+    pthread_testcancel();
+    if (result != ECT_WAIT_INTERRUPTED)
         return 0;
     uint64_t now_ns = ect_virtual_now();
     return until_ns > now_ns ? until_ns - now_ns : 1;

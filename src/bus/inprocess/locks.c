@@ -68,16 +68,49 @@ REPLACES int pthread_create(pthread_t *restrict thread, const pthread_attr_t *re
     return 0;
 }
 
+/* @return the place of a thread in the list; that of NULL: none */
+static created_t **place_of_thread(pthread_t thread)
+{
+    created_t **at = &created;
+    while (*at && !pthread_equal((*at)->thread, thread))
+        at = &(*at)->next;
+    return at;
+}
+
 static created_t *take_created(pthread_t thread)
 {
-    for (created_t **at = &created; *at; at = &(*at)->next) {
-        created_t *its = *at;
-        if (pthread_equal(its->thread, thread)) {
-            *at = its->next;
-            return its;
-        }
-    }
-    return NULL;
+    created_t **at = place_of_thread(thread);
+    created_t *its = *at;
+    if (its)
+        *at = its->next;
+    return its;
+}
+
+REPLACES int pthread_cancel(pthread_t thread)
+{
+    if (ect_inside > 0)
+        return REAL(pthread_cancel)(thread);
+    (void)ect_virtual_now();
+    int error = REAL(pthread_cancel)(thread);
+    const created_t *its = *place_of_thread(thread);
+    if (error == 0 && its && !its->ended)
+        ect_virtual_cancel(its->record);
+    return error;
+}
+
+static void put_back(void *arg)
+{
+    created_t *its = arg;
+    its->next = created;
+    created = its;
+}
+
+/* The cancellation point of a join, whose thread another thread may then join. */
+static void test_join(created_t *its)
+{
+    pthread_cleanup_push(put_back, its);
+    pthread_testcancel();
+    pthread_cleanup_pop(0);
 }
 
 REPLACES int pthread_join(pthread_t thread, void **result)
@@ -85,8 +118,10 @@ REPLACES int pthread_join(pthread_t thread, void **result)
     if (ect_inside == 0)
         (void)ect_virtual_now();
     created_t *its = ect_inside > 0 ? NULL : take_created(thread);
-    while (its && !its->ended)
+    while (its && !its->ended) {
         (void)ect_virtual_wait(&its->ended, UINT64_MAX);
+        test_join(its);
+    }
     int error = REAL(pthread_join)(thread, result);
     free(its);
     return error;
@@ -101,10 +136,11 @@ REPLACES int pthread_clockjoin_np(pthread_t thread, void **result, clockid_t clo
     (void)ect_virtual_now();
     created_t *its = take_created(thread);
     while (its && !its->ended) {
-        if (ect_virtual_wait(&its->ended, until_ns) != ECT_WAIT_TIMED_OUT)
+        bool over = ect_virtual_wait(&its->ended, until_ns) == ECT_WAIT_TIMED_OUT;
+        test_join(its);
+        if (!over)
             continue;
-        its->next = created;
-        created = its;
+        put_back(its);
         return ETIMEDOUT;
     }
     int error = REAL(pthread_join)(thread, result);
@@ -194,6 +230,7 @@ static void relock(pthread_mutex_t *mutex)
 
 static int wait_until(const pthread_cond_t *condition, pthread_mutex_t *mutex, uint64_t until_ns)
 {
+    pthread_testcancel();
     (void)ect_virtual_now(); /* takes the turn: no signal can be lost between unlock and wait */
     int error = REAL(pthread_mutex_unlock)(mutex);
     if (error != 0)
@@ -201,6 +238,7 @@ static int wait_until(const pthread_cond_t *condition, pthread_mutex_t *mutex, u
     (void)ect_virtual_wake(mutex, 1);
     ect_wait_t result = ect_virtual_wait(condition, until_ns);
     relock(mutex);
+    pthread_testcancel();                                /* a cleanup handler unlocks the mutex */
     return result == ECT_WAIT_TIMED_OUT ? ETIMEDOUT : 0; /* after a signal handler: a spurious wake-up */
 }
 
@@ -309,6 +347,7 @@ REPLACES int pthread_rwlock_unlock(pthread_rwlock_t *lock)
 
 static int wait_semaphore(sem_t *semaphore, uint64_t until_ns)
 {
+    pthread_testcancel();
     if (REAL(sem_trywait)(semaphore) == 0)
         return 0;
     (void)ect_virtual_now(); /* as in lock_with_turn() */
@@ -316,6 +355,7 @@ static int wait_semaphore(sem_t *semaphore, uint64_t until_ns)
         if (errno != EAGAIN)
             return -1;
         ect_wait_t result = ect_virtual_wait(semaphore, until_ns);
+        pthread_testcancel();
         if (result == ECT_WAIT_WOKEN || (result == ECT_WAIT_INTERRUPTED && ect_virtual_restarts()))
             continue;
         errno = result == ECT_WAIT_TIMED_OUT ? ETIMEDOUT : EINTR;

@@ -7,9 +7,11 @@
 #include <fcntl.h>
 #include <linux/if_packet.h>
 #include <net/ethernet.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
+#include <sys/mman.h>
 #include <sys/time.h>
 #include <sys/uio.h>
 #include <unistd.h>
@@ -22,119 +24,187 @@
 
 enum {
     DESCRIPTORS = 65536,
-    WAITING_MOST = 1024, /* limit of waiting frames; as in the kernel, a full socket drops further ones */
+    WAITING_MOST = 256, /* limit of waiting frames: as many small ones as the kernel's default buffer contains */
     HEADER = 14,
     TAG = 4,
     LONGEST = 1518,
 };
 
 typedef struct waiting {
-    struct waiting *next;
     size_t length;
     uint8_t frame[ECTWIN_FRAME_MAX];
 } waiting_t;
 
 struct ect_port {
     ect_port_t *next; /* next bound socket */
-    int fd;           /* the original eventfd */
+    int fd;           /* one of the descriptors of the eventfd; -1: none */
     unsigned int descriptors;
-    int end;           /* -1: not bound */
-    uint16_t protocol; /* network order */
+    unsigned int receivers; /* threads that wait for a frame, also after the last descriptor is closed */
+    int end;                /* -1: not bound */
+    uint16_t protocol;      /* network order */
     uint64_t timeout_ns;
     bool nonblocking;
-    waiting_t *first, **last;
-    waiting_t *spare; /* memory of received frames for the next ones: a master exchanges millions */
-    size_t count;
+    waiting_t *frames; /* a ring, mapped: no allocation in a handler that has interrupted malloc() */
+    size_t first, count;
     bool fresh; /* a frame has arrived since the last write to the eventfd */
     bool shown; /* the eventfd is readable */
 };
 
 static ect_port_t *by_descriptor[DESCRIPTORS];
+static int highest = -1; /* descriptor that has been a socket */
 static ect_port_t *bound;
+static pid_t owner; /* the process with these descriptors: a child of vfork() has its own, but this memory */
 
 ect_port_t *ect_port_of(int fd)
 {
     return fd >= 0 && fd < DESCRIPTORS ? by_descriptor[fd] : NULL;
 }
 
+static void add(int fd, ect_port_t *port)
+{
+    ect_time_lock();
+    port->descriptors++;
+    by_descriptor[fd] = port;
+    highest = fd > highest ? fd : highest;
+    ect_time_unlock();
+}
+
+/* @return NULL: no memory (errno) */
+static ect_port_t *make_port(void)
+{
+    const size_t size = WAITING_MOST * sizeof(waiting_t);
+    ect_port_t *port = calloc(1, sizeof *port);
+    void *frames = port ? mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) : MAP_FAILED;
+    if (frames == MAP_FAILED) {
+        free(port);
+        return NULL;
+    }
+    port->frames = frames;
+    return port;
+}
+
+static void free_port(ect_port_t *port)
+{
+    (void)munmap(port->frames, WAITING_MOST * sizeof(waiting_t));
+    free(port);
+}
+
 int ect_port_open(int type, int protocol)
 {
     int flags = EFD_NONBLOCK | ((type & SOCK_CLOEXEC) != 0 ? EFD_CLOEXEC : 0);
-    ect_port_t *port = calloc(1, sizeof *port);
+    ect_port_t *port = make_port();
     int fd = port ? eventfd(0, flags) : -1;
+    if (fd >= DESCRIPTORS) {
+        REAL(close)(fd);
+        errno = EMFILE;
+    }
     if (fd < 0 || fd >= DESCRIPTORS) {
-        if (fd >= 0)
-            REAL(close)(fd);
-        free(port);
-        errno = fd >= 0 ? EMFILE : errno;
+        if (port)
+            free_port(port);
         return -1;
     }
-    *port = (ect_port_t){.fd = fd, .descriptors = 1, .end = -1, .protocol = (uint16_t)protocol};
-    port->last = &port->first;
+    port->fd = fd;
+    port->end = -1;
+    port->protocol = (uint16_t)protocol;
     port->nonblocking = (type & SOCK_NONBLOCK) != 0;
     /* The eventfd gets O_NONBLOCK too, because the master may read its flags. */
     if (!port->nonblocking)
         (void)REAL(fcntl)(fd, F_SETFL, O_RDWR);
-    ect_time_lock();
-    by_descriptor[fd] = port;
-    ect_time_unlock();
+    add(fd, port);
     return fd;
 }
 
 void ect_port_copied(int fd, int copy)
 {
     ect_port_t *port = ect_port_of(fd);
-    if (!port || copy < 0 || copy >= DESCRIPTORS)
+    if (port && copy >= 0 && copy < DESCRIPTORS && getpid() == owner)
+        add(copy, port);
+}
+
+/* Ends a socket without descriptors and receivers. */
+static void end_if_unused(ect_port_t *port)
+{
+    if (port->descriptors > 0 || port->receivers > 0)
         return;
-    ect_time_lock();
-    port->descriptors++;
-    by_descriptor[copy] = port;
-    ect_time_unlock();
-}
-
-static void free_list(waiting_t *first)
-{
-    while (first) {
-        waiting_t *next = first->next;
-        free(first);
-        first = next;
-    }
-}
-
-static void forget(ect_port_t *port)
-{
     for (ect_port_t **at = &bound; *at; at = &(*at)->next) {
         if (*at == port) {
             *at = port->next;
             break;
         }
     }
-    free_list(port->first);
-    free_list(port->spare);
-    free(port);
+    if (port->fd >= 0)
+        REAL(close)(port->fd);
+    free_port(port);
+}
+
+/* @return another descriptor of the socket than a closed one. Without any, a receiver waits on a descriptor that the
+ * program does not know; -1: no receiver, or no descriptor is left */
+static int descriptor_besides(const ect_port_t *port, int fd)
+{
+    for (int other = 0; other <= highest; other++) {
+        if (by_descriptor[other] == port)
+            return other;
+    }
+    return port->receivers > 0 ? REAL(fcntl)(fd, F_DUPFD_CLOEXEC, fd) : -1;
 }
 
 void ect_port_closed(int fd)
 {
     ect_port_t *port = ect_port_of(fd);
-    if (!port)
+    if (!port || getpid() != owner)
         return;
     ect_time_lock();
     by_descriptor[fd] = NULL;
-    if (--port->descriptors == 0)
-        forget(port);
-    else if (port->fd == fd) {
-        for (int other = 0; other < DESCRIPTORS; other++) {
-            if (by_descriptor[other] == port)
-                port->fd = other;
-        }
-    }
+    port->descriptors--;
+    if (port->fd == fd)
+        port->fd = descriptor_besides(port, fd);
+    end_if_unused(port);
     ect_time_unlock();
+}
+
+void ect_ports_closed(unsigned int from, unsigned int to)
+{
+    for (unsigned int fd = from; fd <= to && (int)fd <= highest; fd++)
+        ect_port_closed((int)fd);
+}
+
+/* Opens the descriptor again as one of another file, with the same flags of the descriptor. */
+static void replace(int fd, int file)
+{
+    int flags = REAL(fcntl)(fd, F_GETFD);
+    (void)REAL(dup3)(file, fd, (flags & FD_CLOEXEC) != 0 ? O_CLOEXEC : 0);
+}
+
+/* A child of fork() has a bus of its own, so its sockets become readable by its own frames: each gets an eventfd. */
+static void renew(void)
+{
+    owner = getpid();
+    for (int fd = 0; fd <= highest; fd++) {
+        ect_port_t *port = by_descriptor[fd];
+        int fresh = port && port->fd == fd ? eventfd(port->shown ? 1 : 0, EFD_NONBLOCK) : -1;
+        if (fresh < 0)
+            continue;
+        (void)REAL(fcntl)(fresh, F_SETFL, REAL(fcntl)(fd, F_GETFL));
+        replace(fd, fresh);
+        REAL(close)(fresh);
+        port->receivers = 0;
+    }
+    for (int fd = 0; fd <= highest; fd++) {
+        const ect_port_t *port = by_descriptor[fd];
+        if (port && port->fd != fd)
+            replace(fd, port->fd);
+    }
+}
+
+__attribute__((constructor)) static void begin(void)
+{
+    owner = getpid();
+    (void)pthread_atfork(NULL, NULL, renew);
 }
 
 bool ect_port_has_frame(const ect_port_t *port)
 {
-    return port->first != NULL;
+    return port->count > 0;
 }
 
 /* The eventfd is written even if readable, because each frame is a new event for edge-triggered epoll. */
@@ -144,7 +214,7 @@ static void show(ect_port_t *port)
     if (port->fresh) {
         (void)eventfd_write(port->fd, 1);
         port->shown = true;
-    } else if (port->shown && !port->first) {
+    } else if (port->shown && port->count == 0) {
         (void)!REAL(read)(port->fd, &value, sizeof value);
         port->shown = false;
     }
@@ -170,16 +240,6 @@ static size_t without_tag(const uint8_t *frame, size_t length, size_t *tag)
     return length - *tag;
 }
 
-/* @return memory for a frame; NULL: none is left */
-static waiting_t *make_waiting(ect_port_t *port)
-{
-    waiting_t *one = port->spare;
-    if (!one)
-        return malloc(sizeof *one);
-    port->spare = one->next;
-    return one;
-}
-
 static void deliver(unsigned int end, const uint8_t *frame, size_t length)
 {
     size_t tag;
@@ -190,15 +250,10 @@ static void deliver(unsigned int end, const uint8_t *frame, size_t length)
         if (port->end != (int)end || (port->protocol != protocol && port->protocol != htons(ETH_P_ALL)) ||
             port->count >= WAITING_MOST)
             continue;
-        waiting_t *one = make_waiting(port);
-        if (!one)
-            continue;
-        one->next = NULL;
+        waiting_t *one = &port->frames[(port->first + port->count) % WAITING_MOST];
         one->length = left;
         memcpy(one->frame, frame, 12);
         memcpy(one->frame + 12, frame + 12 + tag, left - 12);
-        *port->last = one;
-        port->last = &one->next;
         port->count++;
         port->fresh = true;
         if (!ect_time_is_virtual)
@@ -355,6 +410,7 @@ ssize_t ect_port_send(ect_port_t *port, const struct iovec *pieces, size_t count
 {
     uint8_t frame[LONGEST];
     struct sockaddr_ll address = {0};
+    pthread_testcancel();
     if (to && !read_address(&address, to, to_length))
         return fail(EFAULT);
     ssize_t length = gather(pieces, count, frame, sizeof frame);
@@ -379,22 +435,19 @@ ssize_t ect_port_send(ect_port_t *port, const struct iovec *pieces, size_t count
 static bool is_waiting(const void *arg)
 {
     const ect_port_t *port = arg;
-    return port->first != NULL;
+    return port->count > 0;
 }
 
+/* An empty ring begins again at its first place, which is in the cache. */
 static void take(ect_port_t *port)
 {
-    waiting_t *one = port->first;
-    port->first = one->next;
-    if (!port->first) {
-        port->last = &port->first;
+    port->first = (port->first + 1) % WAITING_MOST;
+    if (--port->count == 0) {
+        port->first = 0;
         port->fresh = false;
     }
-    port->count--;
     if (!ect_time_is_virtual)
         show(port);
-    one->next = port->spare;
-    port->spare = one;
 }
 
 /* @return the length; -1: a bad address */
@@ -435,24 +488,63 @@ static bool waits(const ect_port_t *port, int flags)
     return (flags & MSG_DONTWAIT) == 0 && !port->nonblocking;
 }
 
+/* A thread that waits for a frame. On the real clock it has a descriptor of its own, because poll(2) resolves the
+ * number again at each wake-up, and another thread may close the socket meanwhile. */
+typedef struct receiver {
+    ect_port_t *port;
+    int fd;
+} receiver_t;
+
+static void end_receiver(const receiver_t *its)
+{
+    if (its->fd >= 0)
+        REAL(close)(its->fd);
+    its->port->receivers--;
+}
+
+/* Runs in a thread that is cancelled, without the lock. */
+static void on_cancel(void *arg)
+{
+    const receiver_t *its = arg;
+    ect_time_lock();
+    end_receiver(its);
+    end_if_unused(its->port);
+    ect_time_unlock();
+}
+
+/* Waits for a frame. With the lock. Not instrumented: AddressSanitizer would touch the remains of the cancelled stack.
+ * @return the error number if there is none */
+__attribute__((no_sanitize("address"))) static int wait_for_frame(ect_port_t *port)
+{
+    uint64_t until_ns = port->timeout_ns != 0 ? ect_time_now() + port->timeout_ns : ECTWIN_NEVER;
+    receiver_t its = {.port = port, .fd = -1};
+    port->receivers++;
+    if (!ect_time_is_virtual)
+        its.fd = REAL(fcntl)(port->fd, F_DUPFD_CLOEXEC, port->fd);
+    pthread_cleanup_push(on_cancel, &its);
+    (void)ect_time_wait(its.fd >= 0 ? its.fd : port->fd, is_waiting, port, until_ns);
+    pthread_cleanup_pop(0);
+    int error = errno;
+    end_receiver(&its);
+    return error;
+}
+
 ssize_t ect_port_receive(ect_port_t *port, const struct iovec *pieces, size_t count, int flags, int *result_flags,
                          struct sockaddr *from, socklen_t *from_length)
 {
+    pthread_testcancel();
     if (!can_read(pieces, count))
         return fail(EFAULT);
     ect_time_charge(ECT_COST_SOCKET_NS);
     ect_time_lock();
-    int error = EAGAIN;
-    if (!port->first && waits(port, flags)) {
-        uint64_t until_ns = port->timeout_ns != 0 ? ect_time_now() + port->timeout_ns : ECTWIN_NEVER;
-        if (!ect_time_wait(port->fd, is_waiting, port, until_ns))
-            error = errno;
-    }
-    if (!port->first) {
+    int error = port->count == 0 && waits(port, flags) ? wait_for_frame(port) : EAGAIN;
+    if (port->count == 0) {
+        end_if_unused(port);
         ect_time_unlock();
+        pthread_testcancel();
         return fail(error);
     }
-    const waiting_t *one = port->first;
+    const waiting_t *one = &port->frames[port->first];
     ssize_t length = (ssize_t)one->length;
     ssize_t done = scatter(one, pieces, count);
     uint16_t protocol;
@@ -461,6 +553,7 @@ ssize_t ect_port_receive(ect_port_t *port, const struct iovec *pieces, size_t co
         done = -1;
     if ((flags & MSG_PEEK) == 0)
         take(port);
+    end_if_unused(port);
     ect_time_unlock();
     if (done < 0)
         return fail(EFAULT); /* the frame is lost, as with a kernel */

@@ -112,6 +112,11 @@ static long make_close(const long *a)
     return ect_raw_result(close((int)a[0]));
 }
 
+static long make_close_range(const long *a)
+{
+    return ect_raw_result(close_range((unsigned int)a[0], (unsigned int)a[1], (int)a[2]));
+}
+
 static long make_dup(const long *a)
 {
     return ect_raw_result(dup((int)a[0]));
@@ -171,6 +176,7 @@ static const ect_raw_entry_t table[] = {{SYS_socket, make_socket},
                                         {SYS_accept, make_accept},
                                         {SYS_accept4, make_accept4},
                                         {SYS_close, make_close},
+                                        {SYS_close_range, make_close_range},
                                         {SYS_dup, make_dup},
                                         {SYS_dup2, make_dup2},
                                         {SYS_dup3, make_dup3},

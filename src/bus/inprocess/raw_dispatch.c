@@ -118,8 +118,7 @@ static struct sigaction action_of(const kernel_action_t *from)
     return to;
 }
 
-/* Sets the program's action of a signal that the library has taken. */
-static long set_own_action(const ect_raw_call_t *call)
+static long set_action(const ect_raw_call_t *call)
 {
     kernel_action_t *before = (kernel_action_t *)call->a[2];
     kernel_action_t action;
@@ -130,23 +129,11 @@ static long set_own_action(const ect_raw_call_t *call)
         return -EFAULT;
     if (call->a[1])
         set = action_of(&action);
-    ect_action_exchange((int)call->a[0], call->a[1] ? &set : NULL, &was);
+    if (ect_action_set((int)call->a[0], call->a[1] ? &set : NULL, &was) != 0)
+        return -errno;
     action = (kernel_action_t){.handler = was.sa_sigaction, .flags = (unsigned long)was.sa_flags};
     memcpy(&action.mask, &was.sa_mask, sizeof action.mask);
     return !before || ect_user_write(before, &action, sizeof action) ? 0 : -EFAULT;
-}
-
-static long set_action(const ect_raw_call_t *call)
-{
-    ect_raw_call_t its = *call;
-    kernel_action_t action;
-    if (ect_action_is_taken((int)call->a[0]))
-        return set_own_action(call);
-    if (call->a[1] && copy_in(&action, call->a[1], sizeof action)) {
-        action.mask = ect_action_mask(action.mask);
-        its.a[1] = (long)&action;
-    }
-    return ect_raw_pass(&its);
 }
 
 /* rt_sigreturn by a restorer of the program: the signal frame is on the stack of the call. */

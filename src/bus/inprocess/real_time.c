@@ -9,6 +9,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "bus/inprocess/actions.h"
 #include "bus/inprocess/bus.h"
 #include "bus/inprocess/real.h"
 #include "bus/inprocess/time.h"
@@ -19,20 +20,19 @@ enum { NS_PER_S = 1000000000, REST_NS = 50000 };
 const bool ect_time_is_virtual = false;
 
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
-static __thread volatile sig_atomic_t locks; /* not 0: the thread takes, has or releases the lock */
 static int wake_fd = -1;
 static uint64_t sleeps_until_ns = ECTWIN_NEVER; /* end of the library thread's sleep */
 
 void ect_time_lock(void)
 {
-    locks = 1;
+    ect_action_hold();
     REAL(pthread_mutex_lock)(&mutex);
 }
 
 void ect_time_unlock(void)
 {
     REAL(pthread_mutex_unlock)(&mutex);
-    locks = 0;
+    ect_action_release();
 }
 
 uint64_t ect_time_now(void)
@@ -67,17 +67,27 @@ static int wait_until(struct pollfd *fds, nfds_t count, uint64_t until_ns)
     return REAL(ppoll)(fds, count, until_ns != ECTWIN_NEVER ? &limit : NULL, NULL);
 }
 
+/* recv(2): a timeout ends a receive after each handler. */
+static bool ends_wait(ect_handled_t handlers, uint64_t until_ns)
+{
+    return handlers.count > 0 && (until_ns != ECTWIN_NEVER || !handlers.restarts);
+}
+
 bool ect_time_wait(int fd, bool (*ready)(const void *arg), const void *arg, uint64_t until_ns)
 {
     struct pollfd one = {.fd = fd, .events = POLLIN};
-    while (!ready(arg)) {
+    int error = 0;
+    ect_action_watch();
+    while (error == 0 && !ready(arg)) {
         ect_time_unlock();
         int result = wait_until(&one, 1, until_ns);
-        ect_time_lock();
         if (result == 0 || (result < 0 && errno != EINTR))
-            break;
+            error = EAGAIN;
+        else if (result < 0 && ends_wait(ect_action_handled(), until_ns))
+            error = EINTR;
+        ect_time_lock();
     }
-    errno = EAGAIN;
+    errno = error;
     return ready(arg);
 }
 
@@ -129,24 +139,10 @@ void ect_time_bus_started(void)
     pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 
-/* A child has only the thread that called fork(): a lock of another thread would remain locked in the child. A fork in
- * a signal handler within ect_time_lock() or behind it leaves the lock as it is, which this thread cannot take again.
- */
-static void before_fork(void)
-{
-    if (locks == 0)
-        REAL(pthread_mutex_lock)(&mutex);
-}
-
-static void after_fork(void)
-{
-    if (locks == 0)
-        REAL(pthread_mutex_unlock)(&mutex);
-}
-
+/* A child has only the thread that called fork(): a lock of another thread would remain locked in the child. */
 __attribute__((constructor)) static void begin(void)
 {
-    (void)pthread_atfork(before_fork, after_fork, after_fork);
+    (void)pthread_atfork(ect_time_lock, ect_time_unlock, ect_time_unlock);
 }
 
 __attribute__((destructor)) static void end(void)

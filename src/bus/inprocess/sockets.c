@@ -348,6 +348,25 @@ REPLACES int close(int fd)
     return REAL(close)(fd);
 }
 
+/* Missing in older C libraries. */
+int close_range(unsigned int from, unsigned int to, int flags);
+void closefrom(int from);
+enum { CLOSES_AT_EXEC = 4 }; /* CLOSE_RANGE_CLOEXEC */
+
+REPLACES int close_range(unsigned int from, unsigned int to, int flags)
+{
+    if (ect_inside == 0 && (flags & CLOSES_AT_EXEC) == 0)
+        ect_ports_closed(from, to);
+    return REAL(close_range)(from, to, flags);
+}
+
+REPLACES void closefrom(int from)
+{
+    if (ect_inside == 0)
+        ect_ports_closed(from > 0 ? (unsigned int)from : 0, UINT_MAX);
+    REAL(closefrom)(from);
+}
+
 REPLACES int dup(int fd)
 {
     int copy = REAL(dup)(fd);

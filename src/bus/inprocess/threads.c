@@ -15,6 +15,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "bus/inprocess/actions.h"
 #include "bus/inprocess/bus.h"
 #include "bus/inprocess/real.h"
 #include "bus/inprocess/tasks.h"
@@ -43,8 +44,9 @@ typedef struct thread {
     const char *outside; /* call whose condition another process may make true; NULL: none */
     bool stops_time;     /* time is stopped while the thread waits for a process */
     bool woken;
-    bool interrupted;      /* the wait has ended by a signal */
-    bool restarts;         /* every handler that has run since has SA_RESTART */
+    bool interrupted;      /* the wait has ended by a signal or by pthread_cancel() */
+    bool cancelled;        /* by pthread_cancel() since the begin of the wait */
+    bool restarts;         /* handlers have ended the wait, and all of them have SA_RESTART */
     bool idle;             /* sleeps in wait_for_the_world() */
     ect_signal_t *signals; /* delivered when the thread has its turn */
     int *ended;            /* set when the thread ends */
@@ -74,6 +76,7 @@ static pthread_once_t once = PTHREAD_ONCE_INIT;
 
 static void lock(void)
 {
+    ect_action_hold();
     REAL(pthread_mutex_lock)(&mutex);
     ect_inside++; /* an allocator that is called with the lock may read the clock */
 }
@@ -82,6 +85,7 @@ static void unlock(void)
 {
     ect_inside--;
     REAL(pthread_mutex_unlock)(&mutex);
+    ect_action_release();
 }
 
 void ect_time_lock(void)
@@ -263,7 +267,8 @@ static uint64_t nap(unsigned int nap_ms)
     if (self)
         self->idle = true;
     unlock();
-    int result = REAL(nanosleep)(&pause, NULL);
+    bool handled = ect_action_handled().count > 0; /* by the end of the lock */
+    int result = handled ? -1 : REAL(nanosleep)(&pause, NULL);
     lock();
     if (self)
         self->idle = false;
@@ -373,6 +378,17 @@ static void pass_turn(thread_t *thread)
         wake_up(thread);
 }
 
+/* @return whether a call of a handler has taken the turn */
+static bool interrupt_wait(void)
+{
+    lock();
+    bool mine = self->state == RUNNING;
+    if (self->state == WAITING)
+        interrupt(self);
+    unlock();
+    return mine;
+}
+
 /* Without the lock; returns when this thread has the turn. A futex with a timeout ends with EINTR after every handler
  * of a signal, one without a timeout only after some. */
 static void await_turn(void)
@@ -382,12 +398,7 @@ static void await_turn(void)
         long result = REAL(syscall)(SYS_futex, &self->turn, FUTEX_WAIT_PRIVATE, 0, &hour, NULL, 0);
         if (result == 0 || errno != EINTR)
             continue;
-        lock();
-        bool mine = self->state == RUNNING; /* a call of the handler has taken the turn */
-        if (self->state == WAITING)
-            interrupt(self);
-        unlock();
-        if (mine)
+        if (interrupt_wait())
             return;
     }
 }
@@ -399,6 +410,8 @@ static void release_turn(void)
     bool mine = chosen == self;
     pass_turn(chosen);
     unlock();
+    if (!mine && ect_action_handled().count > 0) /* by the end of the lock */
+        interrupt_wait();
     if (!mine)
         await_turn();
 }
@@ -744,20 +757,16 @@ static void take_signals(void)
     if (!self->signals)
         return;
     int error = errno;
-    bool restarts = true;
     lock();
     while (self->signals) {
-        struct sigaction action;
         ect_signal_t *signal = self->signals;
         const siginfo_t info = signal->info;
         self->signals = signal->next;
         signal->waits = false;
         unlock();
-        restarts &= sigaction(info.si_signo, NULL, &action) == 0 && (action.sa_flags & SA_RESTART) != 0;
         send_to(self->id, &info);
         lock();
     }
-    self->restarts = restarts;
     unlock();
     errno = error;
 }
@@ -809,44 +818,82 @@ void ect_virtual_yield(void)
     ect_virtual_charge(ECT_COST_CLOCK_NS);
 }
 
-static ect_wait_t wait_here(const void *key, bool (*condition)(void *arg), void *arg, uint64_t until_ns)
+static bool can_be_cancelled(void)
+{
+    int state;
+    (void)pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, &state);
+    (void)pthread_setcancelstate(state, NULL);
+    return state == PTHREAD_CANCEL_ENABLE;
+}
+
+static ect_wait_t wait_once(const thread_t *wait)
 {
     self->state = WAITING;
-    self->key = key;
-    self->condition = condition;
-    self->arg = arg;
-    self->until_ns = until_ns;
+    self->key = wait->key;
+    self->condition = wait->condition;
+    self->arg = wait->arg;
+    self->outside = wait->outside;
+    self->stops_time = wait->stops_time;
+    self->until_ns = wait->until_ns;
     self->order = ++orders;
     self->interrupted = false;
-    self->restarts = false;
+    self->cancelled = false;
+    ect_action_watch();
     release_turn();
     ect_wait_t result = self->woken ? ECT_WAIT_WOKEN : self->interrupted ? ECT_WAIT_INTERRUPTED : ECT_WAIT_TIMED_OUT;
     take_signals();
+    const ect_handled_t handlers = ect_action_handled();
+    self->restarts = handlers.count > 0 && handlers.restarts;
+    return result;
+}
+
+/* Waits as the record states. With the lock; returns without. A cancellation for which the thread is not ready does not
+ * end the wait. */
+static ect_wait_t wait_as(const thread_t *wait)
+{
+    ect_wait_t result = wait_once(wait);
+    while (result == ECT_WAIT_INTERRUPTED && self->cancelled && !can_be_cancelled()) {
+        begin_call();
+        result = wait_once(wait);
+    }
     return result;
 }
 
 ect_wait_t ect_virtual_wait_for_process(bool (*ready)(void *arg), void *arg, const char *call, uint64_t until_ns)
 {
+    pthread_testcancel();
     begin_call();
-    self->outside = call;
-    self->stops_time = true;
-    ect_wait_t result = wait_here(NULL, ready, arg, until_ns);
+    ect_wait_t result =
+        wait_as(&(thread_t){.condition = ready, .arg = arg, .outside = call, .stops_time = true, .until_ns = until_ns});
     if (result == ECT_WAIT_WOKEN)
         stopped_ns = 0;
+    pthread_testcancel();
     return result;
 }
 
 ect_wait_t ect_virtual_wait(const void *key, uint64_t until_ns)
 {
     begin_call();
-    return wait_here(key, NULL, NULL, until_ns);
+    return wait_as(&(thread_t){.key = key, .until_ns = until_ns});
 }
 
 ect_wait_t ect_virtual_wait_until(bool (*ready)(void *arg), void *arg, const char *outside, uint64_t until_ns)
 {
+    pthread_testcancel();
     begin_call();
-    self->outside = outside;
-    return wait_here(NULL, ready, arg, until_ns);
+    ect_wait_t result = wait_as(&(thread_t){.condition = ready, .arg = arg, .outside = outside, .until_ns = until_ns});
+    pthread_testcancel();
+    return result;
+}
+
+void ect_virtual_cancel(void *record)
+{
+    thread_t *thread = record;
+    begin_call();
+    thread->cancelled = true;
+    if (thread->state == WAITING)
+        interrupt(thread);
+    unlock();
 }
 
 bool ect_virtual_restarts(void)
@@ -939,15 +986,16 @@ static bool is_ready(void *arg)
     return wait->ready(wait->arg);
 }
 
+/* recv(2): a timeout ends a receive after each handler. */
 bool ect_time_wait(int fd, bool (*ready)(const void *arg), const void *arg, uint64_t until_ns)
 {
     wait_t wait = {.ready = ready, .arg = arg};
     (void)fd;
     ect_wait_t result;
     for (;;) {
-        result = wait_here(NULL, is_ready, &wait, until_ns);
+        result = wait_as(&(thread_t){.condition = is_ready, .arg = &wait, .until_ns = until_ns});
         lock();
-        if (result != ECT_WAIT_INTERRUPTED || !self->restarts)
+        if (result != ECT_WAIT_INTERRUPTED || !self->restarts || until_ns != NEVER)
             break;
     }
     errno = result == ECT_WAIT_INTERRUPTED ? EINTR : EAGAIN;

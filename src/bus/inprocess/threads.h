@@ -39,7 +39,7 @@ void ect_virtual_yield(void);
 typedef enum ect_wait {
     ECT_WAIT_WOKEN,
     ECT_WAIT_TIMED_OUT,
-    ECT_WAIT_INTERRUPTED, /**< a signal handler has run */
+    ECT_WAIT_INTERRUPTED, /**< a signal handler has run, or pthread_cancel() has been called for the thread */
 } ect_wait_t;
 
 /**
@@ -50,7 +50,7 @@ typedef enum ect_wait {
 ect_wait_t ect_virtual_wait(const void *key, uint64_t until_ns);
 
 /**
- * Waits until a condition on descriptors or on the bus is true.
+ * Waits until a condition on descriptors or on the bus is true. A cancellation point.
  * @param ready    evaluated while no thread of the master runs; must not block
  * @param outside  name of the master's call, if another process may make the condition true: clients of the control
  * socket are served at once; NULL: only the bus or another thread makes it true
@@ -67,8 +67,7 @@ ect_wait_t ect_virtual_wait_for_process(bool (*ready)(void *arg), void *arg, con
 /** @return whether the master has a running child process */
 bool ect_virtual_has_child(void);
 
-/** @return whether all handlers that interrupted the thread's last wait have SA_RESTART; false: a signal from outside
- */
+/** @return whether all handlers that interrupted the thread's last wait have SA_RESTART; false, too, without one */
 bool ect_virtual_restarts(void);
 
 /** Makes the first `most` threads ready that wait for a key, in the order of their waits. @return their number */
@@ -117,6 +116,8 @@ void *ect_virtual_thread_new(int *ended);
  *               thread holds a lock until the new thread has begun, or a lock that the new thread needs
  */
 void ect_virtual_thread_begin(void *record, bool waits);
+/** Called after pthread_cancel(): ends the thread's wait, which becomes a cancellation point where POSIX has one. */
+void ect_virtual_cancel(void *record);
 /** Called last by a thread. */
 void ect_virtual_thread_end(void);
 /** Called if the creation of the thread has failed. */

@@ -19,7 +19,8 @@ enum { ECT_COST_CLOCK_NS = 50, ECT_COST_SOCKET_NS = 1000 };
 /** True: time advances only while every thread waits. */
 extern const bool ect_time_is_virtual;
 
-/** Excludes all other users of the bus and the ports. Not recursive. */
+/** Excludes all other users of the bus and the ports, defers the program's handlers in this thread, and its
+ * cancellation (actions.h). Not recursive. */
 void ect_time_lock(void);
 void ect_time_unlock(void);
 
@@ -47,10 +48,12 @@ void ect_time_bus_started(void);
 void ect_time_bus_next(uint64_t next_ns);
 
 /**
- * Waits until `ready(arg)`, or a time. With the lock, which is released while waiting.
+ * Waits until `ready(arg)`, or a time. With the lock, which is released while waiting: the real clock's wait is a
+ * cancellation point without the lock.
  * @param fd        readable when `ready` may be true
  * @param until_ns  ECTWIN_NEVER: no limit
- * @return true: ready; false: errno is EAGAIN, or EINTR after a handler without SA_RESTART (virtual clock)
+ * @return true: ready; false: errno is EAGAIN, or EINTR after a handler without SA_RESTART, and after each handler if
+ * there is a time
  */
 bool ect_time_wait(int fd, bool (*ready)(const void *arg), const void *arg, uint64_t until_ns);
 

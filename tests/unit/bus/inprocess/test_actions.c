@@ -1,7 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Signals that the library takes, and the program's own actions of these, of a kernel that is the test's. */
 #define _GNU_SOURCE
+#include <pthread.h>
 #include <signal.h>
+#include <sys/syscall.h>
+#include <ucontext.h>
+#include <unistd.h>
 
 #include "bus/inprocess/actions.h"
 #include "fakes.h"
@@ -58,7 +62,41 @@ static int fake_pthread_sigmask(int how, const sigset_t *set, sigset_t *before)
     return give_mask("pthread_sigmask", how, set, before);
 }
 
-FAKES(FAKE(sigaction), FAKE(signal), FAKE(__sysv_signal), FAKE(sigprocmask), FAKE(pthread_sigmask))
+static uint64_t mask_set; /* by a system call */
+
+static long fake_syscall(long number, ...)
+{
+    long a[4];
+    va_list arguments;
+    va_start(arguments, number);
+    for (size_t i = 0; i < 4; i++)
+        a[i] = va_arg(arguments, long);
+    va_end(arguments);
+    if (number == SYS_rt_tgsigqueueinfo)
+        return CALLED(queue, a[0], a[1], a[2], ((const siginfo_t *)a[3])->si_code);
+    assert_int_equal(number, SYS_rt_sigprocmask);
+    memcpy(&mask_set, (const void *)a[1], sizeof mask_set);
+    return CALLED(set_mask, a[0], a[2], a[3]);
+}
+
+FAKES(FAKE(sigaction), FAKE(signal), FAKE(__sysv_signal), FAKE(sigprocmask), FAKE(pthread_sigmask), FAKE(syscall))
+
+int fake_pthread_setcancelstate(int state, int *before)
+{
+    if (before)
+        *before = PTHREAD_CANCEL_ENABLE;
+    return (int)CALLED(pthread_setcancelstate, state, before != NULL);
+}
+
+pid_t fake_getpid(void)
+{
+    return 50;
+}
+
+pid_t fake_gettid(void)
+{
+    return 51;
+}
 
 int fake_raise(int number)
 {
@@ -179,25 +217,175 @@ static void keeps_the_own_action(void **state)
     EXPECT_CALLS("of a call", "");
 }
 
-static void passes_other_signals_on(void **state)
+/* The kernel has a handler of the library, and otherwise what the program has set. */
+static void keeps_handlers_of_other_signals(void **state)
 {
-    struct sigaction set = {.sa_handler = own_handler}, before;
+    static const struct {
+        const char *title;
+        __sighandler_t handler;
+        int flags;
+        bool kept;
+        int kernel_flags;
+    } rows[] = {{"default", SIG_DFL, SA_NOCLDSTOP, false, SA_NOCLDSTOP},
+                {"a handler", own_handler, SA_RESTART, true, SA_RESTART | SA_SIGINFO},
+                {"information", own_handler, SA_SIGINFO | SA_ONSTACK, true, SA_SIGINFO | SA_ONSTACK},
+                {"ignored", SIG_IGN, 0, false, 0},
+                {"once", own_handler, (int)SA_RESETHAND | SA_NODEFER, true, SA_NODEFER | SA_SIGINFO}};
+    const struct sigaction *now = &kernel_actions[SIGUSR1];
+    struct sigaction before;
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        struct sigaction set = {.sa_handler = rows[i].handler, .sa_flags = rows[i].flags};
+        sigaddset(&set.sa_mask, SIGUSR2);
+        assert_int_equal(ours_sigaction(SIGUSR1, &set, NULL), 0);
+        if ((now->sa_handler != rows[i].handler) != rows[i].kept || now->sa_flags != rows[i].kernel_flags ||
+            sigismember(&now->sa_mask, SIGUSR2) != 1)
+            fail_msg("%s: the kernel has flags 0x%X", rows[i].title, (unsigned int)now->sa_flags);
+        assert_int_equal(ours_sigaction(SIGUSR1, NULL, &before), 0);
+        if (before.sa_handler != rows[i].handler || before.sa_flags != rows[i].flags)
+            fail_msg("%s: flags 0x%X are returned", rows[i].title, (unsigned int)before.sa_flags);
+        assert_int_equal(ours_sigaction(SIGUSR1, &set, &before), 0);
+        assert_ptr_equal((void *)before.sa_handler, (void *)rows[i].handler);
+    }
+    forget_calls();
+    plan("sigaction", -1, EINVAL);
+    assert_int_equal(ours_sigaction(SIGKILL, NULL, &before), -1);
+    EXPECT_CALLS("refused", "sigaction(9,0,1) ");
+    ect_inside = 1;
+    const struct sigaction library = {.sa_handler = own_handler};
+    assert_int_equal(ours_sigaction(SIGUSR2, &library, NULL), 0);
+    assert_ptr_equal((void *)kernel_actions[SIGUSR2].sa_handler, (void *)own_handler);
+}
+
+static void blocks_no_call_in_handlers(void **state)
+{
+    struct sigaction set = {.sa_handler = own_handler};
     (void)state;
     sigfillset(&set.sa_mask);
-    assert_int_equal(ours_sigaction(SIGUSR1, &set, &before), 0);
+    assert_int_equal(ours_sigaction(SIGUSR1, &set, NULL), 0);
     assert_int_equal(sigismember(&kernel_actions[SIGUSR1].sa_mask, SIGSYS), 1);
     (void)ect_action_take(SIGSYS, library_handler, ECT_IN_CALL);
-    forget_calls();
-    assert_int_equal(ours_sigaction(SIGUSR1, &set, &before), 0);
+    assert_int_equal(ours_sigaction(SIGUSR1, &set, NULL), 0);
     assert_int_equal(sigismember(&kernel_actions[SIGUSR1].sa_mask, SIGSYS), 0);
     assert_int_equal(sigismember(&kernel_actions[SIGUSR1].sa_mask, SIGUSR2), 1);
-    assert_int_equal(ours_sigaction(SIGUSR1, NULL, &before), 0);
-    EXPECT_CALLS("sigaction", "sigaction(10,1,1) sigaction(10,0,1) ");
-    plan("signal", 71, 0);
-    plan("sysv_signal", 72, 0);
-    assert_int_equal((long)ours_signal(SIGUSR1, AT(5)), 71);
-    assert_int_equal((long)ours___sysv_signal(SIGUSR1, AT(6)), 72);
-    EXPECT_CALLS("signal", "signal(10,5) sysv_signal(10,6) ");
+}
+
+/* The real functions know siginterrupt(3). */
+static void keeps_handlers_of_signal(void **state)
+{
+    (void)state;
+    (void)ours_sigaction(SIGUSR1, &(struct sigaction){.sa_handler = own_handler}, NULL);
+    __sighandler_t library = kernel_actions[SIGUSR1].sa_handler;
+    set_own(SIGUSR1, own_handler, SA_RESTART); /* as the real function does */
+    plan("signal", (long)library, 0);
+    assert_ptr_equal((void *)ours_signal(SIGUSR1, own_handler), (void *)own_handler);
+    assert_ptr_equal((void *)kernel_actions[SIGUSR1].sa_handler, (void *)library);
+    assert_int_equal(kernel_actions[SIGUSR1].sa_flags, SA_RESTART | SA_SIGINFO);
+    set_own(SIGUSR1, SIG_IGN, 0);
+    plan("sysv_signal", (long)library, 0);
+    assert_ptr_equal((void *)ours___sysv_signal(SIGUSR1, SIG_IGN), (void *)own_handler);
+    assert_ptr_equal((void *)kernel_actions[SIGUSR1].sa_handler, (void *)SIG_IGN);
+    plan("signal", (long)SIG_IGN, 0);
+    assert_ptr_equal((void *)ours_signal(SIGUSR1, SIG_DFL), (void *)SIG_IGN);
+    plan("signal", (long)SIG_ERR, EINVAL);
+    assert_ptr_equal((void *)ours_signal(NSIG + 5, own_handler), (void *)SIG_ERR);
+    set_own(SIGUSR2, own_handler, 0);
+    ect_inside = 1;
+    plan("signal", 5, 0);
+    assert_int_equal((long)ours_signal(SIGUSR2, own_handler), 5);
+    assert_ptr_equal((void *)kernel_actions[SIGUSR2].sa_handler, (void *)own_handler);
+}
+
+/* Sends a signal as the kernel does. @return the mask behind the handler */
+static uint64_t handle(int number, int code, uint64_t mask)
+{
+    ucontext_t at = {0};
+    siginfo_t info = {.si_signo = number, .si_code = code};
+    memcpy(&at.uc_sigmask, &mask, sizeof mask);
+    kernel_actions[number].sa_sigaction(number, &info, &at);
+    memcpy(&mask, &at.uc_sigmask, sizeof mask);
+    return mask;
+}
+
+#define BIT(number) (1ull << ((number) - 1))
+
+static void defers_a_handler(void **state)
+{
+    const uint64_t urgent = BIT(SIGSEGV) | BIT(SIGBUS) | BIT(SIGSYS) | BIT(SIGILL) | BIT(SIGFPE) | BIT(SIGTRAP) |
+                            BIT(SIGABRT) | BIT(32) | BIT(33);
+    (void)state;
+    (void)ours_sigaction(SIGUSR1, &(struct sigaction){.sa_handler = own_handler}, NULL);
+    (void)ours_sigaction(SIGUSR2, &(struct sigaction){.sa_handler = own_handler}, NULL);
+    (void)ours_sigaction(SIGFPE, &(struct sigaction){.sa_handler = own_handler}, NULL);
+    forget_calls();
+    assert_int_equal(handle(SIGUSR1, SI_USER, BIT(3)), BIT(3));
+    EXPECT_CALLS("without a hold", "sigaction(10,0,1) own(10) ");
+    ect_action_hold();
+    ect_action_hold();
+    EXPECT_CALLS("a hold, nested", "pthread_setcancelstate(1,1) ");
+    ect_action_watch();
+    errno = 7;
+    plan("queue", 0, 8);
+    assert_int_equal(handle(SIGUSR2, SI_TIMER, BIT(4)), ~urgent); /* its handler interrupts that of SIGUSR1 */
+    assert_int_equal(errno, 7);
+    assert_int_equal(handle(SIGUSR1, SI_USER, BIT(3)), ~urgent);
+    EXPECT_CALLS("deferred", "queue(50,51,12,-2) queue(50,51,10,0) ");
+    assert_int_equal(handle(SIGFPE, FPE_INTDIV, BIT(3)), BIT(3));
+    EXPECT_CALLS("a fault", "sigaction(8,0,1) own(8) ");
+    ect_action_release();
+    EXPECT_CALLS("the inner hold", "");
+    assert_int_equal(ect_action_handled().count, 1);
+    ect_action_release();
+    EXPECT_CALLS("the end", "set_mask(2,0,8) pthread_setcancelstate(0,0) ");
+    assert_int_equal(mask_set, BIT(3));
+    ect_action_hold();
+    ect_action_release();
+    EXPECT_CALLS("no signal", "pthread_setcancelstate(1,1) pthread_setcancelstate(0,0) ");
+}
+
+static void watch_in_handler(int number)
+{
+    ect_action_watch();
+    assert_int_equal(ect_action_handled().count, 0);
+    (void)number;
+}
+
+static void counts_handlers(void **state)
+{
+    static const struct {
+        int flags[2];
+        bool restarts;
+    } rows[] = {{{0, 0}, false}, {{SA_RESTART, 0}, false}, {{0, SA_RESTART}, false}, {{SA_RESTART, SA_RESTART}, true}};
+    (void)state;
+    ect_action_watch();
+    assert_int_equal(ect_action_handled().count, 0);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_action_watch();
+        for (unsigned int n = 0; n < 2; n++) {
+            (void)ours_sigaction(
+                SIGUSR1, &(struct sigaction){.sa_handler = watch_in_handler, .sa_flags = rows[i].flags[n]}, NULL);
+            (void)handle(SIGUSR1, SI_USER, 0);
+            assert_int_equal(ect_action_handled().count, n + 1);
+        }
+        assert_int_equal(ect_action_handled().restarts, rows[i].restarts);
+    }
+}
+
+static void runs_a_handler_once(void **state)
+{
+    struct sigaction before;
+    (void)state;
+    (void)ours_sigaction(SIGUSR1, &(struct sigaction){.sa_handler = own_handler, .sa_flags = (int)SA_RESETHAND}, NULL);
+    ect_action_hold();
+    (void)handle(SIGUSR1, SI_USER, 0);
+    (void)ours_sigaction(SIGUSR1, NULL, &before);
+    assert_ptr_equal((void *)before.sa_handler, (void *)own_handler); /* it is only deferred */
+    ect_action_release();
+    forget_calls();
+    (void)handle(SIGUSR1, SI_USER, 0);
+    EXPECT_CALLS("the handler", "sigaction(10,0,1) sigaction(10,1,0) own(10) ");
+    (void)ours_sigaction(SIGUSR1, NULL, &before);
+    assert_ptr_equal((void *)before.sa_handler, (void *)SIG_DFL);
 }
 
 static void sets_handlers(void **state)
@@ -325,7 +513,13 @@ int main(void)
         TEST("A signal of calls has neither, and is unblocked", takes_a_signal_in_a_call),
         TEST("A signal that the kernel refuses is not taken", is_refused_by_the_kernel),
         TEST("sigaction() sets and returns the program's own action", keeps_the_own_action),
-        TEST("Other signals are the C library's, with a mask that never blocks SIGSYS", passes_other_signals_on),
+        TEST("sigaction() returns the handlers of other signals, which run by the library",
+             keeps_handlers_of_other_signals),
+        TEST("The mask of a handler never blocks SIGSYS once it is taken", blocks_no_call_in_handlers),
+        TEST("signal() and its variants return the handlers of other signals", keeps_handlers_of_signal),
+        TEST("A handler and a cancellation are deferred while the thread is held; faults are not", defers_a_handler),
+        TEST("Handlers are counted, with SA_RESTART if each has it, beside those within a handler", counts_handlers),
+        TEST("SA_RESETHAND resets a handler when it runs, not when it is deferred", runs_a_handler_once),
         TEST("signal() and its variants set the program's own handler", sets_handlers),
         TEST("The program's own action runs as from the kernel", runs_the_own_action),
         TEST("SA_RESETHAND resets the program's own action", resets_a_handler_that_runs_once),

@@ -3,9 +3,11 @@
 #define _GNU_SOURCE
 #include <arpa/inet.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <linux/if_packet.h>
 #include <net/ethernet.h>
 #include <sys/eventfd.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <sys/uio.h>
@@ -41,10 +43,19 @@ static int fake_fcntl(int fd, int command, ...)
 {
     va_list arguments;
     va_start(arguments, command);
-    int flags = va_arg(arguments, int);
+    int argument = va_arg(arguments, int);
     va_end(arguments);
+    if (command == F_GETFD || command == F_GETFL)
+        return (int)(command == F_GETFD ? CALLED(get_fd, fd) : CALLED(get_fl, fd));
+    if (command == F_DUPFD_CLOEXEC)
+        return (int)CALLED(copy, fd, argument);
     assert_int_equal(command, F_SETFL);
-    return (int)CALLED(fcntl, fd, flags);
+    return (int)CALLED(fcntl, fd, argument);
+}
+
+static int fake_dup3(int fd, int to, int flags)
+{
+    return (int)CALLED(dup3, fd, to, flags);
 }
 
 static ssize_t fake_read(int fd, void *data, size_t size)
@@ -54,22 +65,56 @@ static ssize_t fake_read(int fd, void *data, size_t size)
     return (ssize_t)size;
 }
 
-FAKES(FAKE(close), FAKE(fcntl), FAKE(read))
+FAKES(FAKE(close), FAKE(dup3), FAKE(fcntl), FAKE(read))
 
 void *fake_calloc(size_t count, size_t size)
 {
-    return blocks > 0 && blocks-- > 0 ? calloc(count, size) : NULL;
+    void *memory = blocks > 0 && blocks-- > 0 ? calloc(count, size) : NULL;
+    errno = memory ? errno : ENOMEM;
+    return memory;
 }
 
-void *fake_malloc(size_t size)
+static unsigned int mapped; /* pieces of memory */
+
+void *fake_mmap(void *at, size_t size, int protection, int flags, int fd, off_t offset)
 {
-    return blocks > 0 && blocks-- > 0 ? malloc(size) : NULL;
+    void *memory = blocks > 0 && blocks-- > 0 ? calloc(1, size) : NULL;
+    assert_true(!at && fd == -1 && offset == 0);
+    assert_int_equal(protection, PROT_READ | PROT_WRITE);
+    assert_int_equal(flags, MAP_PRIVATE | MAP_ANONYMOUS);
+    errno = memory ? errno : ENOMEM;
+    mapped += memory ? 1 : 0;
+    return memory ? memory : MAP_FAILED;
+}
+
+int fake_munmap(void *memory, size_t size)
+{
+    assert_true(size > 0);
+    free(memory);
+    mapped--;
+    return 0;
+}
+
+static pid_t process = 50; /* that the program is */
+static void (*in_child)(void);
+
+pid_t fake_getpid(void)
+{
+    return process;
+}
+
+int fake_pthread_atfork(void (*prepare)(void), void (*parent)(void), void (*child)(void))
+{
+    in_child = !prepare && !parent ? child : NULL;
+    return 0;
 }
 
 int fake_eventfd(unsigned int value, int flags)
 {
-    assert_int_equal(value, 0);
-    return (int)CALLED(eventfd, flags);
+    if (value == 0)
+        return (int)CALLED(eventfd, flags);
+    assert_int_equal(value, 1);
+    return (int)CALLED(eventfd_with_1, flags);
 }
 
 int fake_eventfd_write(int fd, eventfd_t value)
@@ -119,8 +164,10 @@ bool ect_time_wait(int fd, bool (*ready)(const void *arg), const void *arg, uint
     assert_int_equal(locked, 1);
     assert_false(ready(arg));
     bool ended = CALLED(wait, fd, (long)until_ns) != 0;
+    ect_time_unlock(); /* as while a thread waits */
     if (on_wait)
         on_wait();
+    ect_time_lock();
     return !ended && ready(arg);
 }
 
@@ -274,9 +321,14 @@ static void refuses_to_open(void **state)
     assert_int_equal(errno, ENFILE);
     snprintf(want, sizeof want, "eventfd(%d) ", EFD_NONBLOCK);
     EXPECT_CALLS("none left", want);
-    blocks = 0;
-    assert_int_equal(ect_port_open(SOCK_RAW, 9), -1);
-    EXPECT_CALLS("no memory", "");
+    for (unsigned int left = 0; left < 2; left++) {
+        blocks = left;
+        errno = 0;
+        assert_int_equal(ect_port_open(SOCK_RAW, 9), -1);
+        assert_int_equal(errno, ENOMEM);
+        EXPECT_CALLS("no memory", "");
+    }
+    assert_int_equal(mapped, 0);
     assert_null(ect_port_of(-1));
     assert_null(ect_port_of(DESCRIPTORS));
     ect_port_closed(FD);
@@ -295,6 +347,7 @@ static void lives_as_long_as_a_copy(void **state)
     ect_port_copied(0, DESCRIPTORS - 1);
     assert_ptr_equal(ect_port_of(0), port);
     ect_port_closed(DESCRIPTORS - 1);
+    EXPECT_CALLS("a copy", "");
     arrive(0, ECAT, 60, 7);
     ect_ports_show();
     EXPECT_CALLS("the first", "show(20,1) ");
@@ -330,6 +383,118 @@ static void closes_one_of_several(void **state)
     assert_int_equal(next_mark(ports[0]), 8);
     end_port(FD);
     arrive(0, ECAT, 60, 9);
+}
+
+static void close_meanwhile(void)
+{
+    plan("copy", 34, 0);
+    ect_port_closed(FD);
+    assert_null(ect_port_of(FD));
+    arrive(0, ECAT, 60, 9);
+    assert_int_equal(mapped, 1);
+}
+
+static void close_without_descriptors_meanwhile(void)
+{
+    plan("copy", -1, EMFILE);
+    ect_port_closed(FD);
+}
+
+/* The eventfd of a receiver remains open, and shows frames. */
+static void is_closed_while_it_receives(void **state)
+{
+    (void)state;
+    ect_time_is_virtual = false;
+    ect_port_t *port = bound_port(FD, ECAT, 0);
+    on_wait = close_meanwhile;
+    plan("copy", 33, 0);
+    assert_int_equal(receive(port, sent, sizeof sent, 0), 60);
+    assert_int_equal(sent[59], 9);
+    EXPECT_CALLS("a frame",
+                 "charge(1000) copy(20,20) wait(33,-1) copy(20,20) show(34,1) close(33) read(34,8) close(34) ");
+    assert_int_equal(mapped, 0);
+    port = bound_port(FD, ECAT, 0);
+    on_wait = close_without_descriptors_meanwhile;
+    plan("copy", -1, EMFILE);
+    assert_int_equal(receive(port, sent, sizeof sent, 0), -1);
+    EXPECT_CALLS("no descriptor", "charge(1000) copy(20,20) wait(20,-1) copy(20,20) ");
+    assert_int_equal(mapped, 0);
+    arrive(0, ECAT, 60, 9);
+}
+
+static void closes_a_range(void **state)
+{
+    static const struct {
+        unsigned int from, to;
+        const char *open; /* of FD, FD + 1, FD + 2 */
+    } rows[] = {{FD + 1, FD + 1, "101"},   {FD, FD + 1, "001"},       {FD + 1, FD + 2, "100"}, {0, FD - 1, "111"},
+                {FD + 3, UINT_MAX, "111"}, {FD + 1, UINT_MAX, "100"}, {0, UINT_MAX, "000"},    {FD + 2, FD, "111"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        char open[4] = "";
+        for (int n = 0; n < 3; n++)
+            (void)bound_port(FD + n, ECAT, 0);
+        ect_ports_closed(rows[i].from, rows[i].to);
+        for (int n = 0; n < 3; n++)
+            open[n] = ect_port_of(FD + n) ? '1' : '0';
+        if (strcmp(open, rows[i].open) != 0)
+            fail_msg("%u to %u: open are %s, expected %s", rows[i].from, rows[i].to, open, rows[i].open);
+        ect_ports_closed(0, UINT_MAX);
+        assert_int_equal(mapped, 0);
+    }
+}
+
+/* Its memory is that of the program. */
+static void ignores_a_child_of_vfork(void **state)
+{
+    (void)state;
+    ect_port_t *port = bound_port(FD, ECAT, 0);
+    process++;
+    ect_port_closed(FD);
+    ect_port_copied(FD, FD + 1);
+    ect_ports_closed(0, UINT_MAX);
+    process--;
+    assert_ptr_equal(ect_port_of(FD), port);
+    assert_null(ect_port_of(FD + 1));
+    end_port(FD);
+}
+
+static void gets_eventfds_in_a_child(void **state)
+{
+    char want[256];
+    (void)state;
+    ect_port_t *first = bound_port(FD, ECAT, 0);
+    (void)bound_port(FD + 3, ECAT, 0);
+    ect_port_copied(FD + 3, FD + 1);
+    arrive(0, ECAT, 60, 7);
+    ect_ports_show();
+    (void)next_mark(first);
+    ect_ports_show();
+    forget_calls();
+    assert_non_null(in_child);
+    plan("eventfd", 40, 0);
+    plan("eventfd_with_1", 41, 0);
+    plan("get_fl", O_RDWR | O_NONBLOCK, 0);
+    plan("get_fl", O_RDWR, 0);
+    plan("get_fd", FD_CLOEXEC, 0);
+    in_child();
+    snprintf(want, sizeof want,
+             "eventfd(%d) get_fl(20) fcntl(40,%d) get_fd(20) dup3(40,20,%d) close(40) "
+             "eventfd_with_1(%d) get_fl(23) fcntl(41,%d) get_fd(23) dup3(41,23,0) close(41) get_fd(21) dup3(23,21,0) ",
+             EFD_NONBLOCK, O_RDWR | O_NONBLOCK, O_CLOEXEC, EFD_NONBLOCK, O_RDWR);
+    EXPECT_CALLS("two sockets", want);
+    process++;
+    ect_port_closed(FD + 3);
+    plan("eventfd", -1, EMFILE);
+    plan("eventfd_with_1", 41, 0);
+    in_child();
+    snprintf(want, sizeof want,
+             "eventfd(%d) eventfd_with_1(%d) get_fl(23) fcntl(41,0) get_fd(23) dup3(41,23,0) close(41) get_fd(21) "
+             "dup3(23,21,0) ",
+             EFD_NONBLOCK, EFD_NONBLOCK);
+    EXPECT_CALLS("without a further descriptor a socket keeps its own", want);
+    ect_ports_closed(0, UINT_MAX); /* the descriptors of the new process */
+    assert_int_equal(mapped, 0);
 }
 
 /* --- the interface
@@ -458,30 +623,24 @@ static void removes_a_tag(void **state)
 
 static void drops_frames_when_full(void **state)
 {
-    enum { MOST = 1024 };
+    enum { MOST = 256, ROUNDS = 3 };
     (void)state;
     ect_port_t *port = bound_port(FD, ECAT, 0);
-    for (unsigned int round = 0; round < 2; round++) { /* the second reuses memory */
+    blocks = 0; /* frames need no further memory */
+    for (unsigned int round = 0; round < ROUNDS; round++) {
         for (unsigned int i = 0; i < MOST + 1; i++)
             arrive(0, ECAT, 60, (uint8_t)(i % 251));
         assert_int_equal(next_mark(port), 0);
-        arrive(0, ECAT, 60, 252);
+        arrive(0, ECAT, 60, 252); /* behind the last place of the ring */
+        arrive(0, ECAT, 60, 253);
         for (unsigned int i = 1; i < MOST; i++)
             assert_int_equal(next_mark(port), i % 251);
         assert_int_equal(next_mark(port), 252);
         assert_int_equal(next_mark(port), -1);
         forget_calls();
-        blocks = 0;
     }
-    blocks = 0;
-    ect_port_t *second = NULL;
-    blocks = 1;
-    second = bound_port(FD + 1, ECAT, 0);
-    arrive(0, ECAT, 60, 3); /* the first port reuses memory, for the second there is none */
-    assert_int_equal(next_mark(port), 3);
-    assert_int_equal(next_mark(second), -1);
     end_port(FD);
-    end_port(FD + 1);
+    assert_int_equal(mapped, 0);
 }
 
 static void shows_frames_on_the_virtual_clock(void **state)
@@ -837,13 +996,19 @@ int main(void)
         {"A socket needs a descriptor below 65536 and memory", refuses_to_open, begin, NULL, NULL},
         {"A socket exists as long as a copy of its descriptor is open", lives_as_long_as_a_copy, begin, NULL, NULL},
         {"The others of several sockets remain when one is closed", closes_one_of_several, begin, NULL, NULL},
+        {"A socket that is closed while it receives still gets a frame", is_closed_while_it_receives, begin, NULL,
+         NULL},
+        {"A range of descriptors has both ends", closes_a_range, begin, NULL, NULL},
+        {"A child of vfork() changes no descriptor of the program", ignores_a_child_of_vfork, begin, NULL, NULL},
+        {"A child of fork() gets eventfds of its own, with the same flags", gets_eventfds_in_a_child, begin, NULL,
+         NULL},
         {"bind() starts the bus and plugs the cable in", binds, begin, NULL, NULL},
         {"bind() refuses other addresses", refuses_to_bind, begin, NULL, NULL},
         {"An interface that is taken up or down has its cable plugged in or pulled", takes_up_and_down, begin, NULL,
          NULL},
         {"A socket gets the frames of its protocol and its end", gets_frames_of_its_protocol, begin, NULL, NULL},
         {"A VLAN tag is removed", removes_a_tag, begin, NULL, NULL},
-        {"A socket with 1024 frames, or without memory, drops further ones", drops_frames_when_full, begin, NULL, NULL},
+        {"A socket with 256 frames drops further ones", drops_frames_when_full, begin, NULL, NULL},
         {"Frames make the descriptor readable before a poll on the virtual clock", shows_frames_on_the_virtual_clock,
          begin, NULL, NULL},
         {"Frames make the descriptor readable at once on the real clock", shows_frames_at_once_on_the_real_clock, begin,

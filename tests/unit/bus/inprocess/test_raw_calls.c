@@ -34,6 +34,7 @@ FAKE_3(readv)
 FAKE_3(accept)
 FAKE_4(accept4)
 FAKE_1(close)
+FAKE_3(close_range)
 FAKE_1(dup)
 FAKE_2(dup2)
 FAKE_3(dup3)
@@ -114,6 +115,7 @@ static void passes_every_argument(void **state)
         {SYS_accept, "accept", "accept(11,12,13) "},
         {SYS_accept4, "accept4", "accept4(11,12,13,14) "},
         {SYS_close, "close", "close(11) "},
+        {SYS_close_range, "close_range", "close_range(11,12,13) "},
         {SYS_dup, "dup", "dup(11) "},
         {SYS_dup2, "dup2", "dup2(11,12) "},
         {SYS_dup3, "dup3", "dup3(11,12,13) "},

@@ -38,6 +38,8 @@ OURS(read);
 OURS(accept);
 OURS(accept4);
 OURS(close);
+int ours_close_range(unsigned int from, unsigned int to, int flags);
+void ours_closefrom(int from);
 OURS(dup);
 OURS(dup2);
 OURS(dup3);
@@ -89,10 +91,17 @@ FAKE_OF(dup, int, (int a), a)
 FAKE_OF(dup2, int, (int a, int b), a, b)
 FAKE_OF(dup3, int, (int a, int b, int c), a, b, c)
 
+static FAKE_3(close_range)
+
+    static void fake_closefrom(int from)
+{
+    CALLED(closefrom, from);
+}
+
 FAKES(FAKE(socket), FAKE(bind), FAKE(setsockopt), FAKE(getsockopt), FAKE(getsockname), FAKE(fcntl), FAKE(ioctl),
       FAKE(send), FAKE(sendto), FAKE(sendmsg), FAKE(sendmmsg), FAKE(write), FAKE(writev), FAKE(recv), FAKE(recvfrom),
       FAKE(recvmsg), FAKE(recvmmsg), FAKE(readv), FAKE(read), FAKE(__read_chk), FAKE(__recv_chk), FAKE(__recvfrom_chk),
-      FAKE(accept), FAKE(accept4), FAKE(close), FAKE(dup), FAKE(dup2), FAKE(dup3))
+      FAKE(accept), FAKE(accept4), FAKE(close), FAKE(close_range), FAKE(closefrom), FAKE(dup), FAKE(dup2), FAKE(dup3))
 
 /* --- the rest of the room ---------------------------------------------------------------------------------------- */
 
@@ -114,6 +123,11 @@ void ect_port_copied(int fd, int copy)
 void ect_port_closed(int fd)
 {
     CALLED(port_closed, fd);
+}
+
+void ect_ports_closed(unsigned int from, unsigned int to)
+{
+    CALLED(ports_closed, from, to);
 }
 
 void ect_port_set_nonblocking(ect_port_t *port, bool on)
@@ -617,6 +631,25 @@ static void closes_and_copies(void **state)
     EXPECT_CALLS("of the library", "close(700) dup(700) ");
 }
 
+static void closes_ranges(void **state)
+{
+    enum { AT_EXEC = 4 };
+    (void)state;
+    plan("close_range", -1, EINVAL);
+    assert_int_equal(ours_close_range(5, 9, 0), -1);
+    EXPECT_CALLS("a range", "ports_closed(5,9) close_range(5,9,0) ");
+    (void)ours_close_range(5, 9, AT_EXEC);
+    EXPECT_CALLS("at exec", "close_range(5,9,4) ");
+    ours_closefrom(7);
+    EXPECT_CALLS("closefrom", "ports_closed(7,4294967295) closefrom(7) ");
+    ours_closefrom(-1);
+    EXPECT_CALLS("closefrom, all", "ports_closed(0,4294967295) closefrom(-1) ");
+    ect_inside = 1;
+    (void)ours_close_range(5, 9, 0);
+    ours_closefrom(7);
+    EXPECT_CALLS("of the library", "close_range(5,9,0) closefrom(7) ");
+}
+
 static void copies_to_a_number(void **state)
 {
     (void)state;
@@ -693,6 +726,7 @@ int main(void)
         TEST("FIONBIO switches the port and its descriptor", switches_blocking),
         TEST("Requests go to interfaces of the bus, on a socket of any kind", executes_requests),
         TEST("A port is closed and copied with its descriptor", closes_and_copies),
+        TEST("close_range() and closefrom() close the ports of a range, not at exec", closes_ranges),
         TEST("dup2 and dup3 end the port of the number that they take", copies_to_a_number),
         TEST("fcntl copies ports and sets whether they block", controls_descriptors),
     };

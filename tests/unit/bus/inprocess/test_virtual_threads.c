@@ -10,6 +10,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "bus/inprocess/actions.h"
 #include "bus/inprocess/bus.h"
 #include "bus/inprocess/tasks.h"
 #include "bus/inprocess/threads.h"
@@ -35,6 +36,42 @@ static unsigned int reports;
 static void (*in_child)(void);
 static void *(*watcher)(void *arg);
 static __thread pid_t thread_id;
+
+/* --- handlers of the program
+ * ------------------------------------------------------------------------------------------ */
+
+static __thread ect_handled_t handlers;
+static __thread int holds;
+static bool handles_at_release; /* a deferred handler runs at the end of the next lock */
+
+static void run_handler(void)
+{
+    handlers.count++;
+    handlers.restarts &= restarts;
+}
+
+void ect_action_hold(void)
+{
+    assert_int_equal(holds++, 0);
+}
+
+void ect_action_release(void)
+{
+    assert_int_equal(--holds, 0);
+    if (handles_at_release)
+        run_handler();
+    handles_at_release = false;
+}
+
+void ect_action_watch(void)
+{
+    handlers = (ect_handled_t){.restarts = true};
+}
+
+ect_handled_t ect_action_handled(void)
+{
+    return handlers;
+}
 
 /* --- fakes
  * ------------------------------------------------------------------------------------------------------------ */
@@ -87,8 +124,11 @@ static long fake_syscall(long number, ...)
     va_end(arguments);
     if (number == SYS_futex)
         return syscall(number, a[0], a[1], a[2], a[3], a[4], a[5]);
-    return number == SYS_rt_tgsigqueueinfo ? CALLED(send_to, a[1], a[2], a[0] == PID)
-                                           : CALLED(queue, a[0], a[1], number == SYS_rt_sigqueueinfo);
+    if (number != SYS_rt_tgsigqueueinfo)
+        return CALLED(queue, a[0], a[1], number == SYS_rt_sigqueueinfo);
+    if (a[1] == thread_id)
+        run_handler();
+    return CALLED(send_to, a[1], a[2], a[0] == PID);
 }
 
 static int fake_clock_gettime(clockid_t clock, struct timespec *time)
@@ -105,6 +145,8 @@ static int fake_nanosleep(const struct timespec *time, struct timespec *left)
     CALLED(nap, time->tv_nsec / 1000000 + time->tv_sec * 1000);
     if (++naps == most_naps && on_nap)
         on_nap();
+    if (nap_result != 0)
+        run_handler();
     return nap_result;
 }
 
@@ -163,8 +205,7 @@ int fake_sigpending(sigset_t *set)
 
 int fake_sigaction(int number, const struct sigaction *action, struct sigaction *before)
 {
-    *before =
-        (struct sigaction){.sa_handler = number == ignored ? SIG_IGN : SIG_DFL, .sa_flags = restarts ? SA_RESTART : 0};
+    *before = (struct sigaction){.sa_handler = number == ignored ? SIG_IGN : SIG_DFL};
     return action ? -1 : 0;
 }
 
@@ -241,7 +282,7 @@ static int begin(void **state)
     nap_result = 0;
     has_child = false;
     pending = blocked = ignored = 0;
-    others_block = restarts = sleeps = false;
+    others_block = restarts = sleeps = handles_at_release = false;
     reports = 0;
     return begin_fakes(state);
 }
@@ -282,7 +323,7 @@ typedef struct worker {
     int ended;
     void *record;
     pthread_t thread;
-    ect_wait_t end_of_wait;
+    ect_wait_t end_of_wait, second_wait;
 } worker_t;
 
 static void *run_worker(void *arg)
@@ -564,7 +605,29 @@ static void ends_with_a_handler_of_a_real_signal(void **state)
     nap_result = -1;
     assert_int_equal(ect_virtual_wait_until(is_set, &flag, "read()", NEVER), ECT_WAIT_INTERRUPTED);
     assert_false(ect_virtual_restarts());
+    restarts = true;
+    assert_int_equal(ect_virtual_wait_until(is_set, &flag, "read()", NEVER), ECT_WAIT_INTERRUPTED);
+    assert_true(ect_virtual_restarts());
+    nap_result = 0;
     forget_calls();
+}
+
+static void defer_next(void)
+{
+    handles_at_release = true;
+}
+
+/* It arrives while its thread has the lock, and runs before the thread sleeps. */
+static void ends_with_a_deferred_handler(void **state)
+{
+    (void)state;
+    flag = false;
+    restarts = true;
+    most_naps = naps + 1;
+    on_nap = defer_next;
+    assert_int_equal(ect_virtual_wait_until(is_set, &flag, "read()", NEVER), ECT_WAIT_INTERRUPTED);
+    assert_true(ect_virtual_restarts());
+    EXPECT_CALLS("one nap", "nap(10) ");
 }
 
 static unsigned int served(void)
@@ -816,29 +879,74 @@ static void reaches_another_thread(void **state)
     ect_virtual_remove_timer(&timer);
 }
 
+static bool *condition_to_set;
+
+static void set_condition(ect_timer_t *unused)
+{
+    (void)unused;
+    *condition_to_set = true;
+}
+
+/* recv(2): with a timeout a receive ends after each handler. */
 static void restarts_a_receive(void **state)
 {
-    ect_timer_t timer = {.next_ns = since_ns + 100, .expired = send_signal};
-    bool condition = false;
+    static const struct {
+        bool restarts, limited;
+        int error;
+        uint64_t span_ns;
+    } rows[] = {{true, true, EINTR, 100}, {false, true, EINTR, 100}, {false, false, EINTR, 100}, {true, false, 0, 300}};
+    bool condition;
+    ect_timer_t timer = {.expired = send_signal}, sets = {.expired = set_condition};
     (void)state;
-    signal_of_timer = (ect_signal_t){.info = {.si_signo = SIGUSR1}};
-    signal_to = 0;
-    sends = 1;
-    ect_virtual_add_timer(&timer);
-    restarts = true;
-    ect_time_lock();
-    assert_false(ect_time_wait(3, is_ready, &condition, since_ns + 300));
-    assert_int_equal(errno, EAGAIN);
-    ect_time_unlock();
-    assert_int_equal(passed(), 300);
-    timer.next_ns = since_ns + 400;
-    restarts = false;
-    ect_time_lock();
-    assert_false(ect_time_wait(3, is_ready, &condition, since_ns + 500));
-    assert_int_equal(errno, EINTR);
-    ect_time_unlock();
-    assert_int_equal(passed(), 400);
-    ect_virtual_remove_timer(&timer);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        since_ns = ect_virtual_now();
+        signal_of_timer = (ect_signal_t){.info = {.si_signo = SIGUSR1}};
+        signal_to = 0;
+        sends = 1;
+        condition = false;
+        condition_to_set = &condition;
+        timer.next_ns = since_ns + 100;
+        sets.next_ns = since_ns + 300;
+        ect_virtual_add_timer(&timer);
+        ect_virtual_add_timer(&sets);
+        restarts = rows[i].restarts;
+        errno = 0;
+        ect_time_lock();
+        bool ready = ect_time_wait(3, is_ready, &condition, rows[i].limited ? since_ns + 500 : NEVER);
+        const int error = errno;
+        ect_time_unlock();
+        if (ready != (rows[i].error == 0) || (!ready && error != rows[i].error) || passed() != rows[i].span_ns)
+            fail_msg("row %zu: ready %d, errno %d after %lu ns", i, ready, error, (unsigned long)passed());
+        ect_virtual_remove_timer(&timer);
+        ect_virtual_remove_timer(&sets);
+        forget_calls();
+    }
+}
+
+static void waits_until_cancelled(worker_t *its)
+{
+    int state;
+    its->end_of_wait = ect_virtual_wait(NULL, since_ns + 1000);
+    (void)pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, &state);
+    its->second_wait = ect_virtual_wait(NULL, since_ns + 2000);
+}
+
+/* A wait without cancellation goes on to its end. */
+static void cancels_a_wait(void **state)
+{
+    worker_t worker = {.run = waits_until_cancelled, .id = 7, .waits = true};
+    (void)state;
+    start(&worker);
+    (void)ect_virtual_wait(NULL, since_ns + 10);
+    ect_virtual_cancel(worker.record);
+    (void)ect_virtual_wait(NULL, since_ns + 20);
+    assert_int_equal(worker.end_of_wait, ECT_WAIT_INTERRUPTED);
+    ect_virtual_cancel(worker.record);
+    (void)ect_virtual_wait(NULL, since_ns + 30);
+    assert_false(worker.ended);
+    join(&worker);
+    assert_int_equal(passed(), 2000);
+    assert_int_equal(worker.second_wait, ECT_WAIT_TIMED_OUT);
     forget_calls();
 }
 
@@ -969,6 +1077,7 @@ int main(void)
         {"Time is stopped while a thread waits for a process", stops_time_for_a_process, begin, NULL, NULL},
         {"A process without a bus gives its children time", gives_children_time, begin, NULL, NULL},
         {"A handler of a real signal ends a wait", ends_with_a_handler_of_a_real_signal, begin, NULL, NULL},
+        {"A handler that was deferred ends a wait", ends_with_a_deferred_handler, begin, NULL, NULL},
         {"Clients are served in waits, and in every 64th call", serves_clients, begin, NULL, NULL},
         {"Threads take turns in the order in which they became ready", takes_turns, begin, NULL, NULL},
         {"Threads are woken in the order of their waits", wakes_in_order, begin, NULL, NULL},
@@ -978,7 +1087,8 @@ int main(void)
         {"A signal of a timer ends a wait", interrupts_a_wait, begin, NULL, NULL},
         {"Blocked, ignored and pending signals are the kernel's", leaves_signals_to_the_kernel, begin, NULL, NULL},
         {"A signal reaches a thread that does not block it", reaches_another_thread, begin, NULL, NULL},
-        {"SA_RESTART repeats the wait of a socket", restarts_a_receive, begin, NULL, NULL},
+        {"SA_RESTART repeats the wait of a socket without timeout", restarts_a_receive, begin, NULL, NULL},
+        {"A cancellation ends a wait of a thread that can be cancelled", cancels_a_wait, begin, NULL, NULL},
         {"A thread that sleeps in the kernel for a second loses the turn", watches_the_turn, begin, NULL, NULL},
         {"The child of fork has one thread", forks, begin, NULL, NULL},
     };
