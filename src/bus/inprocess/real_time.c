@@ -93,8 +93,11 @@ bool ect_time_wait(int fd, bool (*ready)(const void *arg), const void *arg, uint
 
 void ect_time_bus_next(uint64_t next_ns)
 {
-    if (next_ns < sleeps_until_ns)
-        eventfd_write(wake_fd, 1);
+    if (next_ns >= sleeps_until_ns)
+        return;
+    int before = ect_enter();
+    eventfd_write(wake_fd, 1);
+    ect_leave(before);
 }
 
 static void *run(void *unused)
