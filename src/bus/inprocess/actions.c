@@ -161,7 +161,7 @@ typedef struct kept {
 static kept_t kept[SIGNALS];
 static __thread volatile int holds __attribute__((tls_model("initial-exec")));
 static __thread volatile sig_atomic_t deferred __attribute__((tls_model("initial-exec")));
-static __thread uint64_t mask_before __attribute__((tls_model("initial-exec"))); /* the first deferred handler */
+static __thread uint64_t mask_before __attribute__((tls_model("initial-exec"))); /* the deferred signal */
 static __thread ect_handled_t handled __attribute__((tls_model("initial-exec")));
 
 /* Signals that a thread causes by an instruction or by abort(), and those of the C library: never deferred. */

@@ -378,7 +378,7 @@ static void pass_turn(thread_t *thread)
         wake_up(thread);
 }
 
-/* @return whether a call of a handler has taken the turn */
+/* @return whether this thread has the turn, perhaps by a call of the handler */
 static bool interrupt_wait(void)
 {
     lock();
@@ -410,10 +410,10 @@ static void release_turn(void)
     bool mine = chosen == self;
     pass_turn(chosen);
     unlock();
-    if (!mine && ect_action_handled().count > 0) /* by the end of the lock */
-        interrupt_wait();
-    if (!mine)
-        await_turn();
+    bool handled = ect_action_handled().count > 0; /* by the end of the lock */
+    if (mine || (handled && interrupt_wait()))
+        return;
+    await_turn();
 }
 
 /* --- calls that the library does not replace -----------------------------------------------------------------------
