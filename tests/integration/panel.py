@@ -33,8 +33,8 @@ def check(title, expected, actual):
 class Panel:
     """The program while it runs."""
 
-    def __init__(self, *options):
-        self.process = subprocess.Popen([ECTWIN, "panel", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    def __init__(self, *options, command=None):
+        self.process = subprocess.Popen(command or [ECTWIN, "panel", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.url = json.loads(self.process.stdout.readline())["url"]
         self.base, self.token = self.url.split("/#")
         self.port = int(self.base.rsplit(":", 1)[1])
@@ -172,8 +172,8 @@ def twins(devices, *options):
 
 
 @contextlib.contextmanager
-def running(*options):
-    panel = Panel("--port", "0", *options)
+def running(*options, command=None):
+    panel = Panel("--port", "0", *options, command=command)
     try:
         yield panel
     finally:
@@ -275,9 +275,26 @@ def browsers():
           "ectwin panel: cannot run xdg-open (No such file or directory): open the URL yourself\n", panel.errors)
     os.environ["PATH"] = path
     shutil.rmtree(folder / "ectwin")
+    needs_folder = "ectwin panel: --open needs the folder of a running twin: start one, or open the URL yourself\n"
     with running("--open") as panel:
         pass
-    check("--open without a folder of twins: a line with the cure", True, "open the URL yourself" in panel.errors)
+    check("--open without a folder of twins: a line with the cure", needs_folder, panel.errors)
+    (folder / "ectwin").mkdir()
+    for mode in (0o770, 0o707):
+        (folder / "ectwin").chmod(mode)
+        with running("--open") as panel:
+            check(f"SEC: --open writes no file to a folder of mode {mode:o}", [], list((folder / "ectwin").iterdir()))
+        check(f"--open with a folder of mode {mode:o}: a line with the cure", needs_folder, panel.errors)
+    (folder / "ectwin").chmod(0o700)
+    (folder / "target").touch()
+    (folder / "xdg-open").write_text("#!/bin/sh\n")
+    for title, earlier, errors in (("a longer one of the same name", f"echo {'x' * 4096} >", ""), ("a link", f"ln -s {folder}/target ", needs_folder)):
+        line = f'{earlier}"$XDG_RUNTIME_DIR/ectwin/panel-$$.html" && exec "$0" panel --open'
+        with running(command=["sh", "-c", line, ECTWIN]) as panel:
+            written = (folder / "ectwin" / f"panel-{panel.process.pid}.html").read_text()
+            check(f"SEC: the file of --open in place of {title}", "" if errors else f"0;url={panel.url}\"><title>ectwin</title>\n",
+                  written[-len(panel.url) - 30:])
+        check(f"--open in place of {title}: errors", errors, panel.errors)
 
 
 def tokens():
