@@ -23,8 +23,9 @@ enum {
     DESCRIPTORS = CONNECTIONS + 2 * BUS_MOST + 16,
     PIECE = 4096, /* of a file, written at a time */
     PING_TICKS = 25,
-    SILENT_TICKS = 75, /* a page that holds signals and does not reply to pings loses them */
-    RESERVE = 24,      /* requests without a reply that are left to the panel itself: it may have to release signals */
+    SILENT_TICKS = 75,            /* a page that holds signals and does not reply to pings loses them */
+    HOST_ROOM = REQUEST_HOST + 8, /* for a name, brackets and a port */
+    RESERVE = 24, /* requests without a reply that are left to the panel itself: it may have to release signals */
 };
 
 static const char security_policy[] =
@@ -77,10 +78,9 @@ static server_t *server_of(struct lws *wsi)
 
 /* --- HTTP --------------------------------------------------------------------------------------------------------- */
 
-static bool host_is_ours(struct lws *wsi, char host[REQUEST_HOST + 8])
+static bool host_is_ours(struct lws *wsi, char host[HOST_ROOM])
 {
-    return lws_hdr_copy(wsi, host, REQUEST_HOST + 8, WSI_TOKEN_HOST) > 0 &&
-           request_host_is_ours(host, server_of(wsi)->port);
+    return lws_hdr_copy(wsi, host, HOST_ROOM, WSI_TOKEN_HOST) > 0 && request_host_is_ours(host, server_of(wsi)->port);
 }
 
 static bool add_headers(struct lws *wsi, unsigned char **at, unsigned char *end)
@@ -93,25 +93,24 @@ static bool add_headers(struct lws *wsi, unsigned char **at, unsigned char *end)
     return true;
 }
 
-/* @return as a callback: 0, or -1 closes the connection */
-static int begin_reply(struct lws *wsi, unsigned int status, const char *type, size_t length)
+/* @return false: close the connection */
+static bool begin_reply(struct lws *wsi, unsigned int status, const char *type, size_t length)
 {
     unsigned char room[LWS_PRE + 1536];
     unsigned char *start = room + LWS_PRE, *at = start, *end = room + sizeof room - 1;
-    if (lws_add_http_common_headers(wsi, status, type, length, &at, end) != 0 || !add_headers(wsi, &at, end) ||
-        lws_finalize_write_http_header(wsi, start, &at, end) != 0)
-        return -1;
-    return 0;
+    return lws_add_http_common_headers(wsi, status, type, length, &at, end) == 0 && add_headers(wsi, &at, end) &&
+           lws_finalize_write_http_header(wsi, start, &at, end) == 0;
 }
 
+/* @return as a callback: 0, or -1 closes the connection */
 static int refuse(struct lws *wsi, unsigned int status)
 {
-    return begin_reply(wsi, status, "text/plain", 0) == 0 && lws_http_transaction_completed(wsi) == 0 ? 0 : -1;
+    return begin_reply(wsi, status, "text/plain", 0) && lws_http_transaction_completed(wsi) == 0 ? 0 : -1;
 }
 
 static int serve_file(struct lws *wsi, browser_t *browser, const char *path)
 {
-    char host[REQUEST_HOST + 8];
+    char host[HOST_ROOM];
     if (!host_is_ours(wsi, host))
         return refuse(wsi, HTTP_STATUS_FORBIDDEN);
     if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0)
@@ -120,7 +119,7 @@ static int serve_file(struct lws *wsi, browser_t *browser, const char *path)
     browser->sent = 0;
     if (!browser->content)
         return refuse(wsi, HTTP_STATUS_NOT_FOUND);
-    if (begin_reply(wsi, HTTP_STATUS_OK, browser->content->type, browser->content->length) != 0)
+    if (!begin_reply(wsi, HTTP_STATUS_OK, browser->content->type, browser->content->length))
         return -1;
     lws_callback_on_writable(wsi);
     return 0;
@@ -249,7 +248,7 @@ static int write_message(struct lws *wsi, browser_t *browser)
 /* A browser sends the Origin of the page that connects; the token comes in its first message. */
 static int admit(struct lws *wsi)
 {
-    char host[REQUEST_HOST + 8];
+    char host[HOST_ROOM];
     char origin[REQUEST_ORIGIN];
     bool ours = host_is_ours(wsi, host) && lws_hdr_copy(wsi, origin, sizeof origin, WSI_TOKEN_ORIGIN) > 0 &&
                 request_origin_is_ours(origin, host);
@@ -490,10 +489,8 @@ static void poll_buses(server_t *server)
  * still is no silent page. */
 static void watch_holder(server_t *server, browser_t *browser)
 {
-    if (browser->page.holds == 0) {
-        browser->silence = 0;
+    if (browser->page.holds == 0)
         return;
-    }
     if (++browser->silence > SILENT_TICKS)
         release_held(server, browser);
     browser->ping = browser->ping || browser->silence % PING_TICKS == 0;
