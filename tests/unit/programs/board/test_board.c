@@ -520,6 +520,53 @@ static void stores(void **state)
     expect(line, 2, "ectwin-board: the name of the folder is too long\n");
 }
 
+/* A damaged file is kept under another name, and the command runs with an empty one. */
+static void a_damaged_store(void **state)
+{
+    static const char *const names[] = {"fzm1-1.0", "fzm1-1.1", "fzm1-1.0.damaged1"};
+    char folder[] = "/tmp/ectwin-board-XXXXXX", line[128], text[256];
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    snprintf(text, sizeof text,
+             "ectwin-board: '%s/fzm1-1.0' has no complete record and is kept as 'fzm1-1.0.damaged1'\n" READY, folder);
+    for (int times = 0; times < 3; times++) {
+        if (times == 1) {
+            snprintf(line, sizeof line, "%s/%s", folder, names[0]);
+            const int file = open(line, O_WRONLY | O_CLOEXEC);
+            assert_int_equal(pwrite(file, "a header?", 9, 32), 9);
+            close(file);
+        }
+        power_on(end_at_once);
+        snprintf(line, sizeof line, "--store %s fzm1", folder);
+        expect(line, 0, times == 1 ? text : READY);
+    }
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        snprintf(line, sizeof line, "%s/%s", folder, names[i]);
+        assert_int_equal(unlink(line), 0);
+    }
+    assert_int_equal(rmdir(folder), 0);
+}
+
+static bool end_without_alias(unsigned int number)
+{
+    step_expect("station alias", 0, ect_load_le16(m.esc.memory + 0x0012));
+    return number == 20;
+}
+
+/* Without a plant a device has neither surroundings nor switches, and no save that the end waits for. */
+static void a_device_without_plant(void **state)
+{
+    ect_device_t bare = ect_fzm1;
+    const ect_product_t product = {&bare, NULL};
+    (void)state;
+    bare.name = "bare";
+    ect_catalogue_add(&product, 1);
+    power_on(end_without_alias);
+    expect("bare", 0, "{\"event\":\"ready\",\"spi\":\"/dev/spidev7.1\",\"device\":\"bare\"}\n");
+    assert_int_equal(m.waits, 21);
+    ect_catalogue_add(NULL, 0);
+}
+
 static void a_device_that_does_not_fit(void **state)
 {
     ect_device_t large = ect_fzm1;
@@ -576,20 +623,26 @@ static void intervals(void **state)
         uint64_t ns;
         nfds_t fds;
         uint64_t slow_ns;
-    } rows[] = {{"fzm1", 250000, 1, 0},
-                {"--poll 50 fzm1", 50000, 1, 0},
-                {"--poll 10000 fzm1", 10000000, 1, 0},
-                {"--irq gpiochip9:25 fzm1", 50000000, 2, 0},
-                {"--irq gpiochip9:25 fzm1", 0, 2, 60 * MS}}; /* the time of the next check is over */
+        uint32_t zero_line;
+    } rows[] = {{"fzm1", 250000, 1, 0, 0},
+                {"--poll 50 fzm1", 50000, 1, 0, 0},
+                {"--poll 10000 fzm1", 10000000, 1, 0, 0},
+                {"--irq gpiochip9:25 fzm1", 50000000, 2, 0, 0},
+                {"--irq gpiochip9:25 fzm1", 50000000, 2, 0, IRQ_LINE},
+                {"--irq gpiochip9:25 fzm1", 0, 2, 60 * MS, 0}}; /* the time of the next check is over */
+    const int before = dup(STDIN_FILENO);
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         power_on(expect_waits);
         m.slow_ns = rows[i].slow_ns;
+        m.zero_line = rows[i].zero_line;
         expected_ns = rows[i].ns;
         expected_fds = rows[i].fds;
         expect(rows[i].line, 0, READY);
         assert_int_equal(m.waits, 7);
     }
+    (void)dup2(before, STDIN_FILENO);
+    close(before);
 }
 
 /* A request arrives after the slave was polled: the pin is active before the wait begins. */
@@ -632,6 +685,29 @@ static void reset_by_the_master(void **state)
     (void)state;
     power_on(master_resets);
     expect("fzm1", 0,
+           "ectwin-board: the LAN9252 was reset, by the master or by its supply, and has been started again\n" READY);
+    assert_int_equal(m.inits, 3);
+}
+
+static bool reset_while_it_waits(unsigned int number)
+{
+    static unsigned int inits;
+    if (number > 0 && m.inits > inits)
+        step_expect("timeout in ns", 0, m.timeout_ns);
+    else if (number > 1)
+        step_expect("timeout in ns", 50 * MS, m.timeout_ns);
+    inits = m.inits;
+    for (unsigned int i = 0; number == 5 && i < 3; i++)
+        (void)pass(BWR, ECT_REG_RESET_ECAT, &"RES"[i], 1);
+    return number == 10;
+}
+
+/* The slave is polled at once after its restart, and then sleeps behind the pin. */
+static void polled_after_a_reset(void **state)
+{
+    (void)state;
+    power_on(reset_while_it_waits);
+    expect("--irq gpiochip9:25 fzm1", 0,
            "ectwin-board: the LAN9252 was reset, by the master or by its supply, and has been started again\n" READY);
     assert_int_equal(m.inits, 3);
 }
@@ -840,11 +916,14 @@ int main(int argc, char **argv)
         TEST("without memory the command ends", a_start_without_memory),
         TEST("without signals the command ends", a_start_without_signals),
         TEST("a folder for saved parameters that cannot be used ends the command", stores),
+        TEST("a damaged file of saved parameters is kept aside, with a line", a_damaged_store),
+        TEST("a device without a plant runs", a_device_without_plant),
         TEST("a device that does not fit into the chip ends the command", a_device_that_does_not_fit),
         TEST("--eeprom writes the image of the chip", eeprom_image),
         TEST("the command waits for the interval of --poll, or for the pin until the next check", intervals),
         TEST("while the pin is active, the command does not wait", an_active_pin),
         TEST("after a reset by the master the slave starts again", reset_by_the_master),
+        TEST("after such a reset the slave is polled at once", polled_after_a_reset),
         TEST("a chip may be away for any time; each new cause is printed once", chip_that_comes_back),
         TEST("a signal ends the command while the chip is away, as a failure", chip_that_stays_away),
         TEST("the lamps show state and errors", lamps),
