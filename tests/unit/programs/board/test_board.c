@@ -17,11 +17,13 @@
 #include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <sys/signalfd.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
 #include "board.h"
 #include "bus/chain/catalogue.h"
+#include "bus/storage/memory.h"
 #include "devices/fzm1/fzm1.h"
 #include "ports/virtual/lan9252.h"
 #include "sii/fit.h"
@@ -32,6 +34,7 @@
 enum { WORDS = 16, TEXT = 4096, LAMPS = 2, CHANGES = 64, RUN_LINE = 20, ERR_LINE = 21, RESET_LINE = 24, IRQ_LINE = 25 };
 
 #define START_NS UINT64_C(5000000000)
+#define RESET    "ectwin-board: the LAN9252 was reset, by the master or by its supply, and has been started again\n"
 #define READY    "{\"event\":\"ready\",\"spi\":\"/dev/spidev7.1\",\"device\":\"fzm1\"}\n"
 
 /* --- the machine
@@ -69,6 +72,8 @@ static struct {
     lamp_change_t changes[LAMPS][CHANGES];
     size_t change_count[LAMPS];
     bool saves;           /* the signal `save` is set with each start */
+    uint8_t address;      /* the signal `node_address` is set to this with each start; 0: it is not set */
+    uint16_t switches;    /* of the last start of the slave */
     uint64_t saved_at_ns; /* end of a save */
     bool ending;
     char wrong[200]; /* the first failed expectation of a step: standard output is that of the command */
@@ -97,6 +102,12 @@ int __wrap_aio_error(const struct aiocb *control);
 int __wrap_aio_suspend(const struct aiocb *const list[], int count, const struct timespec *timeout);
 ssize_t __wrap_aio_return(struct aiocb *control);
 
+static void step_expect(const char *what, uint64_t want, uint64_t got)
+{
+    if (want != got && m.wrong[0] == '\0')
+        snprintf(m.wrong, sizeof m.wrong, "wait %u: %s: expected %" PRIu64 ", got %" PRIu64, m.waits, what, want, got);
+}
+
 void *__wrap_calloc(size_t count, size_t size)
 {
     if (m.fails_at > 0 && --m.fails_at == 0)
@@ -113,13 +124,8 @@ int __wrap_signalfd(int fd, const sigset_t *set, int flags)
         errno = EMFILE;
         return -1;
     }
+    step_expect("flags of the signals", SFD_CLOEXEC | SFD_NONBLOCK, (uint64_t)flags);
     return __real_signalfd(m.signal_fd >= 0 ? dup2(__real_signalfd(fd, set, flags), m.signal_fd) : fd, set, flags);
-}
-
-static void step_expect(const char *what, uint64_t want, uint64_t got)
-{
-    if (want != got && m.wrong[0] == '\0')
-        snprintf(m.wrong, sizeof m.wrong, "wait %u: %s: expected %" PRIu64 ", got %" PRIu64, m.waits, what, want, got);
 }
 
 /* A frame of the master. @return its working counter */
@@ -265,13 +271,16 @@ int __wrap_ppoll(struct pollfd *fds, nfds_t count, const struct timespec *timeou
     return m.ending ? 1 : 0;
 }
 
-static void press_save(void *instance, const ect_plant_t *plant)
+static void set_signal(void *instance, const char *name, uint8_t value)
 {
+    const ect_plant_t *plant = &ect_fzm1_plant;
     const ect_signal_group_t *all = &plant->signal_groups[0];
-    const uint8_t pressed = 1;
     for (unsigned int i = 0; i < all->signal_count; i++) {
-        if (strcmp(all->signals[i].name, "save") == 0)
-            (void)plant->signal_write(instance, &all->signals[i], 0, &pressed, m.now_ns);
+        if (strcmp(all->signals[i].name, name) != 0)
+            continue;
+        (void)plant->signal_write(instance, &all->signals[i], 0, &value, m.now_ns);
+        if (all->signals[i].type == ECT_SIGNAL_U8)
+            ((uint8_t *)instance)[all->signals[i].offset] = value;
     }
 }
 
@@ -279,11 +288,18 @@ int __wrap_ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, 
 {
     m.inits++;
     m.end_ns = now_ns;
+    m.switches = config->switches;
     if (m.init_fails > 0 && m.init_fails-- > 0)
         return -1;
     const int result = __real_ect_slave_init(slave, config, now_ns);
     if (m.saves && !m.ending)
-        press_save(config->instance, &ect_fzm1_plant);
+        set_signal(config->instance, "save", 1);
+    if (m.address > 0)
+        set_signal(config->instance, "node_address", m.address);
+    for (size_t i = 0; i < config->device->buffer_size && !m.ending; i++) {
+        step_expect("byte of the buffer", 0, ((uint8_t *)config->buffer)[i]);
+        ((uint8_t *)config->buffer)[i] = 0xA5;
+    }
     return result;
 }
 
@@ -337,6 +353,14 @@ static void power_on(bool (*step)(unsigned int number))
     assert_int_equal(ect_esc_init(&m.esc, &config, m.now_ns), 0);
 }
 
+/* Variables of the command that it does not set have bits that are 1. */
+__attribute__((noinline)) static void fill_stack(void)
+{
+    volatile uint8_t room[16384];
+    for (size_t i = 0; i < sizeof room; i++)
+        room[i] = 0xFF;
+}
+
 /* Runs the command. @return its exit status; gets its output: standard error, then standard output */
 static int run(const char *line, char text[TEXT])
 {
@@ -350,6 +374,7 @@ static int run(const char *line, char text[TEXT])
     const int out = dup(STDOUT_FILENO), err = dup(STDERR_FILENO);
     (void)dup2(errors, STDERR_FILENO);
     (void)dup2(outputs, STDOUT_FILENO);
+    fill_stack();
     const int status = ectwin_board_main(count, words);
     fflush(NULL);
     (void)dup2(err, STDERR_FILENO);
@@ -516,17 +541,27 @@ static void stores(void **state)
     expect("--store /dev/null/x fzm1", 2,
            "ectwin-board: cannot keep what is saved in '/dev/null/x/fzm1-1.0': Not a directory\n");
     power_on(end_at_once);
-    snprintf(line, sizeof line, "--store /tmp/%01100d fzm1", 0);
-    expect(line, 2, "ectwin-board: the name of the folder is too long\n");
+    const int most = ECT_MEMORY_PATH - 1 - (int)strlen("/tmp//fzm1-1");
+    for (int length = most; length <= most + 1; length++) {
+        char text[TEXT];
+        power_on(end_at_once);
+        snprintf(line, sizeof line, "--store /tmp/%0*d fzm1", length, 0);
+        assert_int_equal(run(line, text), 2);
+        assert_non_null(strstr(text, length == most ? ": File name too long\n"
+                                                    : "ectwin-board: the name of the folder is too long\n"));
+    }
 }
 
 /* A damaged file is kept under another name, and the command runs with an empty one. */
 static void a_damaged_store(void **state)
 {
     static const char *const names[] = {"fzm1-1.0", "fzm1-1.1", "fzm1-1.0.damaged1"};
+    struct stat info;
     char folder[] = "/tmp/ectwin-board-XXXXXX", line[128], text[256];
     (void)state;
     assert_non_null(mkdtemp(folder));
+    assert_int_equal(rmdir(folder), 0);
+    const mode_t mask = umask(0);
     snprintf(text, sizeof text,
              "ectwin-board: '%s/fzm1-1.0' has no complete record and is kept as 'fzm1-1.0.damaged1'\n" READY, folder);
     for (int times = 0; times < 3; times++) {
@@ -539,7 +574,10 @@ static void a_damaged_store(void **state)
         power_on(end_at_once);
         snprintf(line, sizeof line, "--store %s fzm1", folder);
         expect(line, 0, times == 1 ? text : READY);
+        assert_int_equal(stat(folder, &info), 0);
+        assert_int_equal(info.st_mode & 07777, 0700); /* of its own making */
     }
+    (void)umask(mask);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         snprintf(line, sizeof line, "%s/%s", folder, names[i]);
         assert_int_equal(unlink(line), 0);
@@ -684,9 +722,26 @@ static void reset_by_the_master(void **state)
 {
     (void)state;
     power_on(master_resets);
-    expect("fzm1", 0,
-           "ectwin-board: the LAN9252 was reset, by the master or by its supply, and has been started again\n" READY);
+    expect("fzm1", 0, RESET READY);
     assert_int_equal(m.inits, 3);
+}
+
+/* The plant, and the memory of a device, after a reset: switches are read again, the memory is empty. */
+static void switches_and_buffer(void **state)
+{
+    ect_device_t other = ect_fzm1;
+    const ect_product_t product = {&other, &ect_fzm1_plant};
+    (void)state;
+    other.name = "other";
+    other.buffer_size = 64;
+    ect_catalogue_add(&product, 1);
+    power_on(master_resets);
+    m.address = 7;
+    expect("other", 0, RESET "{\"event\":\"ready\",\"spi\":\"/dev/spidev7.1\",\"device\":\"other\"}\n");
+    assert_int_equal(m.inits, 3);
+    assert_int_equal(m.switches, 7);
+    assert_int_equal(ect_load_le16(m.esc.memory + 0x0012), 7);
+    ect_catalogue_add(NULL, 0);
 }
 
 static bool reset_while_it_waits(unsigned int number)
@@ -707,8 +762,7 @@ static void polled_after_a_reset(void **state)
 {
     (void)state;
     power_on(reset_while_it_waits);
-    expect("--irq gpiochip9:25 fzm1", 0,
-           "ectwin-board: the LAN9252 was reset, by the master or by its supply, and has been started again\n" READY);
+    expect("--irq gpiochip9:25 fzm1", 0, RESET READY);
     assert_int_equal(m.inits, 3);
 }
 
@@ -731,8 +785,7 @@ static void chip_that_comes_back(void **state)
     expect("fzm1", 0,
            "ectwin-board: no LAN9252 replies on this SPI: check power, wiring, chip select and SPI mode 0, or try "
            "--speed 1000000\n"
-           "ectwin-board: another chip replies on this SPI: check --spi and chip select\n"
-           "ectwin-board: the LAN9252 was reset, by the master or by its supply, and has been started again\n" READY);
+           "ectwin-board: another chip replies on this SPI: check --spi and chip select\n" RESET READY);
 }
 
 static uint64_t retry_ns;
@@ -796,6 +849,26 @@ static void lamps(void **state)
     assert_in_range(m.change_count[1], 4, 6);
 }
 
+/* Between two checks of the chip. */
+static bool spi_fails_for_20_ms(unsigned int number)
+{
+    const uint64_t ms = (m.now_ns - START_NS) / MS;
+    m.spi_fails = ms >= 505 && ms < 525;
+    (void)number;
+    return ms >= 600;
+}
+
+static void lamp_of_failures(void **state)
+{
+    (void)state;
+    power_on(spi_fails_for_20_ms);
+    expect("--err-led gpiochip9:21 fzm1", 0, READY);
+    assert_int_equal(m.inits, 2); /* no restart */
+    assert_int_equal(m.change_count[1], 2);
+    assert_in_range(m.changes[1][0].ms, 505, 506);
+    assert_in_range(m.changes[1][1].ms, 525, 526);
+}
+
 /* A program without standard input gets descriptor 0 for one of its lines. */
 static void descriptor_0(void **state)
 {
@@ -848,6 +921,10 @@ static void signals_that_end(void **state)
         sent = rows[i].number;
         power_on(send_signal);
         expect("fzm1", 0, READY);
+        assert_int_equal(sigprocmask(SIG_BLOCK, NULL, &set), 0);
+        assert_false(sigismember(&set, SIGUSR2)); /* no other one is held back */
+        sigemptyset(&set);
+        sigaddset(&set, rows[i].number);
         if (m.waits != (rows[i].ends ? 4 : 10))
             fail_msg("row %zu: expected the end %s, got %u waits", i, rows[i].ends ? "by the signal" : "later",
                      m.waits);
@@ -923,10 +1000,12 @@ int main(int argc, char **argv)
         TEST("the command waits for the interval of --poll, or for the pin until the next check", intervals),
         TEST("while the pin is active, the command does not wait", an_active_pin),
         TEST("after a reset by the master the slave starts again", reset_by_the_master),
+        TEST("after a reset the switches are read again, and the memory of the device is empty", switches_and_buffer),
         TEST("after such a reset the slave is polled at once", polled_after_a_reset),
         TEST("a chip may be away for any time; each new cause is printed once", chip_that_comes_back),
         TEST("a signal ends the command while the chip is away, as a failure", chip_that_stays_away),
         TEST("the lamps show state and errors", lamps),
+        TEST("the ERR lamp is on as long as accesses to the chip fail", lamp_of_failures),
         TEST("a line may have descriptor 0", descriptor_0),
         TEST("SIGINT, SIGTERM and SIGHUP end the command, SIGHUP unless it is ignored", signals_that_end),
         TEST("the slave is in INIT at the end", init_at_the_end),
