@@ -41,24 +41,25 @@ static error_t parse(int key, char *text, struct argp_state *state)
     switch (key) {
     case 'p':
         args->server.port = (unsigned int)ect_argument_number(state, "--port", text, 0, UINT16_MAX);
-        return 0;
+        break;
     case 'o':
         args->open = true;
-        return 0;
+        break;
     case KEY_VIEW:
         args->server.view = true;
-        return 0;
+        break;
     case KEY_BIND:
         if (!request_is_numeric(text))
             argp_error(state, "--bind takes a numeric address, as 192.168.1.5, not '%s'", text);
         args->server.address = text;
-        return 0;
+        break;
     case ARGP_KEY_ARG:
         argp_error(state, "it takes no argument");
-        return 0;
+        break;
     default:
         return ARGP_ERR_UNKNOWN;
     }
+    return 0;
 }
 
 static void print_version(FILE *stream, struct argp_state *state)

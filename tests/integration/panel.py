@@ -267,6 +267,10 @@ def browsers():
         check("--open: the browser gets a file with the URL", True, panel.url in (folder / "content").read_text())
         check("SEC: other users cannot read it", "600", (folder / "mode").read_text().strip())
         check("SEC: the token is not among the arguments", False, panel.token in page)
+        children = pathlib.Path(f"/proc/{panel.process.pid}/task/{panel.process.pid}/children")
+        while children.exists() and children.read_text() and time.monotonic() < deadline:
+            time.sleep(0.05)
+        check("the process of a browser that has ended is collected", True, not children.exists() or children.read_text() == "")
     check("the file is removed at the end", False, os.path.exists(page))
     path, os.environ["PATH"] = os.environ["PATH"], str(folder / "nosuch")
     with twins("fzm1"), running("--open") as panel:
