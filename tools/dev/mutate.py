@@ -533,7 +533,7 @@ class Installed(Program):
                 copy = work / "marked" / archive
                 members = [str(objects[s]) for s in sources if self.archive(s) == archive]
                 if not copy.exists():
-                    copy.parent.mkdir(parents=True)
+                    copy.parent.mkdir(parents=True, exist_ok=True)  # two libraries of one folder
                     shutil.copy(BUILD / archive, copy)
                     run("ar", "r", str(copy), *members, stderr=subprocess.DEVNULL)
                 new = [str(copy) if word == archive else word for word in new]

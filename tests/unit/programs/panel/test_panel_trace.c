@@ -77,6 +77,25 @@ static void requests_wait_up_to_64(void **state)
     assert_true(link_ask(link, "{}", &(link_request_t){.kind = LINK_PAGE}));
 }
 
+/* Each reply makes room for one request, several times around the ring of those that wait. */
+static void order_of_replies(void **state)
+{
+    link_t *link = &trace->link;
+    (void)state;
+    for (unsigned int n = 0; n < LINK_WAITING; n++)
+        assert_true(link_ask(link, "{}", &(link_request_t){.kind = LINK_PAGE, .id = n}));
+    for (unsigned int n = 0; n < 3 * LINK_WAITING; n++) {
+        char want[64];
+        (void)snprintf(want, sizeof want, "7:%u {\"a\":1}\n7:%u last {\"ok\":true}\n", n, n);
+        memset(&taken, 0, sizeof taken);
+        assert_true(link_take(link, "{\"a\":1}\n" OK, strlen("{\"a\":1}\n" OK), take, &taken));
+        assert_string_equal(taken.text, want);
+        link_sent(link, link->unsent);
+        assert_true(link_ask(link, "{}", &(link_request_t){.kind = LINK_PAGE, .id = LINK_WAITING + n}));
+        assert_false(link_ask(link, "{}", &(link_request_t){.kind = LINK_PAGE}));
+    }
+}
+
 static void requests_have_16384_bytes(void **state)
 {
     static char text[LINK_OUT + 2];
@@ -224,6 +243,7 @@ int main(int argc, char **argv)
 #define TEST(title, function) {title, function, begin, finish, NULL}
     const struct CMUnitTest tests[] = {
         TEST("SEC: a connection has 64 requests without a reply at most", requests_wait_up_to_64),
+        TEST("Replies are in the order of the requests", order_of_replies),
         TEST("SEC: 16384 bytes of requests wait at most, and leave in their order", requests_have_16384_bytes),
         TEST("Lines of a reply belong to its request, changes to none", lines_of_replies_and_changes),
         TEST("SEC: a line of 4095 bytes is taken, a longer one ends the connection", the_longest_line),
