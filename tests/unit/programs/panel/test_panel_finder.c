@@ -222,6 +222,20 @@ static void strangers_sockets(void **state)
     assert_int_equal(taken, 1);
 }
 
+/* A program without standard input gets descriptor 0 for a connection. */
+static void descriptor_0(void **state)
+{
+    const int before = dup(STDIN_FILENO);
+    (void)state;
+    listen_at("a.sock");
+    close(STDIN_FILENO);
+    search();
+    assert_int_equal(last_fd, STDIN_FILENO);
+    assert_int_equal(taken, 1);
+    (void)dup2(before, STDIN_FILENO);
+    close(before);
+}
+
 /* A folder that others can write, and one whose name is too long. */
 static void folders(void **state)
 {
@@ -250,6 +264,7 @@ int main(int argc, char **argv)
         {"A bus is removed when its socket is gone and its connections have ended", ends, begin, finish, NULL},
         {"SEC: buses are bounded", bounded, begin, finish, NULL},
         {"A socket without a process is removed", left_behind, begin, finish, NULL},
+        {"A connection may have descriptor 0", descriptor_0, begin, finish, NULL},
         {"SEC: sockets of other users are not used", strangers_sockets, begin, finish, NULL},
         {"SEC: a folder that others can write is not searched", folders, begin, finish, NULL},
     };

@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -39,6 +40,7 @@ static void hosts(void **state)
         {"[]:8123", PORT, false},
         {"[::1:8123", PORT, false},
         {"[::1", PORT, false},
+        {"[::1\0:8123", PORT, false}, /* nothing is read behind its end */
         {"[127.0.0.1]:8123", PORT, false},
         {"[localhost]:8123", PORT, false},
         {"::1:8123", PORT, false},
@@ -53,6 +55,22 @@ static void hosts(void **state)
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         if (request_host_is_ours(rows[i].host, rows[i].port) != rows[i].ours)
             fail_msg("Host '%s'", rows[i].host);
+    }
+}
+
+/* With and without brackets; 63 letters have room. */
+static void long_hosts(void **state)
+{
+    static const int lengths[] = {62, 63, 64, 65, 66, 1000, 4000};
+    char text[4096];
+    (void)state;
+    for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
+        snprintf(text, sizeof text, "%0*d:8123", lengths[i], 0);
+        assert_false(request_host_is_ours(text, PORT));
+        snprintf(text, sizeof text, "[%0*d]:8123", lengths[i], 0);
+        assert_false(request_host_is_ours(text, PORT));
+        snprintf(text, sizeof text, "[::%0*d]:8123", lengths[i] - 2, 1);
+        assert_false(request_host_is_ours(text, PORT));
     }
 }
 
@@ -167,6 +185,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         {"SEC: Host is a numeric address or localhost, with the port", hosts, NULL, NULL, NULL},
+        {"SEC: a Host of any length is compared or refused", long_hosts, NULL, NULL, NULL},
         {"SEC: Origin is that of the pages", origins, NULL, NULL, NULL},
         {"SEC: the token is compared whole", tokens, NULL, NULL, NULL},
         {"Addresses of this machine alone need no warning", addresses, NULL, NULL, NULL},
