@@ -29,10 +29,23 @@ static int finish(void **state)
     return 0;
 }
 
+static bool fails; /* there is no memory for the next lines */
+static bool no_memory;
+
+void *__real_malloc(size_t size);
+void *__wrap_malloc(size_t size);
+
+void *__wrap_malloc(size_t size)
+{
+    return no_memory ? NULL : __real_malloc(size);
+}
+
 static bool add(const char *text)
 {
     cJSON *line = cJSON_Parse(text);
+    no_memory = fails;
     const bool added = table_add(table, text, line);
+    no_memory = false;
     cJSON_Delete(line);
     return added;
 }
@@ -40,7 +53,12 @@ static bool add(const char *text)
 static bool change(const char *text)
 {
     cJSON *line = cJSON_Parse(text);
+    cJSON_Hooks hooks = {.malloc_fn = __wrap_malloc, .free_fn = free};
+    cJSON_InitHooks(&hooks);
+    no_memory = fails;
     const bool changed = table_change(table, text, line);
+    no_memory = false;
+    cJSON_InitHooks(NULL);
     cJSON_Delete(line);
     return changed;
 }
@@ -67,6 +85,25 @@ static void each_change_is_one_of_its_signal(void **state)
         assert_string_equal(table->signals[i].value, values[i]);
         assert_int_equal(table->signals[i].changed, changed[i]);
     }
+}
+
+static void without_memory_nothing_changes(void **state)
+{
+    (void)state;
+    fails = true;
+    assert_false(add("{\"slave\":1,\"name\":\"a\"}"));
+    assert_int_equal(table->count, 0);
+    fails = false;
+    assert_true(add("{\"slave\":1,\"name\":\"a\"}"));
+    assert_int_equal(table->count, 1);
+    assert_true(change("{\"slave\":1,\"name\":\"a\",\"value\":5}"));
+    fails = true;
+    assert_false(change("{\"slave\":1,\"name\":\"a\",\"value\":6}"));
+    assert_false(change("{\"slave\":1,\"name\":\"a\",\"value\":1234567890123456}"));
+    fails = false;
+    assert_string_equal(table->signals[0].value, "5");
+    assert_int_equal(table->changes, 1);
+    assert_int_equal(table->signals[0].changed, 1);
 }
 
 static size_t position(const char *text)
@@ -170,6 +207,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(each_change_is_one_of_its_signal, begin, finish),
+        cmocka_unit_test_setup_teardown(without_memory_nothing_changes, begin, finish),
         cmocka_unit_test_setup_teardown(a_signal_is_found_by_slave_and_name, begin, finish),
         cmocka_unit_test_setup_teardown(lines_of_no_signal_are_refused, begin, finish),
         cmocka_unit_test_setup_teardown(a_whole_number_of_more_than_15_digits_is_a_text, begin, finish),
