@@ -23,12 +23,10 @@ static unsigned int number_of(const cJSON *message, const char *member)
 static void open_bus(page_t *page, unsigned int bus)
 {
     page->bus = bus;
-    page->generation = 0;
+    page->generation = 0; /* so its signals, changes and events begin again */
     page->counters = 0;
     page->faults = 0;
     page->troubles = 0;
-    page->events = 0;
-    memset(&page->traced, 0, sizeof page->traced);
 }
 
 /* @return whether a value is a list of positions of signals */

@@ -173,6 +173,8 @@ static void expect_released(unsigned int number, const char *line)
     assert_true(page_release(page, &passed));
     assert_int_equal(passed.bus, number);
     assert_string_equal(passed.line, line);
+    assert_true(passed.id == 0); /* no request of the page */
+    passed.id = 1;
 }
 
 static page_action_t take_hold(const char *text)
@@ -196,6 +198,8 @@ static void held_signals(void **state)
     assert_int_equal(take_hold(HOLD("2", "x", "5", "0")), PAGE_PASS_ON);
     assert_int_equal(take_hold(HOLD("1", "y", "1", "-1")), PAGE_PASS_ON);
     assert_int_equal(take_hold(HOLD("1", "x", "0", "0")), PAGE_PASS_ON);
+    assert_int_equal(take_hold(HOLD("1", "z", "{\"A\":1}", "{\"a\":1}")), PAGE_PASS_ON);
+    expect_released(1, RELEASE("z", "{\"a\":1}"));
     expect_released(2, RELEASE("x", "0"));
     expect_released(1, RELEASE("y", "-1"));
     assert_false(page_release(page, &passed));
@@ -208,6 +212,8 @@ static void refused_holds(void **state)
     } table[] = {
         {"{\"id\":1,\"bus\":1,\"request\":{\"op\":\"set\",\"values\":{\"a\":1}},\"rest\":0}", "that set one signal"},
         {"{\"id\":1,\"bus\":1,\"request\":{\"op\":\"fault\",\"fault\":\"off\"},\"rest\":0}", "that set one signal"},
+        {"{\"id\":1,\"bus\":1,\"request\":{\"op\":\"set\",\"value\":1},\"rest\":0}", "that set one signal"},
+        {"{\"id\":1,\"bus\":1,\"request\":{\"op\":\"set\",\"name\":\"a\"},\"rest\":0}", "that set one signal"},
         {"{\"id\":1,\"bus\":1,\"request\":{\"op\":\"set\",\"name\":\"a\",\"value\":1,\"at\":9},\"rest\":0}", "at once"},
         {HOLD("1", "a", "1",
               "\"0123456789012345678901234567890123456789012345678901234567890123456789012345678901234567890"
@@ -380,9 +386,48 @@ static void too_many_requests(void **state)
 {
     (void)state;
     open_bus();
+    for (int i = 0; i < 3 * PAGE_REPLIES; i++) { /* each with its reply */
+        assert_int_equal(from_page("{\"id\":9,\"bus\":1,\"request\":{\"op\":\"set\"}}"), PAGE_PASS_ON);
+        from_bus(OK);
+        expect("{\"event\":\"reply\",\"id\":9,\"reply\":{\"ok\":true}}");
+        expect_requests("{\"op\":\"set\"}\n");
+    }
     for (int i = 0; i < PAGE_REPLIES; i++)
         assert_int_equal(from_page("{\"id\":9,\"bus\":1,\"request\":{\"op\":\"set\"}}"), PAGE_PASS_ON);
     assert_int_equal(from_page("{\"id\":9,\"bus\":1,\"request\":{\"op\":\"set\"}}"), PAGE_CLOSE);
+}
+
+static void add_signal(const char *name, size_t length)
+{
+    static char text[PAGE_MESSAGE];
+    const int zeros = (int)(length - strlen("{\"slave\":1,\"name\":\"a\",\"m\":\"\"}"));
+    snprintf(text, sizeof text, "{\"slave\":1,\"name\":\"%s\",\"m\":\"%0*d\"}", name, zeros, 0);
+    assert_int_equal(strlen(text), length);
+    cJSON *line = cJSON_Parse(text);
+    assert_true(table_add(&bus->table, text, line));
+    cJSON_Delete(line);
+}
+
+/* A message has room for eight bytes more than its pieces, terminator included. */
+static void messages_that_just_fit(void **state)
+{
+    enum { FIRST = 20000, LONGEST = PAGE_MESSAGE - 8 - 1 + 2 };
+    static const char head[] = "{\"event\":\"signals\",\"bus\":1,\"of\":2,\"from\":0,\"signals\":[";
+    (void)state;
+    open_bus();
+    for (int more = -3; more < 20; more++) {
+        const size_t whole = (size_t)(LONGEST + more), second = whole - strlen(head) - FIRST - strlen(",]}");
+        table_clear(&bus->table);
+        bus->generation++;
+        add_signal("a", FIRST);
+        add_signal("b", second);
+        const size_t length = page_next(page, &buses, message);
+        assert_int_equal(length, more <= 0 ? whole : whole - second - 1);
+        assert_memory_equal(message + length - 2, "]}", 2);
+        if (more > 0)
+            assert_int_equal(page_next(page, &buses, message), strlen(head) + second + 2);
+        assert_int_equal(page->described, 2);
+    }
 }
 
 static void a_bus_opened_again(void **state)
@@ -664,6 +709,24 @@ static void buses_by_their_number(void **state)
     assert_null(bus_find(&buses, 0));
 }
 
+/* A bus that has not described itself yet is not in the list. */
+static void list_of_buses(void **state)
+{
+    static bus_t others[3] = {{.number = 7}, {.number = 8, .process = 9}, {.number = 9}};
+    (void)state;
+    open_bus();
+    for (size_t i = 0; i < 3; i++)
+        buses.all[buses.count++] = &others[i];
+    for (size_t i = 1; i < 3; i++) {
+        others[i].about.version = 1;
+        strcpy(others[i].about.text, "{}");
+    }
+    buses.changes++;
+    expect("{\"event\":\"buses\",\"buses\":[{\"bus\":1,\"process\":77,\"about\":{\"devices\":\"fzm1\",\"slaves\":2}},"
+           "{\"bus\":8,\"process\":9,\"about\":{}},{\"bus\":9,\"process\":0,\"about\":{}}]}");
+    expect("");
+}
+
 static void another_connection(void **state)
 {
     (void)state;
@@ -681,8 +744,11 @@ static void another_connection(void **state)
     bus_poll(bus, true);
     from_bus("{\"devices\":\"fzm1\",\"slaves\":2}\n" OK SIGNAL_B "\n");
     expect("");
+    page->next = 1; /* half a pass, and a plot, of the last connection */
+    trace_set_add(&page->traced, 0);
     from_bus(OK);
     expect("{\"event\":\"signals\",\"bus\":1,\"of\":1,\"from\":0,\"signals\":[" SIGNAL_B "]}");
+    assert_int_equal(page->traced.count, 0);
     from_bus("{\"frames\":1}\n{\"answers\":[]}\n" OK OK OK OK
              "{\"slave\":2,\"name\":\"a\",\"value\":3,\"time\":1.5}\n");
     skip_message(); /* faults */
@@ -797,6 +863,27 @@ static void pulses(void **state)
     expect("");
 }
 
+/* A page that plots again has the changes since then, not those that other pages have plotted meanwhile. */
+static void a_plot_again(void **state)
+{
+    (void)state;
+    open_bus();
+    page->due = true;
+    assert_int_equal(from_page("{\"trace\":[0]}"), PAGE_DONE);
+    expect("{\"event\":\"changes\",\"bus\":1,\"changes\":[]}");
+    expect_trace_requests(EVERY("1"));
+    from_trace(OK "{\"slave\":1,\"name\":\"a\",\"value\":1,\"time\":1}\n");
+    assert_int_equal(from_page("{\"trace\":[0,1]}"), PAGE_DONE); /* one more: the change remains */
+    expect("{\"event\":\"changes\",\"bus\":1,\"changes\":[[0,1.000000,1]]}");
+    assert_int_equal(from_page("{\"trace\":[]}"), PAGE_DONE);
+    from_trace("{\"slave\":1,\"name\":\"a\",\"value\":0,\"time\":2}\n");
+    expect("");
+    assert_int_equal(from_page("{\"trace\":[0]}"), PAGE_DONE);
+    expect("{\"event\":\"changes\",\"bus\":1,\"changes\":[]}");
+    from_trace("{\"slave\":1,\"name\":\"a\",\"value\":1,\"time\":3}\n");
+    expect("{\"event\":\"changes\",\"bus\":1,\"changes\":[[0,3.000000,1]]}");
+}
+
 /* A page that is too late gets the newest changes, in messages of bounded size. */
 static void a_late_page(void **state)
 {
@@ -872,16 +959,19 @@ int main(int argc, char **argv)
         {"SEC: lines without end are no reply", too_many_lines, begin, finish, NULL},
         {"A reply that is too long becomes a short one", a_long_reply, begin, finish, NULL},
         {"SEC: a seventeenth request without a reply ends the connection", too_many_requests, begin, finish, NULL},
+        {"SEC: the longest message to a page", messages_that_just_fit, begin, finish, NULL},
         {"A page that opens its bus again gets all of it again", a_bus_opened_again, begin, finish, NULL},
         {"A request that is too long for the twin is refused", a_long_request, begin, finish, NULL},
         {"The reason of a twin that reports no changes is shown", a_refused_watch, begin, finish, NULL},
         {"SEC: a page that breaks the rules is closed", rules, begin, finish, NULL},
         {"Signals and values that exceed one message are sent in several", many_signals, begin, finish, NULL},
         {"More signals than a connection watches: the reason is shown", too_many_signals, begin, finish, NULL},
+        {"The list has all buses that have described themselves", list_of_buses, begin, finish, NULL},
         {"A bus that was restarted is described again", another_connection, begin, finish, NULL},
         {"SEC: a socket that does not speak the protocol is closed", lines_of_no_twin, begin, finish, NULL},
         {"SEC: bytes that are no UTF-8 become question marks", characters, begin, finish, NULL},
         {"Every change of a plotted signal reaches the pages that plot it", pulses, begin, finish, NULL},
+        {"A page that plots again gets the changes since then", a_plot_again, begin, finish, NULL},
         {"SEC: a page that is too late loses the oldest changes", a_late_page, begin, finish, NULL},
         {"SEC: a page plots at most 128 signals, and those of the list", too_many_traces, begin, finish, NULL},
         {"A signal whose name has wildcards is not traced", wildcards, begin, finish, NULL},
