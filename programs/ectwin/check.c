@@ -26,7 +26,7 @@ int command_check(int argc, char **argv)
     args.twins.eoe.has_hosts = true; /* as the commands that run the bus */
     int status = twin_args_power_on(&args.twins, argv[0], 0, &chain);
     if (status == EXIT_CLEAN)
-        printf("%zu twins: %s\n", args.twins.count, args.devices);
+        printf("%zu twin%s: %s\n", args.twins.count, args.twins.count == 1 ? "" : "s", args.devices);
     ect_chain_free(chain);
     twin_args_free(&args.twins);
     return status;

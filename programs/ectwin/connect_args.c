@@ -24,8 +24,9 @@ static bool read_end(const ect_chain_t *chain, const char *text, size_t *positio
                        "'%.80s' is no signal of a twin: write its number or name first, as in 2.position", text);
         return false;
     }
-    if (number > ect_chain_count(chain)) {
-        (void)snprintf(message, MESSAGE, "'%.80s': the chain has %zu twins", text, ect_chain_count(chain));
+    const size_t count = ect_chain_count(chain);
+    if (number > count) {
+        (void)snprintf(message, MESSAGE, "'%.80s': the chain has %zu twin%s", text, count, count == 1 ? "" : "s");
         return false;
     }
     *position = (size_t)number - 1;

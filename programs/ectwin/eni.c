@@ -116,7 +116,8 @@ static bool set_groups(const eni_args_t *args, const char *who, ect_eni_part_t *
     for (size_t i = 0; i < args->group_count; i++) {
         const group_t *group = &args->groups[i];
         if (group->first > count || group->members > count - group->first + 1) {
-            fprintf(stderr, "%s: --hot-connect %s: the chain has %zu twins\n", who, group->name, count);
+            fprintf(stderr, "%s: --hot-connect %s: the chain has %zu twin%s\n", who, group->name, count,
+                    count == 1 ? "" : "s");
             return false;
         }
         ect_eni_part_t *part = &parts[group->first - 1];

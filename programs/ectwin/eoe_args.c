@@ -73,7 +73,8 @@ static size_t find_twin(const eoe_setting_t *setting, const ect_twin_config_t *t
     if (i > 0 && i <= count && ect_network_entry(twins[i - 1].device))
         return i - 1;
     if (i > count)
-        snprintf(message, EOE_MESSAGE, "--eoe %.80s: the chain has %zu twins", setting->text, count);
+        snprintf(message, EOE_MESSAGE, "--eoe %.80s: the chain has %zu twin%s", setting->text, count,
+                 count == 1 ? "" : "s");
     else if (i > 0)
         snprintf(message, EOE_MESSAGE,
                  "--eoe %.80s: twin %zu, %.80s, has no EoE: take a device whose ESI file has Mailbox/EoE",

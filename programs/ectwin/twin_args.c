@@ -333,7 +333,8 @@ static void apply_identities(twin_args_t *args, const struct argp_state *parser)
         const identity_option_t *option = identity_option(setting->key);
         const struct argp_state *state = bus_place_at(&place, parser, setting->text);
         if (setting->twin > args->count)
-            argp_error(state, "%s %zu:…: the chain has %zu twins", option->name, setting->twin, args->count);
+            argp_error(state, "%s %zu:…: the chain has %zu twin%s", option->name, setting->twin, args->count,
+                       args->count == 1 ? "" : "s");
         for (size_t i = 0; i < args->count; i++) {
             uint64_t value =
                 (uint64_t)setting->value + (option->counts_up && setting->twin == 0 && !args->kinds ? i : 0);

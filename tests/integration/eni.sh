@@ -129,6 +129,7 @@ no_group() { # TITLE LINE ARGUMENT...
 }
 no_group "--hot-connect without an alias" "Tool: twin 2 has no alias, by which a master finds it: --alias 2:7" --hot-connect 2:Tool 'fzm1*2'
 no_group "--hot-connect beyond the chain" "Tool: the chain has 2 twins" --alias 5 --hot-connect '2:Tool*2' 'fzm1*2'
+no_group "--hot-connect beyond a chain of one" "Tool: the chain has 1 twin" --alias 5 --hot-connect 2:Tool fzm1
 no_group "--hot-connect without a name" "takes the number of a twin and a name, as 2:Tool or 2:Tool*3, not '2'" --hot-connect 2 'fzm1*2'
 
 verified() { # TITLE CODE LINES ARGUMENT...
