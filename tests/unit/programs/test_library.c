@@ -17,6 +17,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "bus/capture/logged.h"
 #include "support/wire.h"
 
 #define START_NS (1000 * MS)
@@ -328,6 +329,34 @@ static void times_of_calls(void **state)
     }
 }
 
+/* The same: a reply that is due at the time of a call waits when the call returns. */
+static void work_of_calls(void **state)
+{
+    static const char *const words[WORDS] = {"--fault", "delay 2000us", "fzm1"};
+    const uint64_t due_ns = START_NS + 2 * MS;
+    char why[ECTWIN_MESSAGE];
+    (void)state;
+    for (unsigned int call = 0; call < 5; call++) {
+        ectwin_bus_t *bus = must_open(words);
+        (void)ectwin_bus_run(bus, START_NS);
+        (void)pass(bus, INPUT_END, 1, START_NS);
+        if (call == 0)
+            (void)ectwin_bus_run(bus, due_ns);
+        else if (call == 1)
+            ectwin_bus_link(bus, OUTPUT_END, 0, due_ns);
+        else if (call == 2)
+            assert_int_equal(ectwin_bus_set(bus, 1, "data1", "1", due_ns, why, sizeof why), 0);
+        else if (call == 3)
+            assert_int_equal(ectwin_bus_fault(bus, "drop 0%", due_ns, why, sizeof why), 0);
+        else
+            (void)pass(bus, INPUT_END, 2, due_ns);
+        if (reply_at(bus, INPUT_END) != 1)
+            fail_msg("call %u: expected the reply that is due", call);
+        assert_int_equal(reply_at(bus, INPUT_END), -1);
+        ectwin_bus_close(bus);
+    }
+}
+
 /* A late reply and the registers go; faults and cables stay. */
 static void power_cycle(void **state)
 {
@@ -463,6 +492,21 @@ static void set_signals(void **state)
     assert_int_equal(ectwin_bus_get(bus, 2, "data1", text, sizeof text), 0);
     assert_string_equal(text, "3");
     ectwin_bus_close(bus);
+}
+
+/* The twin of a set signal runs at the time of the call, though nothing was due then. */
+static void a_signal_acts_at_its_time(void **state)
+{
+    static const uint64_t rows[] = {START_NS, START_NS + 1, START_NS + 3 * MS};
+    enum { FIRST_PIECE_NS = 100000 };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ectwin_bus_t *bus = open_one();
+        assert_true(ectwin_bus_run(bus, START_NS) == UINT64_MAX);
+        set_signal(bus, "save", "1", rows[i]);
+        assert_true(ectwin_bus_run(bus, rows[i]) == rows[i] + FIRST_PIECE_NS);
+        ectwin_bus_close(bus);
+    }
 }
 
 static void set_faults(void **state)
@@ -612,15 +656,28 @@ static void no_control_socket(void **state)
     ectwin_bus_close(bus);
 }
 
-/* @return whether a file contains a text */
-static bool contains(const char *path, const char *text)
+/* @return whether a file contains bytes */
+static bool contains_bytes(const char *path, const void *bytes, size_t length)
 {
     static char content[1 << 20];
     FILE *file = fopen(path, "rb");
     assert_non_null(file);
     const size_t size = fread(content, 1, sizeof content, file);
     fclose(file);
-    return memmem(content, size, text, strlen(text)) != NULL;
+    return memmem(content, size, bytes, length) != NULL;
+}
+
+static bool contains(const char *path, const char *text)
+{
+    return contains_bytes(path, text, strlen(text));
+}
+
+/* @return whether a record has a change at this time */
+static bool is_touched(const char *path, uint64_t time_ns)
+{
+    uint8_t head[ECT_LOGGED_HEAD];
+    ect_logged_head(head, ECT_LOGGED_TOUCH, 0, time_ns);
+    return contains_bytes(path, head, sizeof head);
 }
 
 static void changes_in_a_record(void **state)
@@ -632,9 +689,15 @@ static void changes_in_a_record(void **state)
     close(fd);
     const char *const words[WORDS] = {"--record", path, "fzm1,fzm1"};
     ectwin_bus_t *bus = must_open(words);
-    assert_int_equal(ectwin_bus_set(bus, 2, "data1", "1.5", START_NS, why, sizeof why), 0);
-    assert_int_equal(ectwin_bus_fault(bus, "drop 3%", START_NS, why, sizeof why), 0);
+    assert_int_equal(ectwin_bus_set(bus, 2, "data1", "1.5", START_NS + 1 * MS, why, sizeof why), 0);
+    assert_int_equal(ectwin_bus_fault(bus, "drop 3%", START_NS + 2 * MS, why, sizeof why), 0);
+    ectwin_bus_link(bus, OUTPUT_END, 1, START_NS + 3 * MS);
+    (void)ectwin_bus_run(bus, START_NS + 4 * MS);
     ectwin_bus_close(bus);
+    for (unsigned int ms = 0; ms <= 4; ms++) {
+        if (is_touched(path, START_NS + ms * MS) != (ms >= 1 && ms <= 3))
+            fail_msg("%u ms: expected a touch at each change, and no other", ms);
+    }
     assert_true(contains(path, "\"seed\":1,"));
     assert_true(contains(path, "{\"op\":\"set\",\"slave\":2,\"name\":\"data1\",\"value\":\"1.5\"}"));
     assert_true(contains(path, "{\"op\":\"fault\",\"fault\":\"drop 3%\"}"));
@@ -654,13 +717,15 @@ int main(int argc, char **argv)
         TEST("a late reply leaves when it is due, before the later ones", late_replies),
         TEST("a call with an earlier time uses the last time", time_that_goes_back),
         TEST("the time of each call is that of the bus", times_of_calls),
+        TEST("each call does the work that is due at its time", work_of_calls),
         TEST("a power cycle drops late replies and keeps faults and cables", power_cycle),
         TEST("a save waits for the disk, on the real clock only at the end of the bus", saves_and_the_disk),
         TEST("a signal is read as text, if it has room", get_signals),
         TEST("a signal is set from text, or the reason is returned and nothing changes", set_signals),
+        TEST("a set signal acts at the time of the call", a_signal_acts_at_its_time),
         TEST("a fault is set from text, or the reason is returned", set_faults),
         TEST("the random seed is 1, or that of --seed", seeds),
-        TEST("a record has the seed, and each set signal and fault as a request", changes_in_a_record),
+        TEST("a record has the seed, and each set signal and fault as a request at its time", changes_in_a_record),
         TEST("the expectations of a bus are judged, a line each", judge_scenarios),
         TEST("the control socket of a bus opens once, serves its clients and ends with the bus", control_socket),
         TEST("without a folder for the control socket none is open", no_control_socket),
