@@ -150,7 +150,7 @@ int command_complete(int argc, char **argv)
     } else if (strcmp(previous, "-s") == 0) {
         char *const words[] = {program, ps, json, NULL};
         each_line(words, take_twin);
-    } else if (previous[0] != '-' || argc == 3) {
+    } else if (previous[0] != '-') {
         offer_argument(program, argv[1], place - 1 > 0 ? place - 1 : 1);
     }
     return EXIT_CLEAN;
