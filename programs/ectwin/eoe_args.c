@@ -101,7 +101,7 @@ static bool take_twin(const ect_names_t *names, eoe_setting_t *setting, char *me
     return false;
 }
 
-/* @return false: see message */
+/* @return false: see message, which remains for lack of memory */
 static bool join_one(eoe_args_t *args, eoe_setting_t *setting, const ect_twin_config_t *twins, char *message)
 {
     size_t i = find_twin(setting, twins, args->network_count, message);
@@ -113,7 +113,6 @@ static bool join_one(eoe_args_t *args, eoe_setting_t *setting, const ect_twin_co
                  setting->text, i + 1);
         return false;
     }
-    snprintf(message, EOE_MESSAGE, "not enough memory");
     args->networks[i] = ect_network_new(twins[i].device, is_host(setting) ? ECT_NETWORK_HOST : ECT_NETWORK_ECHO);
     return args->networks[i] != NULL;
 }
