@@ -695,22 +695,22 @@ static bool is_outside(const ect_chain_t *chain, size_t slave, const char *name)
     return ect_chain_signal(chain, slave - 1, name, &ref) && outlasts_power(&ref);
 }
 
-/* @return the value of the setting that a message is about; its text is that of the option */
+/* @return the value of the setting that a message is about, whose text is that of the option; NULL: about none */
 static const char *refused_of(const ect_chain_t *chain, size_t position, const ect_setting_t *settings, size_t count,
                               const char *message)
 {
     char why[ECT_SIGNAL_MESSAGE];
     ect_setting_place_t place;
-    const ect_setting_t *named = &settings[0];
     for (size_t i = 0; i < count; i++) {
         const ect_setting_t *one = &settings[i];
         if (!ect_settings_find(chain, position, one->name, &place, why) ||
             !ect_signal_check(&place.ref, one->value, why))
             return one->value;
-        if (strstr(message, one->name))
-            named = one;
+        const size_t length = strlen(place.ref.name);
+        if (strncmp(message, place.ref.name, length) == 0 && message[length] == ':') /* the device refuses the value */
+            return one->value;
     }
-    return named->value;
+    return NULL;
 }
 
 /* Applies the settings of one twin: all, or only those of signals that survive a power cycle. @return false: failure */

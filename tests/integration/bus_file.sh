@@ -73,6 +73,10 @@ twins:\n- device: wrong.yaml|3|'device: wrong.yaml' is a file
 twins:\n- device: fzm1\n  name: scenario|3|the name 'scenario' hides
 twins:\n- device: vr-bu-ect-map1\n- device: fzm1\n  name: ru1|4|the name 'ru1' of twin 2 hides
 twins:\n- device: fzm1\n  set:\n    data1: 1\n    data2: warm|6|--set: data2 takes
+twins:\n- device: fzm1\n  set:\n    data1: warm\n    data2: 1|5|--set: data1 takes
+twins:\n- device: fzm1\n  set:\n    data1: 1\n    data99: 1\n    data2: 1|6|--set: slave 1 has no signal 'data99'
+twins:\n- device: fzm1\n  set:\n    output_period: 30\n    output_time: 40\n    data1: 1|5|--set: output_period: the output time must be shorter
+twins:\n- device: fzm1\n- device: fzm1\n  set:\n    data1: 1\n    output_time: 40\n    output_period: 30|8|--set: output_period: the output time must be shorter
 twins:\n- device: fzm1\n  alias: 70000|4|--alias takes a number
 twins:\n- device: fzm1\n  esc: et9|4|there is no chip 'et9'
 twins:\n- device: fzm1\n  play: no.csv|4|--play 1:
