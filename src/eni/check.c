@@ -154,6 +154,15 @@ static bits_t bits_of_pdos(const ect_eni_slave_t *slave, bool inputs)
     return all;
 }
 
+/* Process data are in memory, or in registers that have a SyncManager: digital outputs, virtual SyncManagers. */
+static bool is_of_process_data(const ect_eni_slave_t *slave, uint16_t start)
+{
+    bool found = start >= RAM;
+    for (unsigned int n = 0; n < SMS; n++)
+        found |= slave->sms[n].given && slave->sms[n].start == start;
+    return found;
+}
+
 static bits_t bits_of_fmmus(const ect_eni_slave_t *slave, bool inputs)
 {
     bits_t all = {0};
@@ -161,7 +170,8 @@ static bits_t bits_of_fmmus(const ect_eni_slave_t *slave, bool inputs)
         int line;
         const uint8_t *f = written(slave, ECT_REG_FMMU + FMMU_BYTES * n, FMMU_BYTES, &line);
         const unsigned int length = f != NULL ? ect_load_le16(f + 4) : 0;
-        if (length == 0 || f[12] == 0 || (f[11] == FMMU_READS) != inputs || ect_load_le16(f + 8) < RAM)
+        if (length == 0 || f[12] == 0 || (f[11] == FMMU_READS) != inputs ||
+            !is_of_process_data(slave, ect_load_le16(f + 8)))
             continue;
         const unsigned int unused = (f[6] & 7u) + 7u - (f[7] & 7u);
         add_bits(&all, length * BYTE_BITS > unused ? length * BYTE_BITS - unused : 0);

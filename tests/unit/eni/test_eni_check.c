@@ -19,6 +19,7 @@ static void collect(void *ctx, const char *line)
 #define SM2(start, size, control)                                                                                      \
     "<Sm2><Type>Outputs</Type><DefaultSize>" #size "</DefaultSize><StartAddress>" #start                               \
     "</StartAddress><ControlByte>" #control "</ControlByte></Sm2>"
+#define SM_OF_REGISTER "<Sm1><Type>Inputs</Type><StartAddress>2320</StartAddress><ControlByte>0</ControlByte></Sm1>"
 #define RXPDO(bits)                                                                                                    \
     "<RxPdo "                                                                                                          \
     "Sm='2'><Index>#x1600</Index><Name>A</Name><Entry><Index>#x7000</Index><SubIndex>1</SubIndex><BitLen>" #bits       \
@@ -169,6 +170,12 @@ static const struct {
      "t.xml:2: slave 1: Recv has 12 bits, its FMMUs 0\n"},
     {"ENI-020 an FMMU of a register is not an FMMU of process data",
      DATA(BITS("Recv", 12), WRITE(1536, "0000010002000003001100010100000000000000010000000d08000101000000")), ""},
+    {"ENI-013 an FMMU of the register of a SyncManager",
+     DATA(BITS("Recv", 29) SM_OF_REGISTER,
+          WRITE(1536, FMMU_12 "0000010002000007100900010100000000000000010000072009000101000000")),
+     "t.xml:2: slave 1: Recv has 29 bits, its FMMUs 28\n"},
+    {"ENI-013 an FMMU of the register of a SyncManager that agrees",
+     DATA(BITS("Recv", 16) SM_OF_REGISTER, WRITE(1536, "00000100020000071009000101000000")), ""},
     {"ENI-017 a command inside the image",
      CYCLIC("<Cmd>11</Cmd><Addr>0</Addr><DataLength>4</DataLength><OutputOffs>4</OutputOffs>",
             "<Outputs><ByteSize>8</ByteSize></Outputs>"),
