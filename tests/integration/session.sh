@@ -56,6 +56,16 @@ help_has_short_options() {
   done
 }
 
+memory_of_many_twins() {
+  local pid
+  [ -e /sys/kernel/mm/transparent_hugepage/enabled ] || { echo "no huge pages here: not tried"; return; }
+  "$ectwin" run --quiet --udp 127.0.0.1:0 'fzm1*1000' >"$work/out" 2>"$work/err" & pid=$!
+  wait_for "$work/out"
+  check "run: many twins are in memory for huge pages" yes "$(grep -q '^VmFlags:.* hg' /proc/$pid/smaps && echo yes)"
+  kill $pid
+  wait $pid
+}
+
 output_that_cannot_be_written() {
   for arguments in "list" "--help" "run --help" "sii fzm1"; do
     # shellcheck disable=SC2086
@@ -408,5 +418,5 @@ END
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-run_cases its_version help_has_short_options closed_streams output_that_cannot_be_written ignored_interrupt wrong_options delayed_replies \
+run_cases its_version help_has_short_options closed_streams memory_of_many_twins output_that_cannot_be_written ignored_interrupt wrong_options delayed_replies \
   faults_on_wires two_ends_that_answer names_of_the_private_network identities eeprom_writes counters example_masters_at_the_wrong_place processes_of_the_command killed_at_once signals_reach_the_command rights_of_a_running_twin root_is_contained realtime_priority busy_poll
