@@ -75,12 +75,14 @@ typedef struct identity_setting {
 typedef struct twin_module {
     size_t twin;
     ect_module_choice_t choice;
+    const char *text; /**< argument of the option */
 } twin_module_t;
 
 /** The behaviour of a twin from a file. `twin` counts from 1; 0: all twins from files. */
 typedef struct twin_behaviour {
     size_t twin;
     ect_behaviour_t behaviour;
+    const char *text; /**< argument of the option */
 } twin_behaviour_t;
 
 /** An option with the name of a twin, kept until the list of devices has been read. */

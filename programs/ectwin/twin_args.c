@@ -215,7 +215,7 @@ static void add_connection(twin_args_t *args, const struct argp_state *state, co
 static void add_module(twin_args_t *args, const struct argp_state *state, const char *text)
 {
     const char *rest = text;
-    twin_module_t module = {.twin = twin_of(args->names, &rest, 1)};
+    twin_module_t module = {.twin = twin_of(args->names, &rest, 1), .text = text};
     if (module.twin == 0 || !product_parse_module(rest, &module.choice))
         argp_error(state, "--module takes SLOT=IDENT, as in 1=0x00000120, not '%s'", text);
     args->modules = grow(state, args->modules, args->module_count, sizeof *args->modules);
@@ -243,7 +243,7 @@ static bool parse_behaviour(const char *word, ect_behaviour_t *behaviour)
 static void add_behaviour(twin_args_t *args, const struct argp_state *state, const char *text)
 {
     const char *word = text;
-    twin_behaviour_t one = {.twin = twin_of(args->names, &word, 0)};
+    twin_behaviour_t one = {.twin = twin_of(args->names, &word, 0), .text = text};
     if ((word != text && one.twin == 0) || !parse_behaviour(word, &one.behaviour))
         argp_error(state,
                    "--behaviour takes cia402, cia404, cia406 or none, or one of them for a twin, as 2:none, not '%s'",
@@ -324,6 +324,24 @@ static void apply_identity(const identity_setting_t *setting, ect_twin_config_t 
     }
 }
 
+/* Refuses the option of a twin that the chain lacks. */
+static void check_twin(const twin_args_t *args, const struct argp_state *parser, const char *option, size_t twin,
+                       const char *text)
+{
+    bus_place_t place;
+    if (twin > args->count)
+        argp_error(bus_place_at(&place, parser, text), "%s %zu:…: the chain has %zu twin%s", option, twin, args->count,
+                   args->count == 1 ? "" : "s");
+}
+
+static void check_files(const twin_args_t *args, const struct argp_state *parser)
+{
+    for (size_t i = 0; i < args->module_count; i++)
+        check_twin(args, parser, "--module", args->modules[i].twin, args->modules[i].text);
+    for (size_t i = 0; i < args->behaviour_count; i++)
+        check_twin(args, parser, "--behaviour", args->behaviours[i].twin, args->behaviours[i].text);
+}
+
 /* In the order of the command line: later options override earlier ones. */
 static void apply_identities(twin_args_t *args, const struct argp_state *parser)
 {
@@ -332,9 +350,7 @@ static void apply_identities(twin_args_t *args, const struct argp_state *parser)
         const identity_setting_t *setting = &args->identities[w];
         const identity_option_t *option = identity_option(setting->key);
         const struct argp_state *state = bus_place_at(&place, parser, setting->text);
-        if (setting->twin > args->count)
-            argp_error(state, "%s %zu:…: the chain has %zu twin%s", option->name, setting->twin, args->count,
-                       args->count == 1 ? "" : "s");
+        check_twin(args, parser, option->name, setting->twin, setting->text);
         for (size_t i = 0; i < args->count; i++) {
             uint64_t value =
                 (uint64_t)setting->value + (option->counts_up && setting->twin == 0 && !args->kinds ? i : 0);
@@ -657,6 +673,7 @@ void twin_args_devices(twin_args_t *args, const struct argp_state *state, const 
             add_twin(args, state, one.device);
     }
     free(copy);
+    check_files(args, state);
     apply_identities(args, state);
     if (ect_scenario_highest_slave(&args->scenario) > args->count)
         argp_error(bus_place_at(&place, state, args->farthest), "a fault names slave %u, but the chain has %zu",

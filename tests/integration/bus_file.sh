@@ -78,6 +78,7 @@ twins:\n- device: fzm1\n  set:\n    data1: 1\n    data99: 1\n    data2: 1|6|--se
 twins:\n- device: fzm1\n  set:\n    output_period: 30\n    output_time: 40\n    data1: 1|5|--set: output_period: the output time must be shorter
 twins:\n- device: fzm1\n- device: fzm1\n  set:\n    data1: 1\n    output_time: 40\n    output_period: 30|8|--set: output_period: the output time must be shorter
 twins:\n- device: fzm1\n  alias: 70000|4|--alias takes a number
+seed: 1\nbehaviour: 3:none\ntwins:\n- {device: fzm1, count: 2}|3|--behaviour 3:
 twins:\n- device: fzm1\n  esc: et9|4|there is no chip 'et9'
 twins:\n- device: fzm1\n  play: no.csv|4|--play 1:
 twins:\n- device: fzm1\n  eoe: tap0|4|--eoe 1:tap0: twin 1, fzm1, has no EoE

@@ -3,6 +3,10 @@
 #define _GNU_SOURCE
 #include "command_lines.h"
 
+/* The longest name that `set` takes. */
+#define NAME_50  "a23456789.a23456789.a23456789.a23456789.a23456789."
+#define NAME_255 NAME_50 NAME_50 NAME_50 NAME_50 NAME_50 "a2345"
+
 #define OK "{\"ok\":true}\n"
 #define NO "{\"ok\":false,\"message\":\"no\"}\n"
 
@@ -40,6 +44,16 @@ static void requests(void **state)
          .text = "ectwin set: no\n",
          .replies = {NO},
          .requests = "{\"op\":\"set\",\"slave\":1,\"values\":{\"a\":\"1\",\"b\":\"x=y\",\"c\":\"\"}}\n"},
+        {.line = "set -s ./c.sock " NAME_255 "=1",
+         .status = 1,
+         .text = "ectwin set: no\n",
+         .replies = {NO},
+         .requests = "{\"op\":\"set\",\"slave\":1,\"values\":{\"" NAME_255 "\":\"1\"}}\n"},
+        {.line = "set -s ./c.sock " NAME_255 "x=1",
+         .status = 1,
+         .text = "ectwin set: '" NAME_255 "x=1' is not NAME=VALUE\n",
+         .replies = {NO},
+         .requests = ""},
         {.line = "set -s ./c.sock -n 2 a=1",
          .status = 1,
          .text = "ectwin set: no\n",
