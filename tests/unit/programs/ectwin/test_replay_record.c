@@ -281,6 +281,13 @@ static void starts(void **state)
          "ectwin replay: 'r.pcapng': an invalid start\n"},
         {"START 0 0 {\"words\":[],\"version\":\"1\",\"offset\":\"0\"}\n1 BRD 0 0130 0000 = 0100#1", 2,
          "ectwin replay: 'r.pcapng': an invalid start\n"},
+        /* options of `ectwin run` and of `ectwin with` have no effect */
+        {"START 0 0 {\"words\":[\"-i\",\"a\",\"fzm1\",\"-o\",\"b\"],\"version\":\"" ECTWIN_VERSION
+         "\",\"offset\":\"0\"}\n1 BRD 0 0130 0000 = 0100#1",
+         EQUAL(1, 1, "0.000")},
+        {"START 0 0 {\"words\":[\"--output\",\"b\",\"--in-process\",\"fzm1\"],\"version\":\"" ECTWIN_VERSION
+         "\",\"offset\":\"0\"}\n1 BRD 0 0130 0000 = 0100#1",
+         EQUAL(1, 1, "0.000")},
         /* one line about wrong words, without that about the usage */
         {"START 0 0 {\"words\":[\"--set\",\"data1\",\"fzm1\"],\"version\":\"" ECTWIN_VERSION "\",\"offset\":\"0\"}", 2,
          "ectwin replay: --set takes NAME=VALUE, not 'data1'\n"},
