@@ -298,6 +298,11 @@ pair() {
     '{"event":"ready","iface":"tw","twin":"tw-twin"}|tw tw-twin|2|{"event":"ready","iface":"tw-twin","slaves":1}|lo|' \
     "$(tr '\n' '|' <"$work/out")"
   has "veth: a name that is taken" "'tw' or 'tw-twin' exists already: choose another name, or 'sudo ip link del tw'" "$work/err"
+  # shellcheck disable=SC2016
+  unshare -Urn sh -c '"$1" veth tw >"$2/other" & pair=$!; for _ in $(seq 1200); do [ -s "$2/other" ] && break; sleep 0.1; done
+    ip link del tw; kill $pair; wait $pair; echo $?' sh "$ectwin" "$work" >"$work/out" 2>"$work/err"
+  check "veth: a pair that another program has removed" \
+    "3 ectwin veth: 'tw' could not be removed: was it removed already? Else 'sudo ip link del tw'" "$(cat "$work/out") $(cat "$work/err")"
   unshare -Ur --map-user=1000 "$ectwin" veth 2>"$work/err"
   check "veth: without a right" 2 $?
   has "veth: the right" "needs CAP_NET_ADMIN: run 'sudo ectwin veth ecat0'" "$work/err"

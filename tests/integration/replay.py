@@ -9,6 +9,7 @@ import re
 import shutil
 import struct
 import sys
+import time
 
 from pcapng_cases import blocks, call, expect, run_cases
 
@@ -112,7 +113,10 @@ def options(file):
     record(file, "--set", "2:data1=3", "--serial", "77", "--esc", "lan9252", "--drift", "2:50", "--break", "CF-040", "--name", "cell",
            "fzm1*2", "--", PROBE, "-i", "{}", "--values")
     start = next(body for kind, body in blocks(file) if kind == LOCAL)
-    expect("members of a start", {"words", "version", "seed", "offset"}, set(json.loads(start[16:].rstrip(b"\0"))))
+    members = json.loads(start[16:].rstrip(b"\0"))
+    expect("members of a start", {"words", "version", "seed", "offset"}, set(members))
+    wrong_ms = abs(int(members["offset"]) - (time.time_ns() - time.monotonic_ns())) // 1000000
+    expect(f"the offset of the wall clock: {wrong_ms} ms", True, wrong_ms < 100)
     equal(file)
 
 
