@@ -162,12 +162,11 @@ void ect_esc_sync_reset(ect_esc_t *esc)
 static void follow_activation(ect_esc_t *esc, uint8_t before)
 {
     uint8_t after = *reg(esc, ECT_REG_DC_ACTIVATION);
-    bool ran = (before & CYCLIC) != 0 && (before & (SYNC0 | SYNC1)) != 0;
     bool runs = (after & CYCLIC) != 0 && (after & (SYNC0 | SYNC1)) != 0;
     ect_esc_sync_settle(esc);
     if (!runs)
         stop_cyclic(esc);
-    else if (!ran || ((before ^ after) & (SYNC0 | SYNC1)) != 0)
+    else if (((before ^ after) & (CYCLIC | SYNC0 | SYNC1)) != 0)
         start_cyclic(esc);
     esc->activity++; /* callers that wait for the next pulse must recompute its time */
 }

@@ -193,8 +193,7 @@ static bool access_transparent(const area_t *sm, const ect_access_t *access, uin
 {
     ect_esc_t *esc = sm->esc;
     uint32_t at = (uint32_t)sm->own->start + offset;
-    if (at + length > esc->memory_size)
-        return false;
+    ECT_ASSERT(at + length <= esc->memory_size);
     if (access->stage == ECT_STAGE_ASKS)
         return true;
     ect_esc_copy(access, esc->memory + at, 0, length);

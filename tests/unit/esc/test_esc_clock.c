@@ -459,6 +459,26 @@ static void written_again(void **state)
     assert_int_equal(chip_read(c, ECT_REG_DC_START_TIME, 8), 220000);
 }
 
+/* The status shows the pulses that wait for the start time: none of a unit that continues or stops. */
+static void each_activation(void **state)
+{
+    enum { SETTINGS = 8, CYCLIC = 1, BOTH = 6 };
+    chip_t *c = *state;
+    for (uint8_t before = 0; before < SETTINGS; before++) {
+        for (uint8_t after = 0; after < SETTINGS; after++) {
+            const bool runs = (after & CYCLIC) != 0 && (after & BOTH) != 0;
+            const uint64_t expected = runs && after != before ? after >> 1 : 0;
+            start(c, before, local_time(c) + 100000, 40000, 10000);
+            chip_advance(c, 150000);
+            assert_int_equal(chip_write(c, ECT_REG_DC_ACTIVATION, after, 1), 1);
+            const uint64_t got = chip_read(c, 0x0984, 1);
+            if (got != expected)
+                fail_msg("0x0981 from %u to %u: expected the status %u, got %u", before, after, (unsigned int)expected,
+                         (unsigned int)got);
+        }
+    }
+}
+
 /* The chip reports its next time without being read, and its work is done before the next frame. */
 static void due_by_itself(void **state)
 {
@@ -995,6 +1015,8 @@ int main(int argc, char **argv)
         TEST("CF-089: SYNC1 occurs without SYNC0", sync1_alone),
         TEST("CF-089: 0x0151 selects which of SYNC0 and SYNC1 are events", selected_events),
         TEST("CF-089: a repeated write of the activation does not move the pulses", written_again),
+        TEST("CF-089: the unit starts with any change of its activation, SYNC0 or SYNC1 that leaves it running",
+             each_activation),
         TEST("CF-089: a pulse is due from its activation on, without any access", due_by_itself),
         TEST("CF-089: a start time is kept until the unit runs", start_time_kept),
         TEST("CF-089: a next time that is read in pieces is one time", next_time_in_pieces),
