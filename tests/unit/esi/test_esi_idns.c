@@ -393,6 +393,8 @@ static void limits_and_commands(void **state)
 #define BOTH    INFO("<MinValue>3</MinValue><MaxValue>9</MaxValue><DefaultValue>5</DefaultValue>")
 #define MINIMUM INFO("<MinValue>3</MinValue><DefaultValue>5</DefaultValue>")
 #define MAXIMUM INFO("<MaxValue>9</MaxValue><DefaultValue>5</DefaultValue>")
+#define WIDE                                                                                                           \
+    INFO("<MinData>0300000000000000</MinData><MaxData>0900000000000040</MaxData><DefaultValue>5</DefaultValue>")
     static const struct {
         const char *what, *text;
         uint8_t flags;
@@ -404,6 +406,10 @@ static void limits_and_commands(void **state)
         {"below, with a minimum alone", DRIVE(OBJECT("UINT", "16", MINIMUM), "", INIT("#x8001", "0200")), 0},
         {"0, with a maximum alone", DRIVE(OBJECT("UINT", "16", MAXIMUM), "", INIT("#x8001", "0000")), MAX},
         {"negative, with a maximum alone", DRIVE(OBJECT("DINT", "32", MAXIMUM), "", INIT("#x8001", "FEFFFFFF")), MAX},
+        {"64 bits, within", DRIVE(OBJECT("LINT", "64", WIDE), "", INIT("#x8001", "0900000000000040")), MIN | MAX},
+        {"64 bits, above in byte 0", DRIVE(OBJECT("LINT", "64", WIDE), "", INIT("#x8001", "0A00000000000040")), 0},
+        {"64 bits, below in byte 7", DRIVE(OBJECT("LINT", "64", WIDE), "", INIT("#x8001", "0900000000000080")), 0},
+        {"64 bits, above in byte 7", DRIVE(OBJECT("LINT", "64", WIDE), "", INIT("#x8001", "0900000000000041")), 0},
         {"a list of two elements", DRIVE(OBJECT("LIST2", "96", ""), "", INIT("#x8001", "080008000102030405060708")), 0},
     };
     (void)state;

@@ -2,6 +2,7 @@
 /* Twins of SoE drives of tests/esi/soe.xml on a wire: parameters by mail, telegrams with the file's lengths. */
 #include "check/check.h"
 #include "esi/write.h"
+#include "from_text.h"
 #include "servo_of_file.h"
 #include "sii/sii.h"
 #include "wire/sii.h"
@@ -71,6 +72,40 @@ static void start_up(void **state)
     }
     wire_go(&wire, 0, SAFEOP);
     wire_go(&wire, 0, OP);
+}
+
+/* A command of the manufacturer in two drives, which no axis executes. */
+static void other_command(void **state)
+{
+#define UINT_AT(index, flags)                                                                                          \
+    "<Object><Index>#x" index "</Index><Name>N</Name><Type>UINT</Type><BitSize>16</BitSize>" flags "</Object>"
+#define TWO_DRIVES                                                                                                     \
+    ESI_DEVICE(                                                                                                        \
+        "<Profile><Dictionary><DataTypes><DataType><Name>UINT</Name><BitSize>16</BitSize></DataType>"                  \
+        "</DataTypes><Objects>" UINT_AT("0086", "") UINT_AT("0087", "") UINT_AT(                                       \
+            "8001", "<Flags><Attribute>#x00090001</Attribute></Flags>") "</Objects></Dictionary></"                    \
+                                                                        "Profile>" ESI_MAILBOX_SMS ESI_PROCESS_SMS     \
+                                                                        "<Mailbox><SoE "                               \
+                                                                        "ChannelCount='2'/></Mailbox>" ESI_EEPROM)
+    enum { COMMAND = 0x8001, STATE_ELEMENT = ECT_SOE_ELEMENT_STATE };
+    static const uint8_t start[] = {3, 0}, clear[] = {0, 0};
+    char why[200] = "";
+    (void)state;
+    made_t m = make_text("P-0-0001", TWO_DRIVES);
+    assert_true(ect_esi_twin_behave(m.twin, ECT_BEHAVIOUR_BY_FILE, why, sizeof why));
+    assert_non_null(note_of(&m, "S-0-0134, S-0-0135: axis 1"));
+    twin = m.twin;
+    open_twin();
+    for (unsigned int drive = 0; drive < 2; drive++) {
+        assert_int_equal(number_of(drive, COMMAND, STATE_ELEMENT), ECT_SOE_COMMAND_CLEARED);
+        assert_int_equal(write_value(drive, COMMAND, start, sizeof start), 0);
+        assert_int_equal(number_of(drive, COMMAND, STATE_ELEMENT), ECT_SOE_COMMAND_DONE);
+        assert_int_equal(number_of(1 - drive, COMMAND, STATE_ELEMENT), ECT_SOE_COMMAND_CLEARED);
+        assert_int_equal(write_value(drive, COMMAND, clear, sizeof clear), 0);
+        assert_int_equal(number_of(drive, COMMAND, STATE_ELEMENT), ECT_SOE_COMMAND_CLEARED);
+    }
+    (void)close_drive(state);
+    ect_esi_close(m.esi);
 }
 
 /* --- telegrams ---------------------------------------------------------------------------------------------------- */
@@ -182,6 +217,8 @@ int main(void)
         {"SOE-033 SOE-034 SOE-035 SOE-044: parameters that the dictionary lacks", made_parameters, NULL, close_drive,
          NULL},
         {"SOE-046: each start-up command of the file is accepted, and OP follows", start_up, NULL, close_drive, NULL},
+        {"SOE-030: a command that the axis does not execute ends at once, without an error", other_command, NULL,
+         close_drive, NULL},
         {"SOE-036 SOE-037: telegrams of two drives have the file's lengths", lengths, NULL, close_drive, NULL},
         {"SOE-037: each drive has its place in the telegrams", places, NULL, close_drive, NULL},
         {"SOE-036 SOE-034: other values in a telegram", other_lists, NULL, close_drive, NULL},

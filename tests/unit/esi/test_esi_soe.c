@@ -83,24 +83,30 @@ static void commands(void **state)
 /* A command without a mail of its protocol is omitted; all are commands of the twin. */
 static void mails(void **state)
 {
-#define AMS "00112233445566778899AABBCCDDEEFF00112233445566778899AABBCCDDEEFF"
+#define AMS_31 "00112233445566778899AABBCCDDEEFF00112233445566778899AABBCCDDEE"
+#define AMS    AMS_31 "FF"
     static const char text[] = ESI_DEVICE(
         ESI_MAILBOX_SMS
         "<Mailbox><AoE><InitCmd><Transition>IP</Transition><Data>" AMS "</Data><Comment>NetId</Comment></InitCmd>"
-        "<InitCmd><Transition>IP</Transition><Data>00</Data></InitCmd></AoE><EoE>"
+        "<InitCmd><Transition>IP</Transition><Data>00</Data></InitCmd>"
+        "<InitCmd><Transition>IP</Transition><Data>" AMS_31 "</Data></InitCmd>"
+        "<InitCmd><Transition>OP</Transition><Data>" AMS "00</Data></InitCmd></AoE><EoE>"
         "<InitCmd><Transition>PS</Transition><Transition>XX</Transition><Type>2</Type><Data>0102</Data></InitCmd>"
-        "<InitCmd><Transition>PS</Transition><Data>0102</Data></InitCmd></EoE>"
+        "<InitCmd><Transition>PS</Transition><Data>0102</Data></InitCmd>"
+        "<InitCmd><Transition>OP</Transition><Type>15</Type><Data>01</Data></InitCmd></EoE>"
         "<SoE><InitCmd><Transition>SO</Transition><IDN>32</IDN><Data>0B00</Data></InitCmd></SoE></Mailbox>" ESI_EEPROM);
     static const ect_init_mail_t expected[] = {
         {"IP", "NetId", ECT_MAILBOX_TYPE_AOE, 0, 0, 0, 0, false, 32, NULL},
+        {"OP", NULL, ECT_MAILBOX_TYPE_AOE, 0, 0, 0, 0, false, 33, NULL},
         {"PS", NULL, ECT_MAILBOX_TYPE_EOE, 2, 0, 0, 0, false, 2, NULL},
+        {"OP", NULL, ECT_MAILBOX_TYPE_EOE, 15, 0, 0, 0, false, 1, NULL},
         {"SO", NULL, ECT_MAILBOX_TYPE_SOE, ECT_INIT_WRITES, 0, 0x40, 32, false, 2, NULL},
     };
     (void)state;
     made_t m = make_text("mails", text);
     const ect_device_t *device = device_of(&m);
-    assert_int_equal(device->init_mail_count, 3);
-    for (size_t i = 0; i < 3; i++) {
+    assert_int_equal(device->init_mail_count, sizeof expected / sizeof expected[0]);
+    for (size_t i = 0; i < sizeof expected / sizeof expected[0]; i++) {
         const ect_init_mail_t *mail = &device->init_mails[i];
         assert_string_equal(mail->transitions, expected[i].transitions);
         assert_int_equal(mail->comment != NULL, expected[i].comment != NULL);
@@ -127,6 +133,8 @@ static void mistakes(void **state)
         {SOE("<InitCmd Chn='8'><IDN>1</IDN></InitCmd>"), "t.xml:2: Chn is 8, not 0 to 7"},
         {SOE("<InitCmd><IDN>1</IDN><Data>0</Data></InitCmd>"),
          "t.xml:2: Data has an odd number of hexadecimal digits (1)"},
+        {ESI_DEVICE(ESI_MAILBOX_SMS "<Mailbox><EoE><InitCmd><Type>16</Type></InitCmd></EoE></Mailbox>"),
+         "t.xml:2: Type is 16, not 0 to 15"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
