@@ -58,7 +58,6 @@ void ect_build_count_notes(ect_build_t *build)
         if (build->note_kinds[i].repeated > 0)
             build->notes[i] = ect_arena_print(build->arena, "%s (and %zu more like it)", build->notes[i],
                                               build->note_kinds[i].repeated);
-        build->note_kinds[i].repeated = 0;
     }
 }
 

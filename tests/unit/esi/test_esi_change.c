@@ -479,6 +479,24 @@ static void mappings(void **state)
     close_rig(&r);
 }
 
+/* An object of a module has its default, even if no object has a lower index. */
+static void lowest_object(void **state)
+{
+    static const char text[] = PARTS(
+        "", "", "<CoE/>", "4",
+        MODULE("#x110", "IO", TX_PDO) MODULE_WITH(
+            "#x120", OBJECTS(OBJECT("0800", "UINT", "16",
+                                    "<Info><DefaultValue>7</DefaultValue></Info><Flags><Access>rw</Access></Flags>"))));
+    rig_t r;
+    (void)state;
+    open_rig(&r, text, PREOP);
+    assert_true(plug(&r, 1, IN));
+    assert_int_equal(abort_of(&r, 0x0800, 0), NO_OBJECT);
+    assert_true(plug(&r, 2, OUT));
+    assert_int_equal(read_number(&r, 0x0800, 0), 7);
+    close_rig(&r);
+}
+
 static void addresses(void **state)
 {
     static const struct {
@@ -528,6 +546,8 @@ int main(int argc, char **argv)
         {"MDP-009: devices whose modules change", racks, NULL, NULL, NULL},
         {"MDP-009 MDP-005: values of the device outlast a change of modules", values_of_the_device, NULL, NULL, NULL},
         {"MDP-009 MDP-010: mappings return to their defaults with other modules", mappings, NULL, NULL, NULL},
+        {"MDP-009: the first object of the dictionary has its default with its module", lowest_object, NULL, NULL,
+         NULL},
         {"MDP-016: F020h and F040h of a file whose addresses are downloaded; F010h", addresses, NULL, NULL, NULL},
     };
     if (argc > 1)

@@ -315,6 +315,29 @@ static void mappings_and_assignments_replace_those_of_the_image(void **state)
     drop(&m);
 }
 
+/* Mappings of both directions in turn, more than the image has room for. */
+static void many_mappings_stay_in_order(void **state)
+{
+    enum { FIRST = 5, LAST = 25 };
+    (void)state;
+    ect_esi_t *esi = open_image();
+    for (uint16_t n = FIRST; n <= LAST; n++) {
+        mapping(esi, 0x1A00 + n, 0x60000010 + n, 0);
+        mapping(esi, 0x1600 + n, 0x70000010 + n, 0);
+    }
+    made_t m = finish(esi);
+    for (size_t i = 1; i < m.model->pdo_count; i++)
+        assert_true(m.model->pdos[i - 1].index < m.model->pdos[i].index);
+    for (uint16_t n = FIRST; n <= LAST; n++) {
+        const ect_esi_pdo_t *outputs = pdo_at(&m, 0x1600 + n), *inputs = pdo_at(&m, 0x1A00 + n);
+        if (outputs == NULL || outputs->tx || outputs->entry_count != 1 || outputs->entries[0].index != 0x7000 ||
+            outputs->entries[0].bits != 0x10u + n || inputs == NULL || !inputs->tx || inputs->entry_count != 1 ||
+            inputs->entries[0].index != 0x6000 || inputs->entries[0].bits != 0x10u + n)
+            fail_msg("expected the mappings of PDOs %04X and %04X", 0x1600u + n, 0x1A00u + n);
+    }
+    drop(&m);
+}
+
 /* A PDO of the image keeps its name, its flags, and the names and types of the entries that it still maps. */
 static void a_mapping_keeps_what_the_image_knows(void **state)
 {
@@ -541,6 +564,7 @@ int main(void)
         cmocka_unit_test(limits_and_units_stay),
         cmocka_unit_test(a_mapping_keeps_what_the_image_knows),
         cmocka_unit_test(mappings_and_assignments_replace_those_of_the_image),
+        cmocka_unit_test(many_mappings_stay_in_order),
         cmocka_unit_test(CLN_015_a_mapping_and_an_assignment_keep_the_right_of_a_master_to_write_them),
         cmocka_unit_test(CLN_015_names_of_values_and_of_the_identity_stay),
         cmocka_unit_test(without_an_assignment_the_image_counts),
