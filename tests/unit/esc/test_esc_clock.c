@@ -864,6 +864,27 @@ static void assigned_control(void **state)
     }
 }
 
+/* A write to the controls of both latches counts if one of them belongs to the side, and changes only that one. */
+static void assigned_latches(void **state)
+{
+    enum { CONTROL = 0x09A8, BOTH = 0x0303 };
+    chip_t *c = *state;
+    for (unsigned int pdi = 0; pdi < 4; pdi++) {
+        const uint16_t of_pdi = (uint16_t)((pdi & 1) * 0x03 | (pdi >> 1) * 0x0300);
+        chip_power_on(c);
+        assert_int_equal(chip_write(c, ECT_REG_DC_CYCLIC_CONTROL, pdi << 4, 1), 1);
+        const unsigned int wkc = chip_write(c, CONTROL, BOTH, 2);
+        const uint16_t by_master = ect_load_le16(c->memory + CONTROL);
+        chip_pdi_write(c, CONTROL, 0, 2);
+        const uint16_t by_pdi = ect_load_le16(c->memory + CONTROL);
+        chip_pdi_write(c, CONTROL, BOTH, 2);
+        if (wkc != (pdi < 3 ? 1 : 0) || by_master != (BOTH & ~of_pdi) || by_pdi != by_master ||
+            ect_load_le16(c->memory + CONTROL) != BOTH)
+            fail_msg("0x0980 = 0x%02X: got WKC %u, 0x%04X by the master, 0x%04X after the PDI", pdi << 4, wkc,
+                     by_master, by_pdi);
+    }
+}
+
 /* --- latch inputs ----------------------------------------------------------------------------------------------- */
 
 static void edge(chip_t *c, unsigned int n, bool level, uint64_t at_ns)
@@ -1037,6 +1058,7 @@ int main(int argc, char **argv)
         MODERN("CF-089: a start time outside the near future may mean now", plausibility),
         MODERN("CF-089: a debug pulse starts at once, on chips that support it", debug_pulse),
         TEST("CF-089 CF-091: the master assigns the control of SYNC0, SYNC1 and the latches", assigned_control),
+        TEST("CF-091: a write to both latch controls changes those of its side", assigned_latches),
         TEST("CF-091: continuous: each edge of a latch input is latched", continuous),
         TEST("CF-091: single event: the first edge is kept until it is read", single_event),
         TEST("CF-091: an edge is acknowledged by any byte of its time, and by no other's", latch_read_in_part),

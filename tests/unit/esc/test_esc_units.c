@@ -651,6 +651,44 @@ static void changes_and_overlaps(void **state)
     assert_int_equal(c->memory[0x080D] & 0x08, 0x08);
 }
 
+/* --- due times ---------------------------------------------------------------------------------------------------- */
+
+/* All units wait at once: SYNC0, the PHYs, the EEPROM, both watchdogs, the loops. None forgets its time while another
+ * one ends. */
+static void times_of_all_units(void **state)
+{
+    enum { SECOND = 1000 * MS };
+    static const uint64_t due_ns[] = {10000, 25600, 200000, 300000, 400000, 610000, 1210000};
+    chip_t *c = *state;
+    c->sii[3] = 0x08; /* SYNC0 is an event */
+    c->config.sii_command_ns = 200000;
+    c->config.pdi_watched = true;
+    chip_power_on(c);
+    chip_advance(c, 200000); /* the EEPROM is loaded */
+    const uint64_t begin_ns = c->w.now_ns;
+    chip_set_sm(c, 2, 0x1000, 4, 0x64, 1);
+    assert_int_equal(chip_write(c, 0x0410, 4, 2), 1);
+    assert_int_equal(chip_write(c, 0x0420, 3, 2), 1);
+    assert_int_equal(chip_write(c, 0x1000, 0, 4), 1);
+    (void)chip_pdi_read(c, 0x0000, 1);
+    assert_int_equal(chip_write(c, 0x0100, 0x0C03, 2), 1);
+    assert_int_equal(chip_write(c, 0x0510, 0x0100, 4), 1);
+    assert_int_equal(chip_write(c, 0x0502, 0x0100, 2), 1);
+    assert_int_equal(chip_write(c, 0x0990, chip_read(c, 0x0910, 8) + 10000, 8), 1);
+    assert_int_equal(chip_write(c, 0x09A0, 600000, 4), 1);
+    assert_int_equal(chip_write(c, 0x0981, 0x03, 1), 1);
+    for (size_t i = 0; i < sizeof due_ns / sizeof due_ns[0]; i++) {
+        const uint64_t next_ns = ect_esc_tick(&c->esc, c->w.now_ns);
+        if (next_ns != begin_ns + due_ns[i])
+            fail_msg("expected the next time %llu, got %llu", (unsigned long long)due_ns[i],
+                     (unsigned long long)(next_ns - begin_ns));
+        c->w.now_ns = next_ns;
+    }
+    assert_int_equal(chip_write(c, 0x0981, 0, 1), 1);
+    c->w.now_ns = ect_esc_tick(&c->esc, c->w.now_ns); /* of the pulse that does not occur */
+    assert_int_equal(ect_esc_tick(&c->esc, c->w.now_ns), begin_ns + SECOND);
+}
+
 #define TEST(title, function)   {title, function, chip_setup, chip_teardown, NULL}
 #define MODERN(title, function) {title, function, modern, chip_teardown, NULL}
 
@@ -692,6 +730,7 @@ int main(int argc, char **argv)
         MODERN("CF-056: EEPROM emulation: read and write wait for the PDI, errors are its own", emulated_commands),
         MODERN("CF-056: EEPROM emulation together with an EEPROM, or on a chip without it, is refused",
                emulation_refused),
+        TEST("CF-050 CF-053 CF-056 CF-089: each unit keeps its time while the others end", times_of_all_units),
         TEST("CF-018: SyncManager events latch the local time where they are configured to", latched_times),
         TEST("CF-021: an enabled SyncManager keeps its registers; of overlapping ones the lowest has the byte",
              changes_and_overlaps),

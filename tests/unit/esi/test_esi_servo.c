@@ -185,6 +185,26 @@ static void numbers_in_the_eeprom(void **state)
     }
 }
 
+/* Gaps of a telegram keep their lengths. */
+static void gaps_in_the_eeprom(void **state)
+{
+#define PART(index, bits) "<Entry><Index>" index "</Index><BitLen>" bits "</BitLen><Name>V</Name></Entry>"
+#define GAPS                                                                                                           \
+    ESI_DEVICE(ESI_MAILBOX_SMS ESI_PROCESS_SMS                                                                         \
+               "<RxPdo Sm='2'><Index>#x0018</Index><Name>MDT</Name>" PART("#x86", "16") PART("0", "1") PART("0", "7")  \
+                   PART("#x8001", "16") "</RxPdo><Mailbox><SoE/></Mailbox>" ESI_EEPROM)
+    static const uint32_t expected[] = {134u << 16 | 16, 1, 7, 0x8001u << 16 | 16};
+    (void)state;
+    made_t m = make_text("gaps", GAPS);
+    const ect_od_t od = od_of(&m);
+    const ect_object_t *pdo = ect_od_find(&od, 0x1600);
+    assert_non_null(pdo);
+    assert_int_equal(ect_sii_pdo_number(device_of(&m), 0x1600), 0x0018);
+    for (uint32_t n = 1; n <= COUNT(expected); n++)
+        assert_int_equal(ect_sii_pdo_element(device_of(&m), pdo, n), expected[n - 1]);
+    free_made(&m);
+}
+
 /* The written file is a drive with the same parameters, but for those of the file that it names. */
 static void written_file(void **state)
 {
@@ -223,6 +243,7 @@ int main(void)
         {"SOE-037: each drive has its place in the telegrams", places, NULL, close_drive, NULL},
         {"SOE-036 SOE-034: other values in a telegram", other_lists, NULL, close_drive, NULL},
         {"SOE-039: the EEPROM has the file's numbers of PDOs and IDNs", numbers_in_the_eeprom, NULL, close_drive, NULL},
+        {"SOE-039: the EEPROM has the gaps of a telegram", gaps_in_the_eeprom, NULL, NULL, NULL},
         {"SOE-039 SOE-045: a written file has the numbers and the dictionary", written_file, NULL, close_drive, NULL},
     };
     return cmocka_run_group_tests_name("twins of SoE drives", tests, NULL, NULL);

@@ -559,6 +559,60 @@ static void announcements_are_not_forgotten(void **state)
     }
 }
 
+static unsigned int later_calls;
+
+static uint16_t later_request(const ect_protocol_t *self, ect_slave_t *s, const uint8_t *data, uint16_t length)
+{
+    (void)self;
+    (void)s;
+    (void)data;
+    (void)length;
+    return ECT_MAILBOX_OK;
+}
+
+static bool later_next(const ect_protocol_t *self, ect_slave_t *s, bool send)
+{
+    (void)self;
+    (void)s;
+    (void)send;
+    later_calls++;
+    return false;
+}
+
+/* The mailbox calls the protocols in their order, until one of them has a mail. */
+static void without_a_frame_others_send(void **state)
+{
+    static const ect_protocol_t later = {
+        .type = ECT_MAILBOX_TYPE_VOE, .states = ECT_IN_PREOP_AND_ABOVE, .request = later_request, .next = later_next};
+    static const ect_protocol_t *list[TESTDEV_PROTOCOLS + 1];
+    const ect_protocol_t *known[TESTDEV_PROTOCOLS];
+    uint8_t data[ROOM];
+    size_t count = 0;
+    (void)state;
+    wire_close(&w);
+    ect_device_t device = testdev_with(&entry.protocol, known, ECT_MAILBOX_EOE | ECT_MAILBOX_VOE, sizeof(netdev_t));
+    for (; known[count] != NULL; count++)
+        list[count] = known[count];
+    list[count] = &later;
+    device.protocols = list;
+    wire_open_one(&w, &device);
+    wire_go(&w, 0, ECT_STATE_PREOP);
+    later_calls = 0;
+    wake();
+    wire_poll(&w);
+    assert_true(later_calls > 0);
+    later_calls = 0;
+    net()->queue[0] = 150; /* two mails */
+    net()->queued = 1;
+    wake();
+    wire_poll(&w);
+    assert_int_equal(later_calls, 0);
+    assert_true(receive(data) > HEADER);
+    assert_true(receive(data) > HEADER);
+    wire_poll(&w);
+    assert_true(later_calls > 0);
+}
+
 /* --- the address -------------------------------------------------------------------------------------------------- */
 
 #define V1 2, 1, 0, 0, 0x0E, 0, 0, 0, 0x14, 0x0A, 0xA8, 0xC0, 0, 0xFF, 0xFF, 0xFF, 1, 0x0A, 0xA8, 0xC0
@@ -723,6 +777,8 @@ int main(void)
         {"EOE-013 EOE-027: frames that the device must not send are dropped", frames_that_cannot_be_sent, setup,
          teardown, NULL},
         {"EOE-052 EOE-053: an endless queue of frames delays no reply", other_mail_comes_between, setup, teardown,
+         NULL},
+        {"EOE-053: without a frame the protocols after EoE may send", without_a_frame_others_send, setup, teardown,
          NULL},
         {"EOE-053: 0 to 600 announcements while a frame is under way do not stop it", announcements_are_not_forgotten,
          setup, teardown, NULL},

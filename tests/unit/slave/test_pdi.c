@@ -763,6 +763,28 @@ static void memory_needed(void **state)
     assert_int_equal(need.runs, 1144 / 4);
 }
 
+/* The buffer for values has the length of the longest one that a master may write. */
+static void buffer_for_values(void **state)
+{
+    static const struct {
+        uint16_t index; /* of the only object */
+        size_t staging;
+    } rows[] = {{0x1000, 0}, {0x1001, 0}, {0x1008, 0}, {0x2000, 4}, {0x2003, 2}, {0x2009, 8}, {0x2002, 1000}};
+    (void)state;
+    assert_int_equal(ect_slave_memory(&testdev).staging, 1000);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const ect_od_t od = ect_device_od(&testdev, NULL);
+        ect_device_t device = testdev;
+        device.objects = ect_od_find(&od, rows[i].index);
+        device.object_count = 1;
+        if (ect_slave_memory(&device).staging != rows[i].staging)
+            fail_msg("0x%04X alone: expected %zu bytes, got %zu", rows[i].index, rows[i].staging,
+                     ect_slave_memory(&device).staging);
+        device.mailbox_protocols = 0;
+        assert_int_equal(ect_slave_memory(&device).staging, 0);
+    }
+}
+
 typedef struct giver {
     unsigned int left; /* pieces that it still provides */
     size_t given[8];
@@ -918,6 +940,7 @@ int main(int argc, char **argv)
           repeat_older_with_fault),
         T("CF-041: an event word that cannot be read delays the work, and is counted", event_word_fails),
         T("Initialisation: the memory needed follows from the description", memory_needed),
+        T("Initialisation: the buffer fits the longest value that can be written", buffer_for_values),
         T("Initialisation: the memory is allocated piece by piece, none without need; too little is reported",
           memory_taken),
         T("Initialisation: a missing member is refused, -1 device or PDI, -2 a buffer", config_checked),

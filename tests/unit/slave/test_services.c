@@ -463,10 +463,31 @@ static void diagnosis_emergency(void **state)
     poll();
     assert_int_equal(datagram(FPRD, 0x1080, mail, 128), 1);
     assert_memory_equal(mail + 6, "\x00\x10\x30\x81\x00\x02\x01\x06", 8);
-    diagnose(ECT_DIAGNOSIS_ERROR, 1, 0x0102);
-    poll();
-    assert_int_equal(datagram(FPRD, 0x1080, mail, 128), 1);
-    assert_int_equal(ect_load_le16(mail + 8), 0xFF00);
+}
+
+/* The low word E800h marks a diagnosis code that has an emergency error code. */
+static void diagnosis_emergency_codes(void **state)
+{
+    static const struct {
+        uint32_t code;
+        uint16_t emergency;
+    } rows[] = {
+        {0x8130E800, 0x8130}, {0xFFFFE800, 0xFFFF}, {0x8130E801, 0xFF00}, {0x8130E900, 0xFF00},
+        {0x81306800, 0xFF00}, {0x8130C800, 0xFF00}, {0x0000E800, 0x0000}, {1, 0xFF00},
+    };
+    (void)state;
+    uint8_t mail[128] = {0};
+    power_on(false);
+    to_preop();
+    assert_int_equal(write_number(0x10F3, 5, ECT_DIAGNOSIS_EMERGENCY, 2), 0);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        diagnose(ECT_DIAGNOSIS_ERROR, rows[i].code, 0x0102);
+        poll();
+        assert_int_equal(datagram(FPRD, 0x1080, mail, 128), 1);
+        if (ect_load_le16(mail + 8) != rows[i].emergency)
+            fail_msg("diagnosis code 0x%08X: expected emergency 0x%04X, got 0x%04X", (unsigned int)rows[i].code,
+                     rows[i].emergency, ect_load_le16(mail + 8));
+    }
 }
 
 /* --- store and restore ------------------------------------------------------------------------------------------- */
@@ -1128,6 +1149,8 @@ int main(int argc, char **argv)
         TEST("CF-080: acknowledge mode keeps the messages before its selection", diagnosis_mode_changes),
         TEST("CF-080: each type can be switched off; impossible values are refused", diagnosis_filters),
         TEST("CF-079 CF-080: with the flag set each message sends an emergency", diagnosis_emergency),
+        TEST("CF-080: the error code of the emergency is that of the diagnosis code, else device specific",
+             diagnosis_emergency_codes),
         TEST("CF-081: stored values are kept over power-off, others are not, restore sets the defaults",
              stored_survives),
         TEST("CF-081: a wrong signature, or no storage, is refused with 08000020", wrong_signature),
