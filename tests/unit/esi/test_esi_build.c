@@ -741,8 +741,14 @@ static void assignments(void **state)
 /* The longest data of a SyncManager: the longest assignment, the file's sizes, and the room before the next. */
 static void rooms_of_sms(void **state)
 {
-#define INPUTS(attributes)    "<Sm StartAddress='#x1400' ControlByte='#x20' " attributes ">Inputs</Sm>"
-#define OUTPUTS               "<Sm StartAddress='#x1100' ControlByte='#x24'>Outputs</Sm>"
+#define INPUTS(attributes) "<Sm StartAddress='#x1400' ControlByte='#x20' " attributes ">Inputs</Sm>"
+#define OUTPUTS            "<Sm StartAddress='#x1100' ControlByte='#x24'>Outputs</Sm>"
+#define WRITABLE(index, type, bits)                                                                                    \
+    "<Profile><Dictionary><DataTypes><DataType><Name>T</Name><BitSize>48</BitSize><SubItem><SubIdx>0</SubIdx>"         \
+    "<Name>Number</Name><Type>USINT</Type><BitSize>8</BitSize><Flags><Access>rw</Access></Flags></SubItem><SubItem>"   \
+    "<SubIdx>1</SubIdx><Name>First</Name><Type>" type "</Type><BitSize>" bits "</BitSize><Flags><Access>rw</Access>"   \
+    "</Flags></SubItem></DataType></DataTypes><Objects><Object><Index>" index "</Index><Name>O</Name><Type>T</Type>"   \
+    "<BitSize>48</BitSize></Object></Objects></Dictionary></Profile>"
 #define BUILT(sms, pdos, coe) ESI_DEVICE(MAIL sms pdos "<Mailbox><CoE " coe "/></Mailbox>" ESI_EEPROM)
     static const struct {
         const char *what, *text;
@@ -757,6 +763,10 @@ static void rooms_of_sms(void **state)
         {"MaxSize of a fixed one", BUILT(OUTPUTS INPUTS("MaxSize='9'"), TX("Sm='3'", "#x1A00", A8), ""), 3, 1},
         {"MaxSize of one to be mapped",
          BUILT(OUTPUTS INPUTS("MaxSize='9'"), TX("Sm='3'", "#x1A00", A8), "PdoConfig='1'"), 3, 9},
+        {"MaxSize of one whose 1C13h can be written, which the file does not announce",
+         BUILT(OUTPUTS INPUTS("MaxSize='9'"), TX("Sm='3'", "#x1A00", A8) WRITABLE("#x1C13", "UINT", "16"), ""), 3, 9},
+        {"MaxSize of one whose 1A00h can be written, which the file does not announce",
+         BUILT(OUTPUTS INPUTS("MaxSize='9'"), TX("Sm='3'", "#x1A00", A8) WRITABLE("#x1A00", "UDINT", "32"), ""), 3, 9},
         {"one to be mapped, without MaxSize: three buffers up to the end of 8 KB",
          BUILT("<Sm StartAddress='#x2800' ControlByte='#x24' DefaultSize='7'>Outputs</Sm>", RX("Sm='2'", "#x1600", O8),
                "PdoConfig='1'"),

@@ -763,10 +763,14 @@ static void commands_against_the_dictionary(void **state)
         {"two bytes of it", COMMANDED(PAIR, COMMAND("#x2000", "0", "0500")), 2, 2,
          "line 2: a start-up command writes 2000:0, which the dictionary lacks: it is added"},
         {"no data", COMMANDED("", COMMAND("#x2000", "0", "")), 0, 0, NULL},
-        {"an assignment", COMMANDED("", COMMAND("#x1C2F", "1", "0016")), 0, 0, NULL},
+        {"the first assignment", COMMANDED("", COMMAND("#x1C10", "1", "0016")), 0, 0, NULL},
+        {"the last assignment", COMMANDED("", COMMAND("#x1C2F", "1", "0016")), 0, 0, NULL},
+        {"before the assignments", COMMANDED("", COMMAND("#x1C0F", "1", "0016")), 1, 2,
+         "line 2: a start-up command writes 1C0F:1, which the dictionary lacks: it is added"},
         {"behind the assignments", COMMANDED("", COMMAND("#x1C30", "1", "0016")), 1, 2,
          "line 2: a start-up command writes 1C30:1, which the dictionary lacks: it is added"},
-        {"a mapping", COMMANDED("", COMMAND("#x1600", "1", "0016")), 0, 0, NULL},
+        {"the first mapping of outputs", COMMANDED("", COMMAND("#x1600", "1", "0016")), 0, 0, NULL},
+        {"the last mapping of inputs", COMMANDED("", COMMAND("#x1BFF", "1", "0016")), 0, 0, NULL},
     };
     (void)state;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
@@ -774,6 +778,7 @@ static void commands_against_the_dictionary(void **state)
         ect_od_t od = od_of(&m);
         const ect_object_t *o = ect_od_find(&od, 0x2000);
         o = o != NULL ? o : ect_od_find(&od, 0x1C30);
+        o = o != NULL ? o : ect_od_find(&od, 0x1C0F);
         unsigned int entries = o != NULL ? o->last + 1u : 0, count = o != NULL ? o->entries[0].value : 0;
         if (entries != table[i].entries || count != table[i].count || (o != NULL && o->entries[0].bit_length != 8))
             fail_msg("%s: expected %u entries, a count of %u, got %u, %u", table[i].what, table[i].entries,

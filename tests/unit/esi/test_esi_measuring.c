@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Measuring devices of ESI files: field values, scaling, offset, zero, spans and status, and the sensor as signals. */
+#include "from_text.h"
 #include "sensor_of_file.h"
 
 #define FILE_OF_TESTS "sensors.xml"
@@ -245,6 +246,34 @@ static void signals(void **state)
     expect(PROCESS, 1, 10);
 }
 
+/* A single 6131h is the unit of the first input. */
+static void single_unit(void **state)
+{
+#define VALUE(index, name, type, rest)                                                                                 \
+    "<Object><Index>" index "</Index><Name>" name "</Name><Type>" type "</Type><BitSize>32</BitSize>" rest "</Object>"
+#define SINGLE                                                                                                         \
+    ESI_DEVICE("<Profile><ProfileNo>404</ProfileNo><Dictionary><DataTypes><DataType><Name>REAL</Name><BitSize>32"      \
+               "</BitSize></DataType><DataType><Name>UDINT</Name><BitSize>32</BitSize></DataType></"                   \
+               "DataTypes><Objects>" VALUE("#x6130", "Value", "REAL", "") VALUE(                                       \
+                   "#x6131", "Unit", "UDINT",                                                                          \
+                   "<Info><DefaultData>00004E00</DefaultData></Info>") "</Objects></Dictionary></"                     \
+                                                                       "Profile>" ESI_MAILBOX_SMS ESI_PROCESS_SMS      \
+                                                                       "<Mailbox><CoE/></Mailbox>" ESI_EEPROM)
+    char why[200] = "";
+    const char *unit = NULL;
+    (void)state;
+    made_t m = make_text("a single unit", SINGLE);
+    assert_true(ect_esi_twin_behave(m.twin, ECT_BEHAVIOUR_BY_FILE, why, sizeof why));
+    const ect_plant_t *plant = ect_esi_twin_product(m.twin)->plant;
+    for (size_t i = 0; i < plant->signal_group_count; i++) {
+        if (strcmp(plant->signal_groups[i].prefix, "measure1") == 0)
+            unit = plant->signal_groups[i].signals[0].unit;
+    }
+    assert_non_null(unit);
+    assert_string_equal(unit, "bar");
+    free_made(&m);
+}
+
 static void value_outlasts_power(void **state)
 {
     (void)state;
@@ -281,6 +310,7 @@ int main(void)
          NULL},
         {"signals have the unit of their input, and those that the input writes are read-only", signals, NULL,
          close_sensor, NULL},
+        {"a single 6131h is the unit of a single input", single_unit, NULL, NULL, NULL},
         {"the physical value outlasts a power cycle, the offset does not", value_outlasts_power, NULL, close_sensor,
          NULL},
     };

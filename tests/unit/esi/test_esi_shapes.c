@@ -307,6 +307,51 @@ static void resolutions(void **state)
     }
 }
 
+/* A setting of 0 in the file is a choice; a missing one gets the default of the drive. */
+static void settings_of_zero(void **state)
+{
+#define SETTING(index, info)                                                                                           \
+    "<Object><Index>#x" index "</Index><Name>S</Name><Type>INT</Type><BitSize>16</BitSize>" info                       \
+    "<Flags><Access>rw</Access></Flags></Object>"
+#define SETTINGS(info)                                                                                                 \
+    CHANGEABLE(                                                                                                        \
+        "<Profile><ProfileNo>402</ProfileNo><Dictionary><DataTypes><DataType><Name>INT</Name><BitSize>16"              \
+        "</BitSize></DataType></DataTypes><Objects>" SETTING("6007", info) SETTING("605A", info) SETTING("605C", info) \
+            SETTING("605E", info) "</Objects></Dictionary></Profile>" ESI_MAILBOX_SMS ESI_PROCESS_SMS OUT_PDO(         \
+                WORD("#x6040", "16", "UINT")                                                                           \
+                    WORD("#x607A", "32",                                                                               \
+                         "DINT")) "<TxPdo Sm='3'><Index>#x1A00</Index><Name>I</Name>" WORD("#x6041", "16",             \
+                                                                                           "UINT") "</TxPdo>")
+    static const uint16_t indices[] = {0x6007, 0x605A, 0x605C, 0x605E};
+    static const struct {
+        const char *text;
+        int16_t values[4];
+    } rows[] = {
+        {SETTINGS(""), {1, 2, 1, 2}},
+        {SETTINGS("<Info><DefaultData>0000</DefaultData></Info>"), {0, 0, 0, 0}},
+        {SETTINGS("<Info><DefaultData>0600</DefaultData></Info>"), {6, 6, 6, 6}},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        wire_t w;
+        char why[300] = "";
+        made_t m = make_text("settings", rows[i].text);
+        assert_true(ect_esi_twin_behave(m.twin, ECT_BEHAVIOUR_CIA402, why, sizeof why));
+        power_on(&w, m.twin);
+        wire_go(&w, 0, ECT_STATE_PREOP);
+        for (size_t k = 0; k < 4; k++) {
+            uint8_t bytes[2] = {0};
+            size_t size = sizeof bytes;
+            assert_int_equal(wire_sdo_upload(&w, 0, indices[k], 0, false, bytes, &size), 0);
+            if ((int16_t)ect_load_le16(bytes) != rows[i].values[k])
+                fail_msg("row %zu: expected %d in %04X, got %d", i, rows[i].values[k], indices[k],
+                         (int16_t)ect_load_le16(bytes));
+        }
+        wire_close(&w);
+        free_made(&m);
+    }
+}
+
 static void services(void **state)
 {
     static const struct {
@@ -1040,6 +1085,7 @@ int main(void)
         {"a mapping of a master has room in a SyncManager without MaxSize", mapping_without_max_size, NULL, NULL, NULL},
         {"a sensor accepts finite values only", infinite_values_of_sensors, NULL, NULL, NULL},
         {"a set value in floating point that is infinite or no number", infinite_set_values, NULL, NULL, NULL},
+        {"settings of a drive that are 0 in the file, and missing ones", settings_of_zero, NULL, NULL, NULL},
         {"a turn without 608Fh has a hundred times 6065h of the file", resolutions, NULL, NULL, NULL},
         {"PDO configuration is a service only where something can be written", services, NULL, NULL, NULL},
         {"1C00h has the names of the file", name_of_1c00, NULL, NULL, NULL},
