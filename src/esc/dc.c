@@ -216,7 +216,6 @@ void ect_esc_set_drift(ect_esc_t *esc, int32_t ppb)
 void ect_esc_clock_jump(ect_esc_t *esc, int64_t by_ns)
 {
     ect_esc_sync_settle(esc);
-    ect_esc_clock_rebase(esc);
     esc->clock.local_ns += (uint64_t)by_ns;
     ect_esc_sync_moved(esc);
 }

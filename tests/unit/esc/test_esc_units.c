@@ -488,6 +488,7 @@ static void emulated_reload(void **state)
     emulate(c, "ipcore");
     assert_int_equal(chip_read(c, 0x0502, 2), BUSY | 0x1000 | 0x0400 | EMULATION | 0x40);
     assert_int_equal(chip_read(c, 0x0110, 1) & 1, 0);
+    assert_int_equal(c->memory[0x0139], 0x0E); /* no configuration yet */
     assert_int_equal(ect_esc_al_event(&c->esc) & SII_EVENT, SII_EVENT);
     uint64_t words[] = {0x030203E800010C05ull, 0x88A4000000001234ull};
     for (unsigned int part = 0; part < 2; part++) {
@@ -502,6 +503,7 @@ static void emulated_reload(void **state)
     assert_int_equal(chip_read(c, 0x0140, 2), 0x0C05);
     assert_int_equal(chip_read(c, 0x0982, 2), 0x03E8);
     assert_int_equal(chip_read(c, 0x014E, 1), 6);
+    assert_int_equal(c->memory[0x0139], 0);
 }
 
 /* Words that the PDI delivers have their own positions; writes beyond them do not change the loaded values. */
