@@ -691,6 +691,103 @@ static void times_of_all_units(void **state)
     assert_int_equal(ect_esc_tick(&c->esc, c->w.now_ns), begin_ns + SECOND);
 }
 
+typedef struct unit {
+    const char *what;
+    void (*begin)(chip_t *c);
+    uint64_t due_ns; /* after its beginning */
+} unit_t;
+
+static void begin_sii(chip_t *c)
+{
+    assert_int_equal(chip_write(c, 0x0502, 0x0100, 2), 1);
+}
+
+static void fault_of_sii(chip_t *c)
+{
+    ect_esc_sii_fault(&c->esc, ECT_SII_BUSY, 0);
+    begin_sii(c);
+    (void)ect_esc_tick(&c->esc, c->w.now_ns);
+    ect_esc_sii_fault(&c->esc, ECT_SII_GOOD, 0);
+}
+
+static void begin_mii(chip_t *c)
+{
+    assert_int_equal(chip_write(c, 0x0510, 0x0100, 4), 1);
+}
+
+static void begin_loops(chip_t *c)
+{
+    assert_int_equal(chip_write(c, 0x0100, 0x0C03, 2), 1);
+}
+
+static void feed_watchdog(chip_t *c)
+{
+    chip_set_sm(c, 2, 0x1000, 4, 0x64, 1);
+    assert_int_equal(chip_write(c, 0x1000, 0, 4), 1);
+}
+
+static void watch_pdi(chip_t *c)
+{
+    ect_esc_watch_pdi(&c->esc, true);
+}
+
+static void shorten_pdi(chip_t *c)
+{
+    ect_esc_watch_pdi(&c->esc, true);
+    (void)ect_esc_tick(&c->esc, c->w.now_ns);
+    assert_int_equal(chip_write(c, 0x0410, 4, 2), 1);
+}
+
+static void begin_sync(chip_t *c)
+{
+    assert_int_equal(chip_write(c, 0x0990, chip_read(c, 0x0910, 8) + 10000, 8), 1);
+    assert_int_equal(chip_write(c, 0x0981, 0x03, 1), 1);
+}
+
+static void postpone_sync(chip_t *c)
+{
+    begin_sync(c);
+    (void)ect_esc_tick(&c->esc, c->w.now_ns);
+    ect_esc_clock_jump(&c->esc, 5000);
+}
+
+/* A host that waits until the announced times is in time, without any other call. */
+static void times_are_announced(void **state)
+{
+    static const unit_t units[] = {
+        {"a command of the EEPROM", begin_sii, 200000},
+        {"an EEPROM that answers again", fault_of_sii, 200000},
+        {"a command of the PHYs", begin_mii, 25600},
+        {"temporary loops", begin_loops, 1000 * MS},
+        {"the watchdog of the process data", feed_watchdog, 100 * MS},
+        {"the watchdog of the PDI", watch_pdi, 100 * MS},
+        {"a shorter watchdog of the PDI", shorten_pdi, 400000},
+        {"SYNC0", begin_sync, 10000},
+        {"SYNC0 after a jump of the clock", postpone_sync, 5000},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
+        chip_t *c = chip_new("et1100");
+        c->sii[3] = 0x08;
+        c->config.sii_command_ns = 200000;
+        chip_power_on(c);
+        chip_advance(c, MS);
+        assert_int_equal(ect_esc_tick(&c->esc, c->w.now_ns), UINT64_MAX);
+        units[i].begin(c);
+        const uint64_t due_ns = c->w.now_ns + units[i].due_ns;
+        uint64_t next_ns = ect_esc_due(&c->esc);
+        while (next_ns < due_ns) {
+            c->w.now_ns = next_ns > c->w.now_ns ? next_ns : c->w.now_ns;
+            next_ns = ect_esc_tick(&c->esc, c->w.now_ns);
+            assert_true(next_ns > c->w.now_ns);
+        }
+        if (next_ns != due_ns)
+            fail_msg("%s: expected a time in %llu ns, got %llu", units[i].what, (unsigned long long)units[i].due_ns,
+                     (unsigned long long)(next_ns - (due_ns - units[i].due_ns)));
+        free(c);
+    }
+}
+
 #define TEST(title, function)   {title, function, chip_setup, chip_teardown, NULL}
 #define MODERN(title, function) {title, function, modern, chip_teardown, NULL}
 
@@ -733,6 +830,7 @@ int main(int argc, char **argv)
         MODERN("CF-056: EEPROM emulation together with an EEPROM, or on a chip without it, is refused",
                emulation_refused),
         TEST("CF-050 CF-053 CF-056 CF-089: each unit keeps its time while the others end", times_of_all_units),
+        TEST("CF-050 CF-053 CF-056 CF-089: each unit announces its time at once", times_are_announced),
         TEST("CF-018: SyncManager events latch the local time where they are configured to", latched_times),
         TEST("CF-021: an enabled SyncManager keeps its registers; of overlapping ones the lowest has the byte",
              changes_and_overlaps),
