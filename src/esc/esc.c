@@ -59,7 +59,6 @@ static void reset(ect_esc_t *esc, uint64_t now_ns)
     for (unsigned int n = 0; n < esc->config.personality->sm_count; n++)
         ect_esc_sm_reset(esc, n);
     ect_esc_sii_load(esc, true);
-    ect_esc_led_state(esc);
     ect_esc_clear_ecat(esc, ECT_ECAT_EVENT_DL_STATUS);
 }
 
