@@ -62,10 +62,15 @@ static void once_in_a_cycle(void **state)
     rig_t r;
     (void)state;
     open_states(&r, OP);
-    const uint8_t before = cycle(&r);
-    set(&r, "long.value", "1");
-    set(&r, "long.value", "2"); /* the device renews its inputs before the master reads them */
-    assert_int_equal(cycle(&r), before ^ 1);
+    uint8_t before = cycle(&r);
+    for (unsigned int renewals = 0; renewals < 5; renewals++) {
+        for (unsigned int n = 0; n < renewals; n++) /* the device renews its inputs before the master reads them */
+            set(&r, "long.value", n % 2 == 0 ? "1" : "2");
+        const uint8_t now = cycle(&r);
+        if (now != (before ^ 1))
+            fail_msg("%u renewals: expected %02X, got %02X", renewals, before ^ 1, now);
+        before = now;
+    }
     close_rig(&r);
 }
 

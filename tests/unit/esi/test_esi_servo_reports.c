@@ -96,18 +96,21 @@ static void reports(void **state)
 
 static void outlast(void **state)
 {
-    (void)state;
-    open_servo("TWO", ECT_BEHAVIOUR_BY_FILE);
-    set("soe.reports", "1");
-    ect_chain_power_cycle(wire.chain, wire.now_ns);
-    wire_poll(&wire);
-    wire_assign_stations(&wire);
-    wire_configure_mailbox(&wire, 0);
-    wire_go(&wire, 0, PREOP);
-    assert_int_equal((int)signal_of("soe.reports"), 1);
-    set("axis1.fault", "0x2311");
-    wire_advance(&wire, MS);
-    expect_fault(0, 0x2311, CURRENT);
+    static const char *const types[] = {"TWO", "SPEED"};
+    for (size_t i = 0; i < COUNT(types); i++) {
+        open_servo(types[i], ECT_BEHAVIOUR_BY_FILE);
+        set("soe.reports", "1");
+        ect_chain_power_cycle(wire.chain, wire.now_ns);
+        wire_poll(&wire);
+        wire_assign_stations(&wire);
+        wire_configure_mailbox(&wire, 0);
+        wire_go(&wire, 0, PREOP);
+        assert_int_equal((int)signal_of("soe.reports"), 1);
+        set("axis1.fault", "0x2311");
+        wire_advance(&wire, MS);
+        expect_fault(0, 0x2311, CURRENT);
+        (void)close_drive(state);
+    }
 }
 
 static void one_drive(void **state)
@@ -129,7 +132,7 @@ int main(void)
         {"SOE-020: with soe.reports=1 the end of a command is a notification, a fault an emergency", reports, NULL,
          close_drive, NULL},
         {"SOE-020: a twin of a single drive has soe.reports, too", one_drive, NULL, close_drive, NULL},
-        {"SOE-020: soe.reports outlasts a power cycle", outlast, NULL, close_drive, NULL},
+        {"SOE-020: soe.reports outlasts a power cycle, of two drives and of one", outlast, NULL, close_drive, NULL},
     };
     return cmocka_run_group_tests_name("reports of SoE drives", tests, NULL, NULL);
 }
