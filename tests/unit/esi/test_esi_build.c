@@ -475,6 +475,33 @@ static void exclusions(void **state)
     }
 }
 
+/* An entry that PDOs map in several ways has the type of the longest one, of the first one of these. */
+static void types_of_mapped_entries(void **state)
+{
+#define TWICE(bits1, type1, bits2, type2)                                                                              \
+    PLAIN(TX("Sm='3'", "#x1A00", ENTRY("#x6000", "1", bits1, "A", type1) ENTRY("#x6000", "1", bits2, "A", type2)))
+    static const struct {
+        const char *what, *text;
+        uint16_t type, bits;
+    } table[] = {
+        {"8 bits, then 16", TWICE("8", "USINT", "16", "INT"), ECT_TYPE_INTEGER16, 16},
+        {"16 bits, then 8", TWICE("16", "INT", "8", "USINT"), ECT_TYPE_INTEGER16, 16},
+        {"two types of 16 bits", TWICE("16", "INT", "16", "UINT"), ECT_TYPE_INTEGER16, 16},
+        {"two types of 32 bits", TWICE("32", "REAL", "32", "DINT"), ECT_TYPE_REAL32, 32},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        made_t m = make_text(table[i].what, table[i].text);
+        ect_od_t od = od_of(&m);
+        const ect_entry_t *e = ect_od_entry(ect_od_find(&od, 0x6000), 1);
+        assert_non_null(e);
+        if (e->data_type != table[i].type || e->bit_length != table[i].bits)
+            fail_msg("%s: expected type %04X of %u bits, got %04X of %u", table[i].what, table[i].type, table[i].bits,
+                     e->data_type, e->bit_length);
+        free_made(&m);
+    }
+}
+
 static void mappings(void **state)
 {
     static const struct {
@@ -1173,6 +1200,8 @@ int main(void)
         {"objects whose type has no length are omitted", objects_without_entries, NULL, NULL, NULL},
         {"exclusions are of other PDOs of the device", exclusions, NULL, NULL, NULL},
         {"infos of sub-items by name, else by place", infos, NULL, NULL, NULL},
+        {"an entry has the type of the longest PDO entry that maps it, of the first one of these",
+         types_of_mapped_entries, NULL, NULL, NULL},
         {"mappings: entries, gaps, exclusion, and omissions", mappings, NULL, NULL, NULL},
         {"entries that PDOs add to a record of the dictionary", entries_that_pdos_add, NULL, NULL, NULL},
         {"infos of a type where the object has none", infos_of_types, NULL, NULL, NULL},

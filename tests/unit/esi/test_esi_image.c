@@ -248,6 +248,25 @@ static void each_type_of_a_sync_manager_has_its_name(void **state)
     }
 }
 
+/* ETG.2010, category FMMU: 1 outputs, 2 inputs, 3 state of SyncManagers; other values are reserved. */
+static void each_type_of_an_fmmu_has_its_name(void **state)
+{
+    static const uint8_t types[] = {0, 1, 2, 3, 4, 5, 254, 255, 2, 255};
+    static const char *const names[] = {"", "Outputs", "Inputs", "MBoxState", "", "", "", "", "Inputs"};
+    image_t image;
+    char why[TEXT];
+    (void)state;
+    begin(&image, 0);
+    add(&image, ECT_SII_FMMU, types, sizeof types);
+    end(&image);
+    ect_esi_t *esi = ect_esi_of_image("image", image.bytes, image.size, why, sizeof why);
+    const ect_esi_device_t *model = ect_esi_select(esi, "", why, sizeof why);
+    assert_int_equal(model->fmmu_count, sizeof names / sizeof names[0]);
+    for (size_t i = 0; i < model->fmmu_count; i++)
+        assert_string_equal(model->fmmus[i], names[i]);
+    ect_esi_close(esi);
+}
+
 /* Categories of any number of elements; an element that is not whole is none. */
 static void each_element_of_a_category_is_read(void **state)
 {
@@ -459,6 +478,7 @@ int main(void)
         cmocka_unit_test(mailboxes_of_the_header_serve_without_a_category_of_sync_managers),
         cmocka_unit_test(each_field_of_general_is_read),
         cmocka_unit_test(each_type_of_a_sync_manager_has_its_name),
+        cmocka_unit_test(each_type_of_an_fmmu_has_its_name),
         cmocka_unit_test(each_flag_of_a_sync_manager_is_read),
         cmocka_unit_test(each_element_of_a_category_is_read),
         cmocka_unit_test(of_more_pdos_than_a_sync_manager_holds_the_first_that_fit_are_assigned),
