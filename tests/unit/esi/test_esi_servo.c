@@ -192,13 +192,15 @@ static void gaps_in_the_eeprom(void **state)
 #define GAPS                                                                                                           \
     ESI_DEVICE(ESI_MAILBOX_SMS ESI_PROCESS_SMS                                                                         \
                "<RxPdo Sm='2'><Index>#x0018</Index><Name>MDT</Name>" PART("#x86", "16") PART("0", "1") PART("0", "7")  \
-                   PART("#x8001", "16") "</RxPdo><Mailbox><SoE/></Mailbox>" ESI_EEPROM)
-    static const uint32_t expected[] = {134u << 16 | 16, 1, 7, 0x8001u << 16 | 16};
+                   PART("#x8001", "16") PART("0", "256") PART("0", "255")                                              \
+                       PART("#x8002", "32") "</RxPdo><Mailbox><SoE/></Mailbox>" ESI_EEPROM)
+    static const uint32_t expected[] = {134u << 16 | 16, 1, 7, 0x8001u << 16 | 16, 255, 1, 255, 0x8002u << 16 | 32};
     (void)state;
     made_t m = make_text("gaps", GAPS);
     const ect_od_t od = od_of(&m);
     const ect_object_t *pdo = ect_od_find(&od, 0x1600);
     assert_non_null(pdo);
+    assert_int_equal(pdo->entries[0].value, COUNT(expected));
     assert_int_equal(ect_sii_pdo_number(device_of(&m), 0x1600), 0x0018);
     for (uint32_t n = 1; n <= COUNT(expected); n++)
         assert_int_equal(ect_sii_pdo_element(device_of(&m), pdo, n), expected[n - 1]);
