@@ -293,6 +293,8 @@ static void records(void **state)
     } table[] = {
         {"a record", RECORD(COUNT ITEM("1", "A", "UINT", "16", ""), "", ""), ECT_OBJECT_RECORD, 1, 1, 16, "A", NULL},
         {"with a gap", RECORD(COUNT ITEM("7", "A", "UINT", "16", ""), "", ""), ECT_OBJECT_RECORD, 7, 7, 16, "A", NULL},
+        {"sub-index 0 behind the others", RECORD(ITEM("1", "A", "UINT", "16", "") COUNT, "", ""), ECT_OBJECT_RECORD, 1,
+         1, 16, "A", NULL},
         {"the file's number of entries",
          RECORD(COUNT ITEM("1", "A", "UINT", "16", "") ITEM("2", "B", "UINT", "16", ""),
                 "<SubItem><Name>SubIndex 000</Name><Info><DefaultData>01</DefaultData></Info></SubItem>", ""),
