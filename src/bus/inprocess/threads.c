@@ -32,17 +32,21 @@ enum { SERVED_MOST = 64 };
 
 typedef enum state { READY, RUNNING, WAITING, OUTSIDE } state_t;
 
-typedef struct thread {
-    struct thread *next;
-    bool used;
-    state_t state;
-    uint64_t order; /* in which threads became ready, or started to wait */
+typedef struct wait {
     uint64_t until_ns;
     const void *key;
     bool (*condition)(void *arg);
     void *arg;
     const char *outside; /* call whose condition another process may make true; NULL: none */
     bool stops_time;     /* time is stopped while the thread waits for a process */
+} wait_t;
+
+typedef struct thread {
+    struct thread *next;
+    bool used;
+    state_t state;
+    uint64_t order; /* in which threads became ready, or started to wait */
+    wait_t wait;
     bool woken;
     bool interrupted;      /* the wait has ended by a signal or by pthread_cancel() */
     bool cancelled;        /* by pthread_cancel() since the begin of the wait */
@@ -140,10 +144,7 @@ static void make_ready(thread_t *thread, bool woken)
     thread->state = READY;
     thread->woken = woken;
     thread->order = ++orders;
-    thread->key = NULL;
-    thread->condition = NULL;
-    thread->outside = NULL;
-    thread->stops_time = false;
+    thread->wait = (wait_t){0};
 }
 
 static void interrupt(thread_t *thread)
@@ -165,12 +166,12 @@ static thread_t *first_waiting(bool (*due)(const thread_t *thread))
 
 static bool condition_holds(const thread_t *thread)
 {
-    return thread->condition && thread->condition(thread->arg);
+    return thread->wait.condition && thread->wait.condition(thread->wait.arg);
 }
 
 static bool deadline_has_passed(const thread_t *thread)
 {
-    return thread->until_ns <= now_ns;
+    return thread->wait.until_ns <= now_ns;
 }
 
 static void make_timely_ready(void)
@@ -198,30 +199,17 @@ static thread_t *first_ready(void)
     return first;
 }
 
-/* The time of the next event while every thread waits. */
-static uint64_t next_event(void)
+/* The first time limit of a wait or a timer; NEVER: none. */
+static uint64_t next_deadline(void)
 {
-    uint64_t next_ns = bus_next_ns;
+    uint64_t next_ns = NEVER;
     for (const thread_t *one = threads; one; one = one->next) {
-        if (one->state == WAITING && one->until_ns < next_ns)
-            next_ns = one->until_ns;
+        if (one->state == WAITING && one->wait.until_ns < next_ns)
+            next_ns = one->wait.until_ns;
     }
     for (const ect_timer_t *timer = timers; timer; timer = timer->next)
         next_ns = timer->next_ns < next_ns ? timer->next_ns : next_ns;
     return next_ns;
-}
-
-static bool any_timed_wait(void)
-{
-    for (const thread_t *one = threads; one; one = one->next) {
-        if (one->state == WAITING && one->until_ns != NEVER)
-            return true;
-    }
-    for (const ect_timer_t *timer = timers; timer; timer = timer->next) {
-        if (timer->next_ns != NEVER)
-            return true;
-    }
-    return false;
 }
 
 static void report(const char *call)
@@ -240,7 +228,7 @@ static const char *stopped_for(void)
 {
     const char *call = NULL;
     for (const thread_t *one = threads; one && stopped_ns < PATIENCE_NS; one = one->next)
-        call = one->state == WAITING && one->stops_time ? one->outside : call;
+        call = one->state == WAITING && one->wait.stops_time ? one->wait.outside : call;
     return ect_bus_running() ? call : NULL;
 }
 
@@ -290,7 +278,7 @@ static void wait_for_the_world(uint64_t *waited_ns)
 {
     const char *call = NULL;
     for (const thread_t *one = threads; one; one = one->next)
-        call = one->outside ? one->outside : call;
+        call = one->wait.outside ? one->wait.outside : call;
     *waited_ns += nap(IDLE_MS);
     if (call && ect_bus_running() && *waited_ns >= PATIENCE_NS)
         report(call);
@@ -331,7 +319,7 @@ static void serve_in_turn(void)
 static bool any_external_wait(void)
 {
     for (const thread_t *one = threads; one; one = one->next) {
-        if (one->state == WAITING && one->outside)
+        if (one->state == WAITING && one->wait.outside)
             return true;
     }
     return false;
@@ -356,10 +344,11 @@ static thread_t *choose(void)
         if (any_external_wait() && serve_client())
             continue;
         const char *call = stopped_for();
+        uint64_t next_ns = next_deadline();
         if (call)
             stop_time(call);
-        else if (any_timed_wait() && !children)
-            advance(next_event());
+        else if (next_ns != NEVER && !children)
+            advance(next_ns < bus_next_ns ? next_ns : bus_next_ns);
         else
             wait_for_the_world(&waited_ns);
         if (self && self->state == RUNNING) /* a handler of a signal has taken the turn */
@@ -640,7 +629,7 @@ void ect_virtual_thread_end(void)
     if (mine->ended)
         *mine->ended = 1;
     for (thread_t *one = threads; one; one = one->next) {
-        if (one->state == WAITING && mine->ended && one->key == mine->ended)
+        if (one->state == WAITING && mine->ended && one->wait.key == mine->ended)
             make_ready(one, true);
     }
     mine->state = WAITING; /* the nap of choose() is not a call that keeps the turn */
@@ -826,15 +815,10 @@ static bool can_be_cancelled(void)
     return state == PTHREAD_CANCEL_ENABLE;
 }
 
-static ect_wait_t wait_once(const thread_t *wait)
+static ect_wait_t wait_once(const wait_t *wait)
 {
     self->state = WAITING;
-    self->key = wait->key;
-    self->condition = wait->condition;
-    self->arg = wait->arg;
-    self->outside = wait->outside;
-    self->stops_time = wait->stops_time;
-    self->until_ns = wait->until_ns;
+    self->wait = *wait;
     self->order = ++orders;
     self->interrupted = false;
     self->cancelled = false;
@@ -849,7 +833,7 @@ static ect_wait_t wait_once(const thread_t *wait)
 
 /* Waits as the record states. With the lock; returns without. A cancellation for which the thread is not ready does not
  * end the wait. */
-static ect_wait_t wait_as(const thread_t *wait)
+static ect_wait_t wait_as(const wait_t *wait)
 {
     ect_wait_t result = wait_once(wait);
     while (result == ECT_WAIT_INTERRUPTED && self->cancelled && !can_be_cancelled()) {
@@ -864,7 +848,7 @@ ect_wait_t ect_virtual_wait_for_process(bool (*ready)(void *arg), void *arg, con
     pthread_testcancel();
     begin_call();
     ect_wait_t result =
-        wait_as(&(thread_t){.condition = ready, .arg = arg, .outside = call, .stops_time = true, .until_ns = until_ns});
+        wait_as(&(wait_t){.condition = ready, .arg = arg, .outside = call, .stops_time = true, .until_ns = until_ns});
     if (result == ECT_WAIT_WOKEN)
         stopped_ns = 0;
     pthread_testcancel();
@@ -874,14 +858,14 @@ ect_wait_t ect_virtual_wait_for_process(bool (*ready)(void *arg), void *arg, con
 ect_wait_t ect_virtual_wait(const void *key, uint64_t until_ns)
 {
     begin_call();
-    return wait_as(&(thread_t){.key = key, .until_ns = until_ns});
+    return wait_as(&(wait_t){.key = key, .until_ns = until_ns});
 }
 
 ect_wait_t ect_virtual_wait_until(bool (*ready)(void *arg), void *arg, const char *outside, uint64_t until_ns)
 {
     pthread_testcancel();
     begin_call();
-    ect_wait_t result = wait_as(&(thread_t){.condition = ready, .arg = arg, .outside = outside, .until_ns = until_ns});
+    ect_wait_t result = wait_as(&(wait_t){.condition = ready, .arg = arg, .outside = outside, .until_ns = until_ns});
     pthread_testcancel();
     return result;
 }
@@ -907,7 +891,7 @@ static unsigned int wake(const void *key, unsigned int most)
     while (count < most) {
         thread_t *first = NULL;
         for (thread_t *one = threads; one; one = one->next) {
-            if (one->state == WAITING && one->key == key && (!first || one->order < first->order))
+            if (one->state == WAITING && one->wait.key == key && (!first || one->order < first->order))
                 first = one;
         }
         if (!first)
@@ -975,25 +959,25 @@ void ect_time_bus_next(uint64_t next_ns)
     bus_next_ns = next_ns;
 }
 
-typedef struct wait {
+typedef struct question {
     bool (*ready)(const void *arg);
     const void *arg;
-} wait_t;
+} question_t;
 
 static bool is_ready(void *arg)
 {
-    const wait_t *wait = arg;
-    return wait->ready(wait->arg);
+    const question_t *its = arg;
+    return its->ready(its->arg);
 }
 
 /* recv(2): a timeout ends a receive after each handler. */
 bool ect_time_wait(int fd, bool (*ready)(const void *arg), const void *arg, uint64_t until_ns)
 {
-    wait_t wait = {.ready = ready, .arg = arg};
+    question_t its = {.ready = ready, .arg = arg};
     (void)fd;
     ect_wait_t result;
     for (;;) {
-        result = wait_as(&(thread_t){.condition = is_ready, .arg = &wait, .until_ns = until_ns});
+        result = wait_as(&(wait_t){.condition = is_ready, .arg = &its, .until_ns = until_ns});
         lock();
         if (result != ECT_WAIT_INTERRUPTED || !self->restarts || until_ns != NEVER)
             break;
