@@ -206,6 +206,33 @@ static void each_field_of_general_is_read(void **state)
     }
 }
 
+/* ETG.2010, category General: numbers of strings in bytes 0, 2, 3 and 14; 0 and a number behind the last: no text. */
+static void each_text_of_general_is_read(void **state)
+{
+    static const uint8_t strings[] = {4, 1, 'G', 2, 'T', 'y', 2, 'N', 'a', 3, 'G', 'r', 'p', 0};
+    static const struct {
+        uint8_t group_type, type, name, group_name;
+        const char *texts;
+    } rows[] = {{1, 2, 3, 4, "G,Ty,Na,Grp"}, {4, 3, 2, 1, "Grp,Na,Ty,G"}, {1, 1, 1, 0, "G,G,G,"},
+                {0, 2, 5, 4, ",Ty,,Grp"},    {5, 2, 0, 3, ",Ty,,Na"},     {2, 2, 4, 5, "Ty,Ty,Grp,"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const uint8_t general[20] = {rows[i].group_type, [2] = rows[i].type, rows[i].name, [14] = rows[i].group_name};
+        image_t image;
+        char why[TEXT], got[TEXT];
+        begin(&image, 0);
+        add(&image, ECT_SII_STRINGS, strings, sizeof strings);
+        add(&image, ECT_SII_GENERAL, general, sizeof general);
+        end(&image);
+        ect_esi_t *esi = ect_esi_of_image("image", image.bytes, image.size, why, sizeof why);
+        const ect_esi_device_t *d = ect_esi_select(esi, "", why, sizeof why);
+        snprintf(got, sizeof got, "%s,%s,%s,%s", d->group_type, d->type, d->name, d->group_name);
+        if (strcmp(got, rows[i].texts) != 0)
+            fail_msg("row %zu: expected %s, got %s", i, rows[i].texts, got);
+        ect_esi_close(esi);
+    }
+}
+
 /* ETG.2010, category SyncM, byte 6: enabled, fixed content, virtual, OpOnly. */
 static void each_flag_of_a_sync_manager_is_read(void **state)
 {
@@ -477,6 +504,7 @@ int main(void)
         cmocka_unit_test(the_eeprom_has_the_size_of_its_header),
         cmocka_unit_test(mailboxes_of_the_header_serve_without_a_category_of_sync_managers),
         cmocka_unit_test(each_field_of_general_is_read),
+        cmocka_unit_test(each_text_of_general_is_read),
         cmocka_unit_test(each_type_of_a_sync_manager_has_its_name),
         cmocka_unit_test(each_type_of_an_fmmu_has_its_name),
         cmocka_unit_test(each_flag_of_a_sync_manager_is_read),
