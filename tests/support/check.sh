@@ -13,12 +13,12 @@ check() { # TITLE EXPECTED ACTUAL
 }
 
 # map_of COMMAND...: the output of a COMMAND that runs SOEM's `slaveinfo IFACE -map`. It gives a frame 2 ms: until a busy machine lets one slave
-# reach SAFEOP and its inputs be read, it runs again, ten times at most.
+# reach SAFEOP and both its sizes be read, it runs again, ten times at most.
 map_of() {
   local map
   for _ in 1 2 3 4 5 6 7 8 9 10; do
     map=$("$@" 2>/dev/null)
-    grep -q ' State: 4' <<<"$map" && ! grep -q ' Input size: 0bits' <<<"$map" && break
+    grep -q ' State: 4' <<<"$map" && ! grep -q 'put size: 0bits' <<<"$map" && break
   done
   echo "$map"
 }
