@@ -598,7 +598,7 @@ static void post_semaphore(union sigval value)
 
 static void a_timer_runs_a_function_in_a_thread(void **state)
 {
-    sem_t semaphore;
+    static sem_t semaphore; /* on a busy machine a thread of the timer posts after the end of this test */
     struct sigevent event = {
         .sigev_notify = SIGEV_THREAD, .sigev_notify_function = post_semaphore, .sigev_value.sival_ptr = &semaphore};
     timer_t timer;
