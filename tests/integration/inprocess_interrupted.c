@@ -221,7 +221,9 @@ static void a_restarted_receive_gets_the_reply(void **state)
     assert_int_equal(pthread_create(&thread, NULL, send_after_a_signal, &fd), 0);
     pthread_sigmask(SIG_UNBLOCK, &set, NULL);
     alarm_every(2000);
+    errno = EDOM;
     assert_reply(frame, recv(fd, frame, sizeof frame, 0), 5);
+    assert_int_not_equal(errno, 0); /* errno(3): no function sets it to 0 */
     alarm_every(0);
     assert_true(handled > 0);
     pthread_join(thread, NULL);

@@ -171,8 +171,10 @@ void ect_port_closed(int fd)
 
 void ect_ports_closed(unsigned int from, unsigned int to)
 {
-    for (unsigned int fd = from; fd <= to && (int)fd <= highest; fd++)
-        ect_port_closed((int)fd);
+    for (int fd = 0; fd <= highest; fd++) {
+        if ((unsigned int)fd >= from && (unsigned int)fd <= to)
+            ect_port_closed(fd);
+    }
 }
 
 /* Opens the descriptor again as one of another file, with the same flags of the descriptor. */
@@ -218,14 +220,14 @@ bool ect_port_has_frame(const ect_port_t *port)
 static void show(ect_port_t *port)
 {
     eventfd_t value;
+    if (!port->fresh && (!port->shown || port->count > 0))
+        return;
     int before = ect_enter();
-    if (port->fresh) {
+    if (port->fresh)
         (void)eventfd_write(port->fd, 1);
-        port->shown = true;
-    } else if (port->shown && port->count == 0) {
+    else
         (void)!REAL(read)(port->fd, &value, sizeof value);
-        port->shown = false;
-    }
+    port->shown = port->fresh;
     port->fresh = false;
     ect_leave(before);
 }
@@ -443,8 +445,7 @@ ssize_t ect_port_send(ect_port_t *port, const struct iovec *pieces, size_t count
 
 static bool is_waiting(const void *arg)
 {
-    const ect_port_t *port = arg;
-    return port->count > 0;
+    return ect_port_has_frame(arg);
 }
 
 /* An empty ring begins again at its first place, which is in the cache. */

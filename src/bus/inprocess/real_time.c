@@ -87,7 +87,8 @@ bool ect_time_wait(int fd, bool (*ready)(const void *arg), const void *arg, uint
             error = EINTR;
         ect_time_lock();
     }
-    errno = error;
+    if (error != 0)
+        errno = error;
     return ready(arg);
 }
 

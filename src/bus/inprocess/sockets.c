@@ -351,11 +351,12 @@ REPLACES int close(int fd)
 /* Missing in older C libraries. */
 int close_range(unsigned int from, unsigned int to, int flags);
 void closefrom(int from);
-enum { CLOSES_AT_EXEC = 4 }; /* CLOSE_RANGE_CLOEXEC */
+enum { OF_THREAD = 2 }; /* CLOSE_RANGE_UNSHARE */
 
 REPLACES int close_range(unsigned int from, unsigned int to, int flags)
 {
-    if (ect_inside == 0 && (flags & CLOSES_AT_EXEC) == 0)
+    bool closes = (flags & ~OF_THREAD) == 0; /* now: not at exec, and not with flags that the kernel refuses */
+    if (ect_inside == 0 && closes)
         ect_ports_closed(from, to);
     return REAL(close_range)(from, to, flags);
 }

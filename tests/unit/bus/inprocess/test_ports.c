@@ -427,8 +427,10 @@ static void closes_a_range(void **state)
     static const struct {
         unsigned int from, to;
         const char *open; /* of FD, FD + 1, FD + 2 */
-    } rows[] = {{FD + 1, FD + 1, "101"},   {FD, FD + 1, "001"},       {FD + 1, FD + 2, "100"}, {0, FD - 1, "111"},
-                {FD + 3, UINT_MAX, "111"}, {FD + 1, UINT_MAX, "100"}, {0, UINT_MAX, "000"},    {FD + 2, FD, "111"}};
+    } rows[] = {
+        {FD + 1, FD + 1, "101"},   {FD, FD + 1, "001"},       {FD + 1, FD + 2, "100"}, {0, FD - 1, "111"},
+        {FD + 3, UINT_MAX, "111"}, {FD + 1, UINT_MAX, "100"}, {0, UINT_MAX, "000"},    {0x80000000u, UINT_MAX, "111"},
+        {FD + 2, FD, "111"}};
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         char open[4] = "";

@@ -633,13 +633,16 @@ static void closes_and_copies(void **state)
 
 static void closes_ranges(void **state)
 {
-    enum { AT_EXEC = 4 };
+    enum { UNSHARE = 2, AT_EXEC = 4, UNKNOWN = 8 };
     (void)state;
     plan("close_range", -1, EINVAL);
     assert_int_equal(ours_close_range(5, 9, 0), -1);
     EXPECT_CALLS("a range", "ports_closed(5,9) close_range(5,9,0) ");
+    (void)ours_close_range(5, 9, UNSHARE);
+    EXPECT_CALLS("of a thread of its own", "ports_closed(5,9) close_range(5,9,2) ");
     (void)ours_close_range(5, 9, AT_EXEC);
-    EXPECT_CALLS("at exec", "close_range(5,9,4) ");
+    (void)ours_close_range(5, 9, UNKNOWN);
+    EXPECT_CALLS("at exec; a flag that there is not", "close_range(5,9,4) close_range(5,9,8) ");
     ours_closefrom(7);
     EXPECT_CALLS("closefrom", "ports_closed(7,4294967295) closefrom(7) ");
     ours_closefrom(-1);
