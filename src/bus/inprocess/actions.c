@@ -126,7 +126,7 @@ void ect_action_run(int number, siginfo_t *info, void *context)
         own.sa_handler(number);
 }
 
-void ect_action_exchange(int number, const struct sigaction *action, struct sigaction *before)
+static void exchange(int number, const struct sigaction *action, struct sigaction *before)
 {
     taken_t *its = taken_of(number);
     const struct sigaction own = its->own;
@@ -250,7 +250,7 @@ static void wrap(int number)
 int ect_action_set(int number, const struct sigaction *action, struct sigaction *before)
 {
     if (ect_action_is_taken(number)) {
-        ect_action_exchange(number, action, before);
+        exchange(number, action, before);
         return 0;
     }
     struct sigaction its, was;
@@ -288,12 +288,12 @@ static __sighandler_t set_handler(int number, struct sigaction action)
         errno = EINVAL;
         return SIG_ERR;
     }
-    ect_action_exchange(number, &action, &before);
+    exchange(number, &action, &before);
     return before.sa_handler;
 }
 
 /* @param set  the real function, which knows siginterrupt(3) */
-static __sighandler_t set_simply(int number, __sighandler_t handler, __typeof__(&signal) set)
+static __sighandler_t set_by(int number, __sighandler_t handler, __typeof__(&signal) set)
 {
     ect_action_t *own = number > 0 && number < SIGNALS ? kept[number].handler : NULL;
     __sighandler_t before = set(number, handler);
@@ -306,7 +306,7 @@ static __sighandler_t set_simply(int number, __sighandler_t handler, __typeof__(
 REPLACES __sighandler_t signal(int number, __sighandler_t handler)
 {
     if (!ect_action_is_taken(number))
-        return set_simply(number, handler, REAL(signal));
+        return set_by(number, handler, REAL(signal));
     struct sigaction action = {.sa_handler = handler, .sa_flags = SA_RESTART};
     sigaddset(&action.sa_mask, number);
     return set_handler(number, action);
@@ -316,7 +316,7 @@ REPLACES __sighandler_t signal(int number, __sighandler_t handler)
 REPLACES __sighandler_t __sysv_signal(int number, __sighandler_t handler)
 {
     if (!ect_action_is_taken(number))
-        return set_simply(number, handler, REAL(__sysv_signal));
+        return set_by(number, handler, REAL(__sysv_signal));
     return set_handler(number, (struct sigaction){.sa_handler = handler, .sa_flags = (int)SA_RESETHAND | SA_NODEFER});
 }
 

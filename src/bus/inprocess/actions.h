@@ -37,9 +37,6 @@ bool ect_action_is_taken(int number);
 /** Runs the program's own action of a taken signal. Context: the handler. */
 void ect_action_run(int number, siginfo_t *info, void *context);
 
-/** Sets and returns the program's own action of a taken signal, like sigaction(2). @param action  NULL: unchanged */
-void ect_action_exchange(int number, const struct sigaction *action, struct sigaction *before);
-
 /**
  * Sets and returns the action of any signal, like sigaction(2): of a taken one the program's own, of another one with a
  * handler that is deferred.

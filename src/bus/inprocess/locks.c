@@ -36,6 +36,13 @@ typedef struct created {
 
 static created_t *created; /* not yet joined threads; changed only by the thread with the turn */
 
+static void add_created(void *arg)
+{
+    created_t *its = arg;
+    its->next = created;
+    created = its;
+}
+
 static void *run_created(void *arg)
 {
     created_t *its = arg;
@@ -63,8 +70,7 @@ REPLACES int pthread_create(pthread_t *restrict thread, const pthread_attr_t *re
         return error;
     }
     its->thread = *thread;
-    its->next = created;
-    created = its;
+    add_created(its);
     return 0;
 }
 
@@ -98,17 +104,10 @@ REPLACES int pthread_cancel(pthread_t thread)
     return error;
 }
 
-static void put_back(void *arg)
-{
-    created_t *its = arg;
-    its->next = created;
-    created = its;
-}
-
 /* The cancellation point of a join, whose thread another thread may then join. */
 static void test_join(created_t *its)
 {
-    pthread_cleanup_push(put_back, its);
+    pthread_cleanup_push(add_created, its);
     pthread_testcancel();
     pthread_cleanup_pop(0);
 }
@@ -140,7 +139,7 @@ REPLACES int pthread_clockjoin_np(pthread_t thread, void **result, clockid_t clo
         test_join(its);
         if (!over)
             continue;
-        put_back(its);
+        add_created(its);
         return ETIMEDOUT;
     }
     int error = REAL(pthread_join)(thread, result);

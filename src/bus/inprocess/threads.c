@@ -50,7 +50,6 @@ typedef struct thread {
     bool woken;
     bool interrupted;      /* the wait has ended by a signal or by pthread_cancel() */
     bool cancelled;        /* by pthread_cancel() since the begin of the wait */
-    bool restarts;         /* handlers have ended the wait, and all of them have SA_RESTART */
     bool idle;             /* sleeps in wait_for_the_world() */
     ect_signal_t *signals; /* delivered when the thread has its turn */
     int *ended;            /* set when the thread ends */
@@ -826,8 +825,6 @@ static ect_wait_t wait_once(const wait_t *wait)
     release_turn();
     ect_wait_t result = self->woken ? ECT_WAIT_WOKEN : self->interrupted ? ECT_WAIT_INTERRUPTED : ECT_WAIT_TIMED_OUT;
     take_signals();
-    const ect_handled_t handlers = ect_action_handled();
-    self->restarts = handlers.count > 0 && handlers.restarts;
     return result;
 }
 
@@ -882,7 +879,8 @@ void ect_virtual_cancel(void *record)
 
 bool ect_virtual_restarts(void)
 {
-    return self->restarts;
+    const ect_handled_t handlers = ect_action_handled();
+    return handlers.count > 0 && handlers.restarts;
 }
 
 static unsigned int wake(const void *key, unsigned int most)
@@ -979,7 +977,7 @@ bool ect_time_wait(int fd, bool (*ready)(const void *arg), const void *arg, uint
     for (;;) {
         result = wait_as(&(wait_t){.condition = is_ready, .arg = &its, .until_ns = until_ns});
         lock();
-        if (result != ECT_WAIT_INTERRUPTED || !self->restarts || until_ns != NEVER)
+        if (result != ECT_WAIT_INTERRUPTED || !ect_virtual_restarts() || until_ns != NEVER)
             break;
     }
     errno = result == ECT_WAIT_INTERRUPTED ? EINTR : EAGAIN;
