@@ -16,6 +16,7 @@ import urllib.request
 
 ECTWIN, MASTER = sys.argv[1:3]
 SHOTS = sys.argv[3] if len(sys.argv) > 3 else None
+MISSED = ("element click intercepted", "element not interactable", "stale element reference")  # errors of a click that may succeed later
 ELEMENT = "element-6066-11e4-a52e-4f735466cecf"  # the key of an element in WebDriver
 # No services beside the page, few processes, and lamps that do not blink, except where a test asks for that.
 LEAN = ["--disable-extensions", "--disable-component-update", "--disable-background-networking", "--disable-sync", "--no-first-run",
@@ -38,6 +39,10 @@ def becomes(browser, title, expected, script, *arguments):
     check(title, expected, browser.run(script, *arguments))
 
 
+class Refused(Exception):
+    """A command that the driver refuses: its error, as in WebDriver, and a message."""
+
+
 class Browser:
     """A session of chromedriver."""
 
@@ -57,8 +62,12 @@ class Browser:
         url = self.base + ("" if bare else f"/session/{self.session}") + path
         data = json.dumps(body).encode() if body is not None else None
         request = urllib.request.Request(url, data, {"Content-Type": "application/json"}, method=method)
-        with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(request, timeout=300) as reply:
-            return json.load(reply)["value"]
+        try:
+            with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(request, timeout=300) as reply:
+                return json.load(reply)["value"]
+        except urllib.error.HTTPError as refusal:
+            value = json.load(refusal)["value"]
+            raise Refused(value["error"], value["message"]) from None
 
     def open(self, url):
         self.call("POST", "/url", {"url": url})
@@ -73,10 +82,18 @@ class Browser:
             time.sleep(0.05)
         return value
 
-    def click(self, selector):
+    def click(self, selector, seconds=120):
+        """Clicks as a user does: waits for the element, and clicks again if it has moved or a message covers it."""
         self.wait("return document.querySelector(arguments[0])", selector)
-        element = self.call("POST", "/element", {"using": "css selector", "value": selector})[ELEMENT]
-        self.call("POST", f"/element/{element}/click", {})
+        deadline = time.monotonic() + seconds
+        while True:
+            element = self.call("POST", "/element", {"using": "css selector", "value": selector})[ELEMENT]
+            try:
+                return self.call("POST", f"/element/{element}/click", {})
+            except Refused as refusal:
+                if refusal.args[0] not in MISSED or time.monotonic() > deadline:
+                    raise
+            time.sleep(0.05)
 
     def type(self, selector, text):
         element = self.call("POST", "/element", {"using": "css selector", "value": selector})[ELEMENT]
