@@ -412,6 +412,50 @@ static void a_socket_is_closed_while_a_thread_receives(void **state)
     }
 }
 
+static atomic_int fd_of_sender;
+static atomic_bool sender_ends;
+
+/* A refusal is because of a closed descriptor, another file, a new socket without an interface, or no frame. */
+static bool is_frame_or_refusal(ssize_t result)
+{
+    return result == FRAME ||
+           (result < 0 && (errno == EBADF || errno == ENOTSOCK || errno == ENXIO || errno == EAGAIN));
+}
+
+static void *send_and_receive(void *arg)
+{
+    uint8_t frame[FRAME];
+    bool good = true;
+    while (good && !atomic_load(&sender_ends)) {
+        const int fd = atomic_load(&fd_of_sender);
+        frame_of(frame, 1);
+        good = is_frame_or_refusal(send(fd, frame, sizeof frame, 0)) &&
+               is_frame_or_refusal(recv(fd, frame, sizeof frame, MSG_DONTWAIT));
+    }
+    return good ? arg : NULL;
+}
+
+static void a_socket_is_closed_while_a_thread_sends(void **state)
+{
+    enum { ROUNDS = 3000 };
+    pthread_t thread;
+    void *result = NULL;
+    (void)state;
+    atomic_store(&fd_of_sender, open_socket(0));
+    atomic_store(&sender_ends, false);
+    assert_int_equal(pthread_create(&thread, NULL, send_and_receive, &result), 0);
+    for (unsigned int i = 0; i < ROUNDS; i++) {
+        const int fd = atomic_load(&fd_of_sender);
+        send_one(fd, 2);
+        close(fd);
+        atomic_store(&fd_of_sender, open_socket(0));
+    }
+    atomic_store(&sender_ends, true);
+    assert_int_equal(pthread_join(thread, &result), 0);
+    assert_ptr_equal(result, &result);
+    close(atomic_load(&fd_of_sender));
+}
+
 static void a_child_of_vfork_closes_its_descriptors_alone(void **state)
 {
     uint8_t frame[FRAME];
@@ -514,6 +558,8 @@ int main(int argc, char **argv)
          a_thread_with_disabled_cancellation_completes_its_call, NULL, NULL, NULL},
         {"close(2): a thread that receives still gets a frame after another thread has closed the socket",
          a_socket_is_closed_while_a_thread_receives, NULL, NULL, NULL},
+        {"close(2): a thread that sends and receives gets EBADF after another thread has closed the socket",
+         a_socket_is_closed_while_a_thread_sends, NULL, NULL, NULL},
         {"vfork(2): a child closes its own descriptors, not those of the program",
          a_child_of_vfork_closes_its_descriptors_alone, NULL, NULL, NULL},
         {"fork(2): a child and its parent have the waiting frames, each its own",

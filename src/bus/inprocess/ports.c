@@ -35,13 +35,15 @@ typedef struct waiting {
     uint8_t frame[ECTWIN_FRAME_MAX];
 } waiting_t;
 
+enum { FRAMES_SIZE = WAITING_MOST * sizeof(waiting_t) };
+
 struct ect_port {
-    ect_port_t *next; /* next bound socket */
-    int fd;           /* one of the descriptors of the eventfd; -1: none */
-    unsigned int descriptors;
-    unsigned int receivers; /* threads that wait for a frame, also after the last descriptor is closed */
-    int end;                /* -1: not bound */
-    uint16_t protocol;      /* network order */
+    ect_port_t *next;         /* next bound socket */
+    int fd;                   /* one of the descriptors of the eventfd; -1: none */
+    unsigned int descriptors; /* 0: closed, also by another thread just before a call has the lock */
+    unsigned int receivers;   /* threads that wait for a frame, also after the last descriptor is closed */
+    int end;                  /* -1: not bound */
+    uint16_t protocol;        /* network order */
     uint64_t timeout_ns;
     bool nonblocking;
     waiting_t *frames; /* a ring, mapped: no allocation in a handler that has interrupted malloc() */
@@ -53,6 +55,8 @@ struct ect_port {
 static ect_port_t *by_descriptor[DESCRIPTORS];
 static int highest = -1; /* descriptor that has been a socket */
 static ect_port_t *bound;
+static ect_port_t
+    *unused;        /* never freed: another thread may hold a socket that is closed before its call has the lock */
 static pid_t owner; /* the process with these descriptors: a child of vfork() has its own, but this memory */
 
 ect_port_t *ect_port_of(int fd)
@@ -69,24 +73,37 @@ static void add(int fd, ect_port_t *port)
     ect_time_unlock();
 }
 
-/* @return NULL: no memory (errno) */
-static ect_port_t *make_port(void)
+static ect_port_t *take_unused(void)
 {
-    const size_t size = WAITING_MOST * sizeof(waiting_t);
-    ect_port_t *port = calloc(1, sizeof *port);
-    void *frames = port ? mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) : MAP_FAILED;
-    if (frames == MAP_FAILED) {
-        free(port);
-        return NULL;
-    }
-    port->frames = frames;
+    ect_time_lock();
+    ect_port_t *port = unused;
+    unused = port ? port->next : NULL;
+    ect_time_unlock();
     return port;
 }
 
-static void free_port(ect_port_t *port)
+/* @return NULL: no memory (errno) */
+static ect_port_t *make_port(void)
 {
-    (void)munmap(port->frames, WAITING_MOST * sizeof(waiting_t));
-    free(port);
+    void *frames = mmap(NULL, FRAMES_SIZE, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (frames == MAP_FAILED)
+        return NULL;
+    ect_port_t *port = take_unused();
+    if (!port)
+        port = calloc(1, sizeof *port);
+    if (port)
+        port->frames = frames;
+    else
+        (void)munmap(frames, FRAMES_SIZE);
+    return port;
+}
+
+/* With the lock. */
+static void end_port(ect_port_t *port)
+{
+    (void)munmap(port->frames, FRAMES_SIZE);
+    *port = (ect_port_t){.next = unused, .fd = -1, .end = -1};
+    unused = port;
 }
 
 int ect_port_open(int type, int protocol)
@@ -99,8 +116,11 @@ int ect_port_open(int type, int protocol)
         errno = EMFILE;
     }
     if (fd < 0 || fd >= DESCRIPTORS) {
-        if (port)
-            free_port(port);
+        if (port) {
+            ect_time_lock();
+            end_port(port);
+            ect_time_unlock();
+        }
         return -1;
     }
     port->fd = fd;
@@ -141,7 +161,7 @@ static void end_if_unused(ect_port_t *port)
         }
     }
     close_own(port->fd);
-    free_port(port);
+    end_port(port);
 }
 
 /* @return another descriptor of the socket than a closed one. Without any, a receiver waits on a descriptor that the
@@ -244,6 +264,12 @@ static int fail(int error)
     return -1;
 }
 
+static int unlock_and_fail(int error)
+{
+    ect_time_unlock();
+    return fail(error);
+}
+
 /* Removes the VLAN tag, as the kernel does before a packet socket gets the frame. */
 static size_t without_tag(const uint8_t *frame, size_t length, size_t *tag)
 {
@@ -313,6 +339,8 @@ int ect_port_bind(ect_port_t *port, const struct sockaddr *address, socklen_t le
     if (end < 0)
         return fail(ENODEV);
     ect_time_lock();
+    if (port->descriptors == 0)
+        return unlock_and_fail(EBADF);
     bool started = start_bus();
     if (started) {
         if (to.sll_protocol != 0)
@@ -436,6 +464,8 @@ ssize_t ect_port_send(ect_port_t *port, const struct iovec *pieces, size_t count
         return fail(EMSGSIZE);
     ect_time_charge(ECT_COST_SOCKET_NS);
     ect_time_lock();
+    if (port->descriptors == 0)
+        return unlock_and_fail(EBADF);
     bool running = ect_bus_is_up((unsigned int)end) && start_bus();
     if (running)
         ect_time_bus_next(ect_bus_frame((unsigned int)end, frame, (size_t)length, ect_time_now()));
@@ -546,6 +576,8 @@ ssize_t ect_port_receive(ect_port_t *port, const struct iovec *pieces, size_t co
         return fail(EFAULT);
     ect_time_charge(ECT_COST_SOCKET_NS);
     ect_time_lock();
+    if (port->descriptors == 0)
+        return unlock_and_fail(EBADF);
     int error = port->count == 0 && waits(port, flags) ? wait_for_frame(port) : EAGAIN;
     if (port->count == 0) {
         end_if_unused(port);

@@ -376,9 +376,15 @@ REPLACES int dup(int fd)
     return copy;
 }
 
+/* @return whether dup2() and dup3() close the socket `to` of the bus */
+static bool closes(int fd, int to, int flags)
+{
+    return fd != to && ours(to) && (flags & ~O_CLOEXEC) == 0 && REAL(fcntl)(fd, F_GETFD) >= 0;
+}
+
 REPLACES int dup2(int fd, int to)
 {
-    if (fd != to && ours(to))
+    if (closes(fd, to, 0))
         ect_port_closed(to);
     int copy = REAL(dup2)(fd, to);
     if (fd != to && ours(fd))
@@ -388,7 +394,7 @@ REPLACES int dup2(int fd, int to)
 
 REPLACES int dup3(int fd, int to, int flags)
 {
-    if (fd != to && ours(to))
+    if (closes(fd, to, flags))
         ect_port_closed(to);
     int copy = REAL(dup3)(fd, to, flags);
     if (copy >= 0 && ours(fd))

@@ -307,6 +307,21 @@ static void opens(void **state)
     end_port(DESCRIPTORS - 1);
 }
 
+/* Sockets in the memory of closed ones, each of which needs one block, the ring. @return their number */
+static int open_all_of_closed_ones(void)
+{
+    int count = -1;
+    int fd;
+    do {
+        count++;
+        blocks = 1;
+        plan("eventfd", FD + count, 0);
+        fd = ect_port_open(SOCK_RAW, 9);
+        forget_calls();
+    } while (fd >= 0);
+    return count;
+}
+
 static void refuses_to_open(void **state)
 {
     char want[64];
@@ -321,6 +336,7 @@ static void refuses_to_open(void **state)
     assert_int_equal(errno, ENFILE);
     snprintf(want, sizeof want, "eventfd(%d) ", EFD_NONBLOCK);
     EXPECT_CALLS("none left", want);
+    const int open = open_all_of_closed_ones();
     for (unsigned int left = 0; left < 2; left++) {
         blocks = left;
         errno = 0;
@@ -328,6 +344,8 @@ static void refuses_to_open(void **state)
         assert_int_equal(errno, ENOMEM);
         EXPECT_CALLS("no memory", "");
     }
+    for (int i = 0; i < open; i++)
+        end_port(FD + i);
     assert_int_equal(mapped, 0);
     assert_null(ect_port_of(-1));
     assert_null(ect_port_of(DESCRIPTORS));
@@ -420,6 +438,37 @@ static void is_closed_while_it_receives(void **state)
     EXPECT_CALLS("no descriptor", "charge(1000) copy(20,20) wait(20,-1) copy(20,20) ");
     assert_int_equal(mapped, 0);
     arrive(0, ECAT, 60, 9);
+}
+
+/* Another thread closes a socket after a call has found it, and before the call has the lock. */
+static void is_closed_before_a_call(void **state)
+{
+    uint8_t frame[60] = {0};
+    const struct iovec piece = {.iov_base = frame, .iov_len = sizeof frame};
+    (void)state;
+    ect_port_t *port = bound_port(FD, ECAT, 0);
+    end_port(FD);
+    errno = 0;
+    assert_int_equal(bind_to(port, ECT_BUS_INDEX, 0), -1);
+    assert_int_equal(errno, EBADF);
+    errno = 0;
+    assert_int_equal(ect_port_send(port, &piece, 1,
+                                   (const struct sockaddr *)(const void *)&(struct sockaddr_ll){
+                                       .sll_family = AF_PACKET, .sll_ifindex = ECT_BUS_INDEX},
+                                   sizeof(struct sockaddr_ll)),
+                     -1);
+    assert_int_equal(errno, EBADF);
+    errno = 0;
+    assert_int_equal(receive(port, frame, sizeof frame, 0), -1);
+    assert_int_equal(errno, EBADF);
+    EXPECT_CALLS("no frame, no wait", "charge(1000) charge(1000) ");
+    assert_int_equal(mapped, 0);
+    assert_ptr_equal(bound_port(FD, ECAT, 1), port);
+    arrive(0, ECAT, 60, 7);
+    assert_int_equal(next_mark(port), -1);
+    arrive(1, ECAT, 60, 8);
+    assert_int_equal(next_mark(port), 8);
+    end_port(FD);
 }
 
 static void closes_a_range(void **state)
@@ -998,6 +1047,8 @@ int main(void)
         {"A socket needs a descriptor below 65536 and memory", refuses_to_open, begin, NULL, NULL},
         {"A socket exists as long as a copy of its descriptor is open", lives_as_long_as_a_copy, begin, NULL, NULL},
         {"The others of several sockets remain when one is closed", closes_one_of_several, begin, NULL, NULL},
+        {"A call on a socket that another thread closes first is refused with EBADF", is_closed_before_a_call, begin,
+         NULL, NULL},
         {"A socket that is closed while it receives still gets a frame", is_closed_while_it_receives, begin, NULL,
          NULL},
         {"A range of descriptors has both ends", closes_a_range, begin, NULL, NULL},

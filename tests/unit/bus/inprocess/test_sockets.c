@@ -64,7 +64,7 @@ FAKE_OF(bind, int, (int a, const void *b, socklen_t c), a, (long)b, c)
 FAKE_OF(setsockopt, int, (int a, int b, int c, const void *d, socklen_t e), a, b, c, (long)d, e)
 FAKE_OF(getsockopt, int, (int a, int b, int c, void *d, socklen_t *e), a, b, c, (long)d, (long)e)
 FAKE_OF(getsockname, int, (int a, void *b, socklen_t *c), a, (long)b, (long)c)
-FAKE_OF(fcntl, int, (int a, int b, long c), a, b, c)
+FAKE_OF(fcntl, int, (int a, int b, long c), a, b, b == F_GETFD ? 0 : c)
 FAKE_OF(ioctl, int, (int a, unsigned long b, long c), a, (long)b, b == FIOCLEX || b == FIONCLEX ? 0 : c)
 FAKE_OF(send, ssize_t, (int a, const void *b, size_t c, int d), a, (long)b, (long)c, d)
 FAKE_OF(sendto, ssize_t, (int a, const void *b, size_t c, int d, const void *e, socklen_t f), a, (long)b, (long)c, d,
@@ -658,21 +658,37 @@ static void copies_to_a_number(void **state)
     (void)state;
     plan("dup2", 701, 0);
     assert_int_equal(ours_dup2(PORT, 701), 701);
-    EXPECT_CALLS("port to port", "port_closed(701) dup2(700,701) port_copied(700,701) ");
+    EXPECT_CALLS("port to port", "fcntl(700,1,0) port_closed(701) dup2(700,701) port_copied(700,701) ");
     plan("dup2", 700, 0);
     assert_int_equal(ours_dup2(PORT, PORT), 700);
     EXPECT_CALLS("to itself", "dup2(700,700) ");
     (void)ours_dup2(OTHER, 6);
     EXPECT_CALLS("others", "dup2(5,6) ");
     plan("dup3", 0, 0);
-    assert_int_equal(ours_dup3(PORT, 701, 8), 0);
-    EXPECT_CALLS("dup3", "port_closed(701) dup3(700,701,8) port_copied(700,0) ");
+    assert_int_equal(ours_dup3(PORT, 701, O_CLOEXEC), 0);
+    EXPECT_CALLS("dup3", "fcntl(700,1,0) port_closed(701) dup3(700,701,524288) port_copied(700,0) ");
     plan("dup3", -1, EINVAL);
-    assert_int_equal(ours_dup3(PORT, PORT, 8), -1);
-    EXPECT_CALLS("dup3 to itself", "dup3(700,700,8) ");
+    assert_int_equal(ours_dup3(PORT, PORT, 0), -1);
+    EXPECT_CALLS("dup3 to itself", "dup3(700,700,0) ");
     plan("dup3", 6, 0);
     assert_int_equal(ours_dup3(OTHER, 6, 8), 6);
     EXPECT_CALLS("dup3 of another", "dup3(5,6,8) ");
+}
+
+static void copies_nothing_over_a_port(void **state)
+{
+    (void)state;
+    plan("fcntl", -1, EBADF);
+    plan("dup2", -1, EBADF);
+    assert_int_equal(ours_dup2(OTHER, PORT), -1);
+    EXPECT_CALLS("dup2 of a closed descriptor", "fcntl(5,1,0) dup2(5,700) ");
+    plan("fcntl", -1, EBADF);
+    plan("dup3", -1, EBADF);
+    assert_int_equal(ours_dup3(OTHER, PORT, O_CLOEXEC), -1);
+    EXPECT_CALLS("dup3 of a closed descriptor", "fcntl(5,1,0) dup3(5,700,524288) ");
+    plan("dup3", -1, EINVAL);
+    assert_int_equal(ours_dup3(OTHER, PORT, O_CLOEXEC | 8), -1);
+    EXPECT_CALLS("dup3 with an unknown flag", "dup3(5,700,524296) ");
 }
 
 static void controls_descriptors(void **state)
@@ -731,6 +747,7 @@ int main(void)
         TEST("A port is closed and copied with its descriptor", closes_and_copies),
         TEST("close_range() and closefrom() close the ports of a range, not at exec", closes_ranges),
         TEST("dup2 and dup3 end the port of the number that they take", copies_to_a_number),
+        TEST("dup2 and dup3 that fail leave the port of the number open", copies_nothing_over_a_port),
         TEST("fcntl copies ports and sets whether they block", controls_descriptors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
