@@ -406,6 +406,137 @@ static void several_timer_descriptors(void **state)
     }
 }
 
+/* A timer of 5 ms, and 3 copies of its descriptor. */
+static void copies_of_a_timer_descriptor(void **state)
+{
+    enum { FREE_FROM = 100 };
+    const struct itimerspec once = {.it_value = span(5 * MS)};
+    (void)state;
+    for (unsigned int kept = 0; kept < 4; kept++) {
+        uint64_t expiries = 0;
+        int fd = timerfd_create(CLOCK_MONOTONIC, 0);
+        const int fds[] = {fd, dup(fd), fcntl(fd, F_DUPFD_CLOEXEC, FREE_FROM), dup2(fd, FREE_FROM + 50)};
+        for (unsigned int i = 0; i < 4; i++) {
+            if (i != kept)
+                close(fds[i]);
+        }
+        assert_int_equal(timerfd_settime(fds[kept], 0, &once, NULL), 0);
+        assert_int_equal(read(fds[kept], &expiries, sizeof expiries), sizeof expiries);
+        assert_int_equal(expiries, 1);
+        close(fds[kept]);
+        assert_int_equal(timerfd_settime(fds[kept], 0, &once, NULL), -1);
+        assert_int_equal(errno, EBADF);
+    }
+}
+
+static void close_by_number(int fd, int way)
+{
+    int other = eventfd(0, EFD_NONBLOCK);
+    if (way == 0)
+        close(fd);
+    else if (way == 1)
+        assert_int_equal(close_range((unsigned int)fd, (unsigned int)fd, 0), 0);
+    assert_int_equal(way == 3 ? dup3(other, fd, O_CLOEXEC) : dup2(other, fd), fd);
+    close(other);
+}
+
+/* The next file with the number of a closed timer gets no expiry. */
+static void the_end_of_a_timer_descriptor(void **state)
+{
+    const struct itimerspec once = {.it_value = span(2 * MS)};
+    (void)state;
+    for (int way = 0; way < 4; way++) {
+        uint64_t expiries = 0;
+        int fd = timerfd_create(CLOCK_MONOTONIC, 0);
+        assert_int_equal(timerfd_settime(fd, 0, &once, NULL), 0);
+        close_by_number(fd, way);
+        usleep(5000);
+        assert_int_equal(read(fd, &expiries, sizeof expiries), -1);
+        assert_int_equal(errno, EAGAIN);
+        assert_int_equal(timerfd_settime(fd, 0, &once, NULL), -1);
+        assert_int_equal(errno, EINVAL);
+        close(fd);
+    }
+}
+
+static void calls_of_timer_descriptors_that_are_refused(void **state)
+{
+    static const struct itimerspec rows[] = {
+        {.it_value = {-1, 0}}, {.it_value = {0, S}}, {.it_value = {1, -1}}, {{0, S}, {1, 0}}, {{-1, 0}, {1, 0}}};
+    const struct itimerspec good = {.it_value = {1, 0}};
+    int fd = timerfd_create(CLOCK_BOOTTIME, 0);
+    (void)state;
+    assert_true(fd >= 0);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        assert_int_equal(timerfd_settime(fd, 0, &rows[i], NULL), -1);
+        assert_int_equal(errno, EINVAL);
+    }
+    assert_int_equal(timerfd_settime(fd, 0x100, &good, NULL), -1);
+    assert_int_equal(errno, EINVAL);
+    close(fd);
+    assert_int_equal(timerfd_create(CLOCK_PROCESS_CPUTIME_ID, 0), -1);
+    assert_int_equal(errno, EINVAL);
+    assert_int_equal(timerfd_create(CLOCK_MONOTONIC, 0x100), -1);
+    assert_int_equal(errno, EINVAL);
+}
+
+/* A child of vfork() closes its own descriptors, as subprocess of Python does. */
+static void a_child_of_vfork_and_a_timer_descriptor(void **state)
+{
+    const struct itimerspec once = {.it_value = span(5 * MS)};
+    uint64_t expiries = 0;
+    int status = -1;
+    (void)state;
+    int fd = timerfd_create(CLOCK_MONOTONIC, 0);
+    assert_int_equal(timerfd_settime(fd, 0, &once, NULL), 0);
+    pid_t child = vfork();
+    if (child == 0) {
+        close(fd);
+        _exit(0);
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+    assert_int_equal(read(fd, &expiries, sizeof expiries), sizeof expiries);
+    assert_int_equal(expiries, 1);
+    close(fd);
+}
+
+/* @return the exit status of a child: 0: each descriptor shows the expiry */
+static int use_timers_in_child(const int *fds, const struct itimerspec *once)
+{
+    uint64_t expiries = 0;
+    struct pollfd polled = {.fd = fds[0], .events = POLLIN};
+    if (poll(&polled, 1, 10000) != 1)
+        return 1;
+    if (timerfd_settime(fds[1], 0, once, NULL) != 0)
+        return 2;
+    if (read(fds[2], &expiries, sizeof expiries) != sizeof expiries || expiries != 1)
+        return 3;
+    return 0;
+}
+
+/* A timer is set before the fork; another one, of two descriptors, in the child. */
+static void a_child_of_fork_has_the_timer_descriptors(void **state)
+{
+    const struct itimerspec once = {.it_value = span(5 * MS)};
+    uint64_t expiries = 0;
+    int status = -1;
+    (void)state;
+    const int set = timerfd_create(CLOCK_MONOTONIC, 0), other = timerfd_create(CLOCK_MONOTONIC, 0);
+    const int fds[] = {set, other, dup(other)};
+    assert_int_equal(timerfd_settime(set, 0, &once, NULL), 0);
+    pid_t child = fork();
+    if (child == 0)
+        _exit(use_timers_in_child(fds, &once));
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 0);
+    assert_int_equal(read(set, &expiries, sizeof expiries), sizeof expiries);
+    assert_int_equal(expiries, 1);
+    for (unsigned int i = 0; i < 3; i++)
+        close(fds[i]);
+}
+
 static void timers_of_posix(void **state)
 {
     struct sigevent none = {.sigev_notify = SIGEV_NONE};
@@ -841,6 +972,14 @@ int main(int argc, char **argv)
         {"Reads of other descriptors wait, unless they must not", reads_of_other_descriptors, NULL, NULL, NULL},
         {"A timer descriptor is set, read and stopped", timer_descriptors, NULL, NULL, NULL},
         {"Each of several timer descriptors expires at its own time", several_timer_descriptors, NULL, NULL, NULL},
+        {"dup(2): each copy of a timer descriptor is the timer", copies_of_a_timer_descriptor, NULL, NULL, NULL},
+        {"close(2), close_range(2), dup2(2): a file with the number of a closed timer gets no expiry",
+         the_end_of_a_timer_descriptor, NULL, NULL, NULL},
+        {"timerfd_create(2): clocks, flags and times that do not exist are refused with EINVAL",
+         calls_of_timer_descriptors_that_are_refused, NULL, NULL, NULL},
+        {"vfork(2): a child that closes a timer descriptor leaves the timer of its parent",
+         a_child_of_vfork_and_a_timer_descriptor, NULL, NULL, NULL},
+        {"fork(2): a child has the timers of its parent", a_child_of_fork_has_the_timer_descriptors, NULL, NULL, NULL},
         {"A timer of POSIX shows the time left and its interval", timers_of_posix, NULL, NULL, NULL},
         {"timer_create without a description, setitimer and alarm send SIGALRM", a_timer_without_a_description, NULL,
          NULL, NULL},

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* poll, select, epoll and timer descriptors on the virtual clock. Sockets of the bus are eventfds, so the real
+/* poll, select and epoll on the virtual clock. Sockets of the bus are eventfds, so the real
  * functions, with timeout 0, report the ready descriptors. */
 #define _GNU_SOURCE
 #include <errno.h>
@@ -14,7 +14,6 @@
 #include <sys/select.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/timerfd.h>
 #include <unistd.h>
 
 #include "bus/inprocess/deadline.h"
@@ -330,87 +329,4 @@ void ect_time_before_read(const char *call, int fd, int flags)
     if ((flags & MSG_DONTWAIT) != 0 || REAL(poll)(&one, 1, 0) != 0 || (REAL(fcntl)(fd, F_GETFL) & O_NONBLOCK) != 0)
         return;
     (void)poll_until(&one, 1, call, receive_deadline(fd));
-}
-
-/* --- timer descriptors: eventfds to which expiries are written
- * -------------------------------------------------------- */
-
-typedef struct timer_fd {
-    ect_timer_t timer; /* first */
-    struct timer_fd *next;
-    int fd;
-    clockid_t clock;
-} timer_fd_t;
-
-static timer_fd_t *timer_fds;
-
-static void expire(ect_timer_t *timer)
-{
-    timer_fd_t *its = (timer_fd_t *)timer;
-    eventfd_t one = 1;
-    (void)!REAL(write)(its->fd, &one, sizeof one);
-}
-
-static timer_fd_t *timer_of(int fd)
-{
-    for (timer_fd_t *one = timer_fds; one; one = one->next) {
-        if (one->fd == fd)
-            return one;
-    }
-    return NULL;
-}
-
-void ect_time_closed(int fd)
-{
-    for (timer_fd_t **at = &timer_fds; *at; at = &(*at)->next) {
-        timer_fd_t *one = *at;
-        if (one->fd != fd)
-            continue;
-        *at = one->next;
-        ect_virtual_remove_timer(&one->timer);
-        free(one);
-        return;
-    }
-}
-
-REPLACES int timerfd_create(int clock, int flags)
-{
-    if (ect_inside > 0)
-        return REAL(timerfd_create)(clock, flags);
-    int fd =
-        eventfd(0, ((flags & TFD_CLOEXEC) != 0 ? EFD_CLOEXEC : 0) | ((flags & TFD_NONBLOCK) != 0 ? EFD_NONBLOCK : 0));
-    timer_fd_t *its = fd >= 0 ? calloc(1, sizeof *its) : NULL;
-    if (!its)
-        return fd;
-    *its = (timer_fd_t){.timer = {.next_ns = UINT64_MAX, .expired = expire}, .fd = fd, .clock = clock};
-    ect_virtual_add_timer(&its->timer); /* takes the turn, which guards `timer_fds` */
-    its->next = timer_fds;
-    timer_fds = its;
-    return fd;
-}
-
-REPLACES int timerfd_gettime(int fd, struct itimerspec *value)
-{
-    const timer_fd_t *its = ect_inside > 0 ? NULL : timer_of(fd);
-    if (!its)
-        return REAL(timerfd_gettime)(fd, value);
-    const struct itimerspec left = ect_timer_left(&its->timer);
-    return ect_user_write(value, &left, sizeof left) ? 0 : fail(EFAULT);
-}
-
-REPLACES int timerfd_settime(int fd, int flags, const struct itimerspec *value, struct itimerspec *before)
-{
-    timer_fd_t *its = ect_inside > 0 ? NULL : timer_of(fd);
-    eventfd_t expiries;
-    if (!its)
-        return REAL(timerfd_settime)(fd, flags, value, before);
-    struct itimerspec set;
-    if (!ect_user_read(&set, value, sizeof set))
-        return fail(EFAULT);
-    const struct itimerspec left = ect_timer_left(&its->timer);
-    struct pollfd one = {.fd = fd, .events = POLLIN};
-    if (REAL(poll)(&one, 1, 0) > 0)
-        (void)!REAL(read)(fd, &expiries, sizeof expiries);
-    ect_timer_set(&its->timer, its->clock, (flags & TFD_TIMER_ABSTIME) != 0, &set);
-    return !before || ect_user_write(before, &left, sizeof left) ? 0 : fail(EFAULT);
 }

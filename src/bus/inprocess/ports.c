@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "bus/inprocess/bus.h"
+#include "bus/inprocess/eventfds.h"
 #include "bus/inprocess/real.h"
 #include "bus/inprocess/time.h"
 #include "bus/inprocess/user.h"
@@ -53,7 +54,7 @@ struct ect_port {
 };
 
 static ect_port_t *by_descriptor[DESCRIPTORS];
-static int highest = -1; /* descriptor that has been a socket */
+static unsigned int numbers; /* of descriptors: those that have been sockets are below */
 static ect_port_t *bound;
 static ect_port_t
     *unused;        /* never freed: another thread may hold a socket that is closed before its call has the lock */
@@ -69,7 +70,7 @@ static void add(int fd, ect_port_t *port)
     ect_time_lock();
     port->descriptors++;
     by_descriptor[fd] = port;
-    highest = fd > highest ? fd : highest;
+    numbers = (unsigned int)fd >= numbers ? (unsigned int)fd + 1 : numbers;
     ect_time_unlock();
 }
 
@@ -168,60 +169,50 @@ static void end_if_unused(ect_port_t *port)
  * program does not know; -1: no receiver, or no descriptor is left */
 static int descriptor_besides(const ect_port_t *port, int fd)
 {
-    for (int other = 0; other <= highest; other++) {
+    for (int other = 0; other < (int)numbers; other++) {
         if (by_descriptor[other] == port)
             return other;
     }
     return port->receivers > 0 ? REAL(fcntl)(fd, F_DUPFD_CLOEXEC, fd) : -1;
 }
 
-void ect_port_closed(int fd)
+static void remove_descriptor(int fd, ect_port_t *port)
 {
-    ect_port_t *port = ect_port_of(fd);
-    if (!port || getpid() != owner)
-        return;
-    ect_time_lock();
     by_descriptor[fd] = NULL;
     port->descriptors--;
     if (port->fd == fd)
         port->fd = descriptor_besides(port, fd);
     end_if_unused(port);
-    ect_time_unlock();
 }
 
+/* Without the lock if no socket is in the range, as at the end of most files. */
 void ect_ports_closed(unsigned int from, unsigned int to)
 {
-    for (int fd = 0; fd <= highest; fd++) {
-        if ((unsigned int)fd >= from && (unsigned int)fd <= to)
-            ect_port_closed(fd);
+    for (unsigned int fd = from; fd <= to && fd < numbers; fd++) {
+        if (!by_descriptor[fd] || getpid() != owner)
+            continue;
+        ect_time_lock();
+        if (by_descriptor[fd])
+            remove_descriptor((int)fd, by_descriptor[fd]);
+        ect_time_unlock();
     }
-}
-
-/* Opens the descriptor again as one of another file, with the same flags of the descriptor. */
-static void replace(int fd, int file)
-{
-    int flags = REAL(fcntl)(fd, F_GETFD);
-    (void)REAL(dup3)(file, fd, (flags & FD_CLOEXEC) != 0 ? O_CLOEXEC : 0);
 }
 
 /* A child of fork() has a bus of its own, so its sockets become readable by its own frames: each gets an eventfd. */
 static void renew(void)
 {
     owner = getpid();
-    for (int fd = 0; fd <= highest; fd++) {
+    for (int fd = 0; fd < (int)numbers; fd++) {
         ect_port_t *port = by_descriptor[fd];
-        int fresh = port && port->fd == fd ? eventfd(port->shown ? 1 : 0, EFD_NONBLOCK) : -1;
-        if (fresh < 0)
+        if (!port || port->fd != fd)
             continue;
-        (void)REAL(fcntl)(fresh, F_SETFL, REAL(fcntl)(fd, F_GETFL));
-        replace(fd, fresh);
-        REAL(close)(fresh);
+        ect_eventfd_renew(fd, port->shown);
         port->receivers = 0;
     }
-    for (int fd = 0; fd <= highest; fd++) {
+    for (int fd = 0; fd < (int)numbers; fd++) {
         const ect_port_t *port = by_descriptor[fd];
         if (port && port->fd != fd)
-            replace(fd, port->fd);
+            ect_eventfd_replace(fd, port->fd);
     }
 }
 

@@ -30,10 +30,8 @@ void ect_ports_show(void);
 int ect_port_open(int type, int protocol);
 /** Adds the descriptor `copy` to the socket of `fd`; no effect if `fd` is not a socket of the bus. */
 void ect_port_copied(int fd, int copy);
-/** Called before a descriptor is closed. No effect in a child of vfork(). A thread that waits in ::ect_port_receive
- * keeps the socket until it returns, as the kernel does. */
-void ect_port_closed(int fd);
-/** Called before all descriptors of a range, both ends inclusive, are closed. */
+/** Called before the descriptors of a range, both ends inclusive, are closed. No effect in a child of vfork(). A thread
+ * that waits in ::ect_port_receive keeps its socket until it returns, as the kernel does. */
 void ect_ports_closed(unsigned int from, unsigned int to);
 
 /** State of the interface at an end (0, 1). Up and down also plug in and pull the cable. */

@@ -339,12 +339,29 @@ REPLACES int accept4(int fd, __SOCKADDR_ARG address, socklen_t *restrict length,
 /* --- descriptors ---------------------------------------------------------------------------------------------------
  */
 
+/* Called before descriptors are closed. */
+static void closing(unsigned int from, unsigned int to)
+{
+    if (ect_inside == 0) {
+        ect_ports_closed(from, to);
+        ect_time_closed(from, to);
+    }
+}
+
+/* Called after a descriptor has been copied. @return the copy; -1: failed */
+static int copied(int fd, int copy)
+{
+    if (ect_inside == 0 && copy >= 0) {
+        ect_port_copied(fd, copy);
+        ect_time_copied(fd, copy);
+    }
+    return copy;
+}
+
 REPLACES int close(int fd)
 {
-    if (ours(fd))
-        ect_port_closed(fd);
-    else if (ect_inside == 0)
-        ect_time_closed(fd);
+    if (fd >= 0)
+        closing((unsigned int)fd, (unsigned int)fd);
     return REAL(close)(fd);
 }
 
@@ -355,58 +372,47 @@ enum { OF_THREAD = 2 }; /* CLOSE_RANGE_UNSHARE */
 
 REPLACES int close_range(unsigned int from, unsigned int to, int flags)
 {
-    bool closes = (flags & ~OF_THREAD) == 0; /* now: not at exec, and not with flags that the kernel refuses */
-    if (ect_inside == 0 && closes)
-        ect_ports_closed(from, to);
+    if ((flags & ~OF_THREAD) == 0) /* now: not at exec, and not with flags that the kernel refuses */
+        closing(from, to);
     return REAL(close_range)(from, to, flags);
 }
 
 REPLACES void closefrom(int from)
 {
-    if (ect_inside == 0)
-        ect_ports_closed(from > 0 ? (unsigned int)from : 0, UINT_MAX);
+    closing(from > 0 ? (unsigned int)from : 0, UINT_MAX);
     REAL(closefrom)(from);
 }
 
 REPLACES int dup(int fd)
 {
-    int copy = REAL(dup)(fd);
-    if (ours(fd))
-        ect_port_copied(fd, copy);
-    return copy;
+    return copied(fd, REAL(dup)(fd));
 }
 
-/* @return whether dup2() and dup3() close the socket `to` of the bus */
-static bool closes(int fd, int to, int flags)
+/* Called before dup2() and dup3(), which close the descriptor `to` if they do not fail. */
+static void replacing(int fd, int to, int flags)
 {
-    return fd != to && ours(to) && (flags & ~O_CLOEXEC) == 0 && REAL(fcntl)(fd, F_GETFD) >= 0;
+    if (ect_inside == 0 && fd != to && to >= 0 && (flags & ~O_CLOEXEC) == 0 && REAL(fcntl)(fd, F_GETFD) >= 0)
+        closing((unsigned int)to, (unsigned int)to);
 }
 
 REPLACES int dup2(int fd, int to)
 {
-    if (closes(fd, to, 0))
-        ect_port_closed(to);
+    replacing(fd, to, 0);
     int copy = REAL(dup2)(fd, to);
-    if (fd != to && ours(fd))
-        ect_port_copied(fd, copy);
-    return copy;
+    return fd != to ? copied(fd, copy) : copy;
 }
 
 REPLACES int dup3(int fd, int to, int flags)
 {
-    if (closes(fd, to, flags))
-        ect_port_closed(to);
-    int copy = REAL(dup3)(fd, to, flags);
-    if (copy >= 0 && ours(fd))
-        ect_port_copied(fd, copy);
-    return copy;
+    replacing(fd, to, flags);
+    return copied(fd, REAL(dup3)(fd, to, flags));
 }
 
 static int control(int fd, int command, void *argument)
 {
     int result = REAL(fcntl)(fd, command, argument);
-    if (result >= 0 && (command == F_DUPFD || command == F_DUPFD_CLOEXEC) && ours(fd))
-        ect_port_copied(fd, result);
+    if (command == F_DUPFD || command == F_DUPFD_CLOEXEC)
+        return copied(fd, result);
     if (result >= 0 && command == F_SETFL && ours(fd))
         ect_port_set_nonblocking(ours(fd), ((intptr_t)argument & O_NONBLOCK) != 0);
     return result;

@@ -527,7 +527,12 @@ static void in_child(void)
     mutex = (pthread_mutex_t)PTHREAD_MUTEX_INITIALIZER;
     threads = mine;
     running = mine;
-    timers = NULL;
+    for (ect_timer_t **at = &timers; *at;) {
+        if ((*at)->inherited)
+            at = &(*at)->next;
+        else
+            *at = (*at)->next;
+    }
     bus_next_ns = NEVER;
     watched = false;
     if (mine) {

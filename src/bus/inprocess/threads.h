@@ -79,6 +79,7 @@ typedef struct ect_timer {
     uint64_t next_ns;     /**< UINT64_MAX: stopped */
     uint64_t interval_ns; /**< 0: once */
     void (*expired)(struct ect_timer *timer);
+    bool inherited; /**< runs in a child of fork(), too */
 } ect_timer_t;
 void ect_virtual_add_timer(ect_timer_t *timer);
 void ect_virtual_remove_timer(ect_timer_t *timer);

@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* poll, select, epoll and timer descriptors on the virtual clock. */
+/* poll, select and epoll on the virtual clock. */
 #define _GNU_SOURCE
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/epoll.h>
-#include <sys/eventfd.h>
 #include <sys/select.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/timerfd.h>
 #include <unistd.h>
 
 #include "bus/inprocess/deadline.h"
@@ -20,7 +18,7 @@
 #include "fakes.h"
 
 /* Descriptors that are numbers only. */
-enum { PORT = 700, FULL = 701, PORTS_END = 702, OTHER = 5, PIPE = 6, TIMER = 9 };
+enum { PORT = 700, FULL = 701, PORTS_END = 702, OTHER = 5, PIPE = 6 };
 
 OURS(poll);
 OURS(ppoll);
@@ -28,9 +26,6 @@ OURS(select);
 OURS(pselect);
 OURS(epoll_wait);
 OURS(epoll_pwait);
-OURS(timerfd_create);
-OURS(timerfd_gettime);
-OURS(timerfd_settime);
 int ours___poll_chk(struct pollfd *fds, nfds_t count, int timeout_ms, size_t room);
 int ours___ppoll_chk(struct pollfd *fds, nfds_t count, const struct timespec *timeout, const sigset_t *mask,
                      size_t room);
@@ -42,7 +37,6 @@ static ect_wait_t end_of_wait;
 static unsigned int looks; /* at the condition of a wait */
 static short revents;      /* of the real poll() */
 static struct timeval receive_timeout;
-static ect_timer_t *added;
 
 /* --- fakes -------------------------------------------------------------------------------------------------------- */
 
@@ -123,58 +117,14 @@ static int fake_fcntl(int fd, int command, ...)
     return (int)CALLED(fcntl, fd);
 }
 
-static ssize_t fake_write(int fd, const void *data, size_t size)
-{
-    eventfd_t value;
-    assert_int_equal(size, sizeof value);
-    memcpy(&value, data, sizeof value);
-    CALLED(write, fd, (long)value);
-    return (ssize_t)size;
-}
-
-static ssize_t fake_read(int fd, void *data, size_t size)
-{
-    memset(data, 0, size);
-    CALLED(read, fd, (long)size);
-    return (ssize_t)size;
-}
-
-static int fake_timerfd_create(int clock, int flags)
-{
-    return (int)CALLED(timerfd_create, clock, flags);
-}
-
-static int fake_timerfd_gettime(int fd, struct itimerspec *value)
-{
-    return (int)CALLED(timerfd_gettime, fd, (long)value);
-}
-
-static int fake_timerfd_settime(int fd, int flags, const struct itimerspec *value, struct itimerspec *before)
-{
-    return (int)CALLED(timerfd_settime, fd, flags, (long)value, (long)before);
-}
-
 FAKES(FAKE(poll), FAKE(__poll_chk), FAKE(ppoll), FAKE(__ppoll_chk), FAKE(select), FAKE(pselect), FAKE(epoll_wait),
-      FAKE(epoll_pwait), FAKE(epoll_pwait2), FAKE(getsockopt), FAKE(fcntl), FAKE(write), FAKE(read),
-      FAKE(timerfd_create), FAKE(timerfd_gettime), FAKE(timerfd_settime))
+      FAKE(epoll_pwait), FAKE(epoll_pwait2), FAKE(getsockopt), FAKE(fcntl))
 
 int fake_fstat(int fd, struct stat *its);
 int fake_fstat(int fd, struct stat *its)
 {
     *its = (struct stat){.st_mode = fd == PIPE ? S_IFIFO : S_IFREG};
     return fd < 0 ? -1 : 0;
-}
-
-int fake_eventfd(unsigned int value, int flags);
-int fake_eventfd(unsigned int value, int flags)
-{
-    return (int)CALLED(eventfd, value, flags);
-}
-
-void *fake_calloc(size_t count, size_t size);
-void *fake_calloc(size_t count, size_t size)
-{
-    return planned("calloc") != 0 ? NULL : calloc(count, size);
 }
 
 ect_port_t *ect_port_of(int fd)
@@ -238,16 +188,6 @@ ect_wait_t ect_virtual_wait_for_process(bool (*ready)(void *arg), void *arg, con
 bool ect_virtual_has_child(void)
 {
     return CALLED(has_child) != 0;
-}
-
-void ect_virtual_add_timer(ect_timer_t *timer)
-{
-    added = timer;
-}
-
-void ect_virtual_remove_timer(ect_timer_t *timer)
-{
-    CALLED(remove, timer == added);
 }
 
 static int begin(void **state)
@@ -534,91 +474,6 @@ static void does_not_wait_before_others(void **state)
     EXPECT_CALLS("O_NONBLOCK", "poll(5,1,0) fcntl(5) ");
 }
 
-/* --- timer descriptors -------------------------------------------------------------------------------------------- */
-
-static int new_timer(int fd, int clock)
-{
-    plan("eventfd", fd, 0);
-    assert_int_equal(ours_timerfd_create(clock, 0), fd);
-    forget_calls();
-    return fd;
-}
-
-static void creates_timers(void **state)
-{
-    static const struct {
-        int flags, given;
-    } rows[] = {{0, 0},
-                {TFD_CLOEXEC, EFD_CLOEXEC},
-                {TFD_NONBLOCK, EFD_NONBLOCK},
-                {TFD_CLOEXEC | TFD_NONBLOCK, EFD_CLOEXEC | EFD_NONBLOCK}};
-    char want[64];
-    (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        plan("eventfd", 0, 0); /* any number is a descriptor */
-        assert_int_equal(ours_timerfd_create(CLOCK_MONOTONIC, rows[i].flags), 0);
-        snprintf(want, sizeof want, "eventfd(0,%d) ", rows[i].given);
-        EXPECT_CALLS("create", want);
-        assert_true(added->next_ns == UINT64_MAX);
-        added->expired(added);
-        EXPECT_CALLS("an expiry", "write(0,1) ");
-        ect_time_closed(OTHER);
-        EXPECT_CALLS("another is closed", "");
-        ect_time_closed(0);
-        EXPECT_CALLS("close", "remove(1) ");
-    }
-    plan("eventfd", -1, EMFILE);
-    assert_int_equal(ours_timerfd_create(CLOCK_MONOTONIC, 0), -1);
-    plan("eventfd", TIMER, 0);
-    plan("calloc", 1, 0);
-    assert_int_equal(ours_timerfd_create(CLOCK_MONOTONIC, 0), TIMER);
-    forget_calls();
-    ect_inside = 1;
-    plan("timerfd_create", 8, 0);
-    assert_int_equal(ours_timerfd_create(1, 2), 8);
-    EXPECT_CALLS("of the library", "timerfd_create(1,2) ");
-}
-
-static void runs_timers(void **state)
-{
-    const struct itimerspec value = {.it_value = {2, 3}, .it_interval = {4, 5}};
-    const struct itimerspec of_day = {.it_value = {(time_t)(ECT_VIRTUAL_DAY_NS / ECT_NS_PER_S) + 8, 2}};
-    struct itimerspec left = {0};
-    (void)state;
-    (void)new_timer(TIMER, CLOCK_REALTIME);
-    ect_timer_t *first = added;
-    (void)new_timer(TIMER + 1, CLOCK_MONOTONIC);
-    assert_int_equal(ours_timerfd_settime(TIMER, 0, &value, NULL), 0);
-    EXPECT_CALLS("no expiry is unread", "poll(9,1,0) ");
-    assert_true(first->next_ns == ECT_VIRTUAL_START_NS + 2 * ECT_NS_PER_S + 3);
-    assert_true(added->next_ns == UINT64_MAX);
-    now_ns += ECT_NS_PER_S;
-    assert_int_equal(ours_timerfd_gettime(TIMER, &left), 0);
-    assert_int_equal(left.it_value.tv_sec, 1);
-    assert_int_equal(left.it_interval.tv_sec, 4);
-    plan("poll", 1, 0);
-    left = (struct itimerspec){0};
-    assert_int_equal(ours_timerfd_settime(TIMER, TFD_TIMER_ABSTIME, &of_day, &left), 0);
-    EXPECT_CALLS("an expiry is unread", "poll(9,1,0) read(9,8) ");
-    assert_int_equal(left.it_value.tv_sec, 1);
-    assert_true(first->next_ns == ECT_VIRTUAL_START_NS + 8 * ECT_NS_PER_S + 2);
-    ect_time_closed(TIMER);
-    EXPECT_CALLS("close", "remove(0) ");
-    plan("timerfd_gettime", -1, EINVAL);
-    assert_int_equal(ours_timerfd_gettime(TIMER, AT(8)), -1);
-    plan("timerfd_settime", -1, EINVAL);
-    assert_int_equal(ours_timerfd_settime(TIMER, 1, AT(8), AT(9)), -1);
-    EXPECT_CALLS("a closed one", "timerfd_gettime(9,8) timerfd_settime(9,1,8,9) ");
-    ect_inside = 1;
-    plan("timerfd_gettime", 6, 0);
-    assert_int_equal(ours_timerfd_gettime(TIMER + 1, AT(8)), 6);
-    plan("timerfd_settime", 7, 0);
-    assert_int_equal(ours_timerfd_settime(TIMER + 1, 1, AT(8), AT(9)), 7);
-    forget_calls();
-    ect_time_closed(TIMER + 1);
-    forget_calls();
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -635,8 +490,6 @@ int main(void)
         {"The library itself polls in real time", leaves_the_library_alone, begin, NULL, NULL},
         {"A read that would block waits on the virtual clock", waits_before_a_read, begin, NULL, NULL},
         {"A read that would not block does not wait", does_not_wait_before_others, begin, NULL, NULL},
-        {"A timer descriptor is an eventfd", creates_timers, begin, NULL, NULL},
-        {"A timer descriptor is set, read and closed", runs_timers, begin, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

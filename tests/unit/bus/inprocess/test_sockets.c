@@ -120,11 +120,6 @@ void ect_port_copied(int fd, int copy)
     CALLED(port_copied, fd, copy);
 }
 
-void ect_port_closed(int fd)
-{
-    CALLED(port_closed, fd);
-}
-
 void ect_ports_closed(unsigned int from, unsigned int to)
 {
     CALLED(ports_closed, from, to);
@@ -200,9 +195,14 @@ void ect_time_before_read(const char *call, int fd, int flags)
     fake_call(name, (const long[]){fd, flags}, 2);
 }
 
-void ect_time_closed(int fd)
+void ect_time_closed(unsigned int from, unsigned int to)
 {
-    CALLED(time_closed, fd);
+    CALLED(time_closed, from, to);
+}
+
+void ect_time_copied(int fd, int copy)
+{
+    CALLED(time_copied, fd, copy);
 }
 
 /* --- tests -------------------------------------------------------------------------------------------------------- */
@@ -616,15 +616,17 @@ static void closes_and_copies(void **state)
     (void)state;
     plan("close", -1, EIO);
     assert_int_equal(call_close(PORT), -1);
-    EXPECT_CALLS("close", "port_closed(700) close(700) ");
-    (void)call_close(OTHER);
-    EXPECT_CALLS("another", "time_closed(5) close(5) ");
-    plan("dup", 9, 0);
-    assert_int_equal(call_dup(PORT), 9);
-    EXPECT_CALLS("dup", "dup(700) port_copied(700,9) ");
-    plan("dup", 9, 0);
-    assert_int_equal(call_dup(OTHER), 9);
-    EXPECT_CALLS("dup of another", "dup(5) ");
+    EXPECT_CALLS("close", "ports_closed(700,700) time_closed(700,700) close(700) ");
+    (void)call_close(0);
+    EXPECT_CALLS("close the first", "ports_closed(0,0) time_closed(0,0) close(0) ");
+    (void)call_close(-1);
+    EXPECT_CALLS("close none", "close(-1) ");
+    plan("dup", 0, 0);
+    assert_int_equal(call_dup(PORT), 0);
+    EXPECT_CALLS("dup", "dup(700) port_copied(700,0) time_copied(700,0) ");
+    plan("dup", -1, EMFILE);
+    assert_int_equal(call_dup(OTHER), -1);
+    EXPECT_CALLS("dup that fails", "dup(5) ");
     ect_inside = 1;
     (void)call_close(PORT);
     (void)call_dup(PORT);
@@ -637,16 +639,16 @@ static void closes_ranges(void **state)
     (void)state;
     plan("close_range", -1, EINVAL);
     assert_int_equal(ours_close_range(5, 9, 0), -1);
-    EXPECT_CALLS("a range", "ports_closed(5,9) close_range(5,9,0) ");
+    EXPECT_CALLS("a range", "ports_closed(5,9) time_closed(5,9) close_range(5,9,0) ");
     (void)ours_close_range(5, 9, UNSHARE);
-    EXPECT_CALLS("of a thread of its own", "ports_closed(5,9) close_range(5,9,2) ");
+    EXPECT_CALLS("of a thread of its own", "ports_closed(5,9) time_closed(5,9) close_range(5,9,2) ");
     (void)ours_close_range(5, 9, AT_EXEC);
     (void)ours_close_range(5, 9, UNKNOWN);
     EXPECT_CALLS("at exec; a flag that there is not", "close_range(5,9,4) close_range(5,9,8) ");
     ours_closefrom(7);
-    EXPECT_CALLS("closefrom", "ports_closed(7,4294967295) closefrom(7) ");
+    EXPECT_CALLS("closefrom", "ports_closed(7,4294967295) time_closed(7,4294967295) closefrom(7) ");
     ours_closefrom(-1);
-    EXPECT_CALLS("closefrom, all", "ports_closed(0,4294967295) closefrom(-1) ");
+    EXPECT_CALLS("closefrom, all", "ports_closed(0,4294967295) time_closed(0,4294967295) closefrom(-1) ");
     ect_inside = 1;
     (void)ours_close_range(5, 9, 0);
     ours_closefrom(7);
@@ -658,21 +660,18 @@ static void copies_to_a_number(void **state)
     (void)state;
     plan("dup2", 701, 0);
     assert_int_equal(ours_dup2(PORT, 701), 701);
-    EXPECT_CALLS("port to port", "fcntl(700,1,0) port_closed(701) dup2(700,701) port_copied(700,701) ");
+    EXPECT_CALLS("dup2", "fcntl(700,1,0) ports_closed(701,701) time_closed(701,701) dup2(700,701) port_copied(700,701) "
+                         "time_copied(700,701) ");
     plan("dup2", 700, 0);
     assert_int_equal(ours_dup2(PORT, PORT), 700);
-    EXPECT_CALLS("to itself", "dup2(700,700) ");
-    (void)ours_dup2(OTHER, 6);
-    EXPECT_CALLS("others", "dup2(5,6) ");
-    plan("dup3", 0, 0);
-    assert_int_equal(ours_dup3(PORT, 701, O_CLOEXEC), 0);
-    EXPECT_CALLS("dup3", "fcntl(700,1,0) port_closed(701) dup3(700,701,524288) port_copied(700,0) ");
-    plan("dup3", -1, EINVAL);
-    assert_int_equal(ours_dup3(PORT, PORT, 0), -1);
-    EXPECT_CALLS("dup3 to itself", "dup3(700,700,0) ");
-    plan("dup3", 6, 0);
-    assert_int_equal(ours_dup3(OTHER, 6, 8), 6);
-    EXPECT_CALLS("dup3 of another", "dup3(5,6,8) ");
+    EXPECT_CALLS("dup2 to itself", "dup2(700,700) ");
+    assert_int_equal(ours_dup3(PORT, 0, O_CLOEXEC), 0);
+    EXPECT_CALLS("dup3", "fcntl(700,1,0) ports_closed(0,0) time_closed(0,0) dup3(700,0,524288) port_copied(700,0) "
+                         "time_copied(700,0) ");
+    ect_inside = 1;
+    (void)ours_dup2(PORT, 701);
+    (void)ours_dup3(PORT, 701, 0);
+    EXPECT_CALLS("of the library", "dup2(700,701) dup3(700,701,0) ");
 }
 
 static void copies_nothing_over_a_port(void **state)
@@ -682,6 +681,9 @@ static void copies_nothing_over_a_port(void **state)
     plan("dup2", -1, EBADF);
     assert_int_equal(ours_dup2(OTHER, PORT), -1);
     EXPECT_CALLS("dup2 of a closed descriptor", "fcntl(5,1,0) dup2(5,700) ");
+    plan("dup2", -1, EBADF);
+    assert_int_equal(ours_dup2(PORT, -1), -1);
+    EXPECT_CALLS("dup2 to no number", "dup2(700,-1) ");
     plan("fcntl", -1, EBADF);
     plan("dup3", -1, EBADF);
     assert_int_equal(ours_dup3(OTHER, PORT, O_CLOEXEC), -1);
@@ -689,6 +691,9 @@ static void copies_nothing_over_a_port(void **state)
     plan("dup3", -1, EINVAL);
     assert_int_equal(ours_dup3(OTHER, PORT, O_CLOEXEC | 8), -1);
     EXPECT_CALLS("dup3 with an unknown flag", "dup3(5,700,524296) ");
+    plan("dup3", -1, EINVAL);
+    assert_int_equal(ours_dup3(PORT, PORT, 0), -1);
+    EXPECT_CALLS("dup3 to itself", "dup3(700,700,0) ");
 }
 
 static void controls_descriptors(void **state)
@@ -699,11 +704,11 @@ static void controls_descriptors(void **state)
     for (size_t i = 0; i < 2; i++) {
         plan("fcntl", 0, 0);
         assert_int_equal(ours_fcntl(PORT, copies[i], 10L), 0);
-        snprintf(want, sizeof want, "fcntl(700,%d,10) port_copied(700,0) ", copies[i]);
+        snprintf(want, sizeof want, "fcntl(700,%d,10) port_copied(700,0) time_copied(700,0) ", copies[i]);
         EXPECT_CALLS("a copy", want);
         plan("fcntl", 9, 0);
         assert_int_equal(ours_fcntl64(OTHER, copies[i], 10L), 9);
-        snprintf(want, sizeof want, "fcntl(5,%d,10) ", copies[i]);
+        snprintf(want, sizeof want, "fcntl(5,%d,10) port_copied(5,9) time_copied(5,9) ", copies[i]);
         EXPECT_CALLS("a copy of another", want);
         plan("fcntl", -1, EMFILE);
         assert_int_equal(ours_fcntl64(PORT, copies[i], 10L), -1);
@@ -744,10 +749,10 @@ int main(void)
         TEST("accept waits on the virtual clock first", accepts_after_waiting),
         TEST("FIONBIO switches the port and its descriptor", switches_blocking),
         TEST("Requests go to interfaces of the bus, on a socket of any kind", executes_requests),
-        TEST("A port is closed and copied with its descriptor", closes_and_copies),
+        TEST("A port and a timer are closed and copied with their descriptors", closes_and_copies),
         TEST("close_range() and closefrom() close the ports of a range, not at exec", closes_ranges),
-        TEST("dup2 and dup3 end the port of the number that they take", copies_to_a_number),
-        TEST("dup2 and dup3 that fail leave the port of the number open", copies_nothing_over_a_port),
+        TEST("dup2 and dup3 close the number that they take", copies_to_a_number),
+        TEST("dup2 and dup3 that fail leave the number open", copies_nothing_over_a_port),
         TEST("fcntl copies ports and sets whether they block", controls_descriptors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1046,8 +1046,12 @@ static void watches_the_turn(void **state)
 
 static bool has_one_thread_in_a_child(void)
 {
-    ect_timer_t timer = {.next_ns = since_ns + 100, .expired = on_timer};
-    ect_virtual_add_timer(&timer);
+    ect_timer_t timers[] = {{.next_ns = since_ns + 100, .expired = on_timer},
+                            {.next_ns = since_ns + 110, .expired = on_timer, .inherited = true},
+                            {.next_ns = since_ns + 120, .expired = on_timer},
+                            {.next_ns = since_ns + 130, .expired = on_timer, .inherited = true}};
+    for (size_t i = 0; i < 4; i++)
+        ect_virtual_add_timer(&timers[i]);
     ect_time_bus_next(since_ns + 50);
     runs_bus = true;
     void *ghost = ect_virtual_thread_new(NULL); /* never gets a turn */
@@ -1055,7 +1059,7 @@ static bool has_one_thread_in_a_child(void)
     forget_calls();
     thread_id = 77;
     bool good = ghost && ect_virtual_wait(NULL, since_ns + 200) == ECT_WAIT_TIMED_OUT && passed() == 200;
-    return good && fakes.used == 0;
+    return good && strcmp(fakes.log, "expired(110,0) expired(130,0) ") == 0;
 }
 
 static void forks(void **state)
@@ -1090,7 +1094,7 @@ int main(void)
         {"SA_RESTART repeats the wait of a socket without timeout", restarts_a_receive, begin, NULL, NULL},
         {"A cancellation ends a wait of a thread that can be cancelled", cancels_a_wait, begin, NULL, NULL},
         {"A thread that sleeps in the kernel for a second loses the turn", watches_the_turn, begin, NULL, NULL},
-        {"The child of fork has one thread", forks, begin, NULL, NULL},
+        {"The child of fork has one thread, and the timers that are inherited", forks, begin, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
