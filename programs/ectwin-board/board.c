@@ -180,6 +180,14 @@ static const char *reason(int result)
     }
 }
 
+/* Each start of the device gets a zeroed buffer. @return as ect_slave_init */
+static int init_slave(board_t *b)
+{
+    if (b->config.buffer)
+        memset(b->config.buffer, 0, b->device.buffer_size);
+    return ect_slave_init(&b->slave, &b->config, now());
+}
+
 /* @return a result of ect_lan9252_start */
 static int start(board_t *b)
 {
@@ -187,11 +195,9 @@ static int start(board_t *b)
     int result = ect_lan9252_start(&b->chip);
     if (result != ECT_LAN9252_READY)
         return result;
-    if (b->config.buffer)
-        memset(b->config.buffer, 0, b->device.buffer_size);
     b->config.switches = plant && plant->station_alias ? plant->station_alias(b->config.instance) : 0;
     for (unsigned int n = 0; n < TRIES; n++) {
-        if (ect_slave_init(&b->slave, &b->config, now()) == 0)
+        if (init_slave(b) == 0)
             return ECT_LAN9252_READY;
     }
     return ECT_LAN9252_SPI;
@@ -277,7 +283,7 @@ static int run(board_t *b)
     while (serve(b)) {
     }
     finish(b);
-    return ect_slave_init(&b->slave, &b->config, now()) == 0 ? CLEAN : FAILED; /* INIT, all buffers off */
+    return init_slave(b) == 0 ? CLEAN : FAILED; /* INIT, all buffers off */
 }
 
 static int write_eeprom(const board_t *b)

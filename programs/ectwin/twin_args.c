@@ -187,7 +187,7 @@ static uint64_t parse_size(const struct argp_state *state, const char *text)
         uint64_t factor;
     } units[] = {{"", 1}, {"K", 1000}, {"M", 1000000}, {"G", 1000000000}};
     uint64_t number = 0;
-    const char *unit = ect_number_begins(text, 0, UINT32_MAX, &number);
+    const char *unit = ect_number_begins(text, 0, UINT64_MAX / 1000000000, &number);
     for (size_t i = 0; unit && i < sizeof units / sizeof units[0]; i++) {
         uint64_t size = number * units[i].factor;
         if (strcmp(unit, units[i].name) == 0 && (size == 0 || size >= ECT_CAPTURE_SMALLEST))

@@ -296,7 +296,7 @@ int __wrap_ect_slave_init(ect_slave_t *slave, const ect_slave_config_t *config, 
         set_signal(config->instance, "save", 1);
     if (m.address > 0)
         set_signal(config->instance, "node_address", m.address);
-    for (size_t i = 0; i < config->device->buffer_size && !m.ending; i++) {
+    for (size_t i = 0; i < config->device->buffer_size; i++) {
         step_expect("byte of the buffer", 0, ((uint8_t *)config->buffer)[i]);
         ((uint8_t *)config->buffer)[i] = 0xA5;
     }
