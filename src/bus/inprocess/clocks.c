@@ -77,6 +77,14 @@ REPLACES int gettimeofday(struct timeval *restrict time, void *restrict zone)
     return given ? 0 : fail(EFAULT);
 }
 
+/* Other bases than TIME_UTC, of later C libraries, remain real. */
+REPLACES int timespec_get(struct timespec *time, int base)
+{
+    if (ect_inside > 0 || base != TIME_UTC)
+        return REAL(timespec_get)(time, base);
+    return clock_gettime(CLOCK_REALTIME, time) == 0 ? base : 0;
+}
+
 REPLACES time_t time(time_t *result)
 {
     if (ect_inside > 0)
@@ -123,7 +131,7 @@ REPLACES int nanosleep(const struct timespec *time, struct timespec *left)
         return fail(EFAULT);
     if (!ect_is_time(&its))
         return fail(EINVAL);
-    uint64_t left_ns = sleep_until(ect_virtual_now() + ect_ns_of(&its));
+    uint64_t left_ns = sleep_until(ect_deadline_in(&its));
     if (left_ns == 0 || (left && put_time(left, left_ns) != 0))
         return left_ns == 0 ? 0 : -1;
     return fail(EINTR);
@@ -139,7 +147,7 @@ REPLACES int clock_nanosleep(clockid_t clock, int flags, const struct timespec *
     if (!ect_is_time(&its))
         return EINVAL;
     bool absolute = (flags & TIMER_ABSTIME) != 0;
-    uint64_t left_ns = sleep_until(absolute ? ect_deadline_on(clock, &its) : ect_virtual_now() + ect_ns_of(&its));
+    uint64_t left_ns = sleep_until(absolute ? ect_deadline_on(clock, &its) : ect_deadline_in(&its));
     if (left_ns > 0 && left && !absolute && put_time(left, left_ns) != 0)
         return EFAULT;
     return left_ns > 0 ? EINTR : 0;

@@ -155,11 +155,12 @@ REPLACES int pthread_timedjoin_np(pthread_t thread, void **result, const struct 
 /* --- mutexes -------------------------------------------------------------------------------------------------------
  */
 
+static const struct timespec over = {.tv_sec = -1}; /* a time that has passed on each clock */
+
 /* Repeats the try of a thread that has just got the turn, because an unlock before the turn has found no waiting
  * thread. The timed lock returns EDEADLK if this thread holds the mutex, which the try variant cannot report. */
 static int lock_with_turn(pthread_mutex_t *mutex)
 {
-    static const struct timespec over = {.tv_sec = -1};
     (void)ect_virtual_now();
     return REAL(pthread_mutex_timedlock)(mutex, &over);
 }
@@ -177,6 +178,15 @@ static int lock_until(pthread_mutex_t *mutex, uint64_t until_ns)
     return error;
 }
 
+/* The time of a free mutex is not read. */
+static int lock_timed(pthread_mutex_t *mutex, clockid_t clock, const struct timespec *until)
+{
+    if (ect_is_point(until))
+        return lock_until(mutex, ect_deadline_on(clock, until));
+    int error = REAL(pthread_mutex_trylock)(mutex);
+    return error == EBUSY ? EINVAL : error;
+}
+
 REPLACES int pthread_mutex_lock(pthread_mutex_t *mutex)
 {
     if (ect_inside > 0)
@@ -188,7 +198,7 @@ REPLACES int pthread_mutex_timedlock(pthread_mutex_t *restrict mutex, const stru
 {
     if (ect_inside > 0)
         return REAL(pthread_mutex_timedlock)(mutex, until);
-    return lock_until(mutex, ect_deadline_on(CLOCK_REALTIME, until));
+    return lock_timed(mutex, CLOCK_REALTIME, until);
 }
 
 int pthread_mutex_clocklock(pthread_mutex_t *restrict mutex, clockid_t clock, const struct timespec *restrict until);
@@ -197,7 +207,7 @@ REPLACES int pthread_mutex_clocklock(pthread_mutex_t *restrict mutex, clockid_t 
 {
     if (ect_inside > 0)
         return REAL(pthread_mutex_clocklock)(mutex, clock, until);
-    return lock_until(mutex, ect_deadline_on(clock, until));
+    return lock_timed(mutex, clock, until);
 }
 
 /* Yields, because the holder of the lock may be waiting for its turn. */
@@ -253,7 +263,7 @@ REPLACES int pthread_cond_timedwait(pthread_cond_t *restrict condition, pthread_
 {
     if (ect_inside > 0)
         return REAL(pthread_cond_timedwait)(condition, mutex, until);
-    return wait_until(condition, mutex, ect_deadline(until));
+    return ect_is_point(until) ? wait_until(condition, mutex, ect_deadline(until)) : EINVAL;
 }
 
 int pthread_cond_clockwait(pthread_cond_t *restrict condition, pthread_mutex_t *restrict mutex, clockid_t clock,
@@ -263,7 +273,7 @@ REPLACES int pthread_cond_clockwait(pthread_cond_t *restrict condition, pthread_
 {
     if (ect_inside > 0)
         return REAL(pthread_cond_clockwait)(condition, mutex, clock, until);
-    return wait_until(condition, mutex, ect_deadline_on(clock, until));
+    return ect_is_point(until) ? wait_until(condition, mutex, ect_deadline_on(clock, until)) : EINVAL;
 }
 
 REPLACES int pthread_cond_signal(pthread_cond_t *condition)
@@ -285,14 +295,18 @@ REPLACES int pthread_cond_broadcast(pthread_cond_t *condition)
 /* --- read-write locks ----------------------------------------------------------------------------------------------
  */
 
+/* As lock_until() locks a mutex. */
 static int lock_to_read(pthread_rwlock_t *lock, uint64_t until_ns)
 {
     int error = REAL(pthread_rwlock_tryrdlock)(lock);
-    if (error == EBUSY)
-        (void)ect_virtual_now(); /* as in lock_with_turn() */
-    while (error == EBUSY && (error = REAL(pthread_rwlock_tryrdlock)(lock)) == EBUSY) {
+    if (error == EBUSY) {
+        (void)ect_virtual_now();
+        error = REAL(pthread_rwlock_timedrdlock)(lock, &over);
+    }
+    while (error == EBUSY || error == ETIMEDOUT) {
         if (ect_virtual_wait(lock, until_ns) == ECT_WAIT_TIMED_OUT)
             return ETIMEDOUT;
+        error = REAL(pthread_rwlock_tryrdlock)(lock);
     }
     return error;
 }
@@ -300,11 +314,14 @@ static int lock_to_read(pthread_rwlock_t *lock, uint64_t until_ns)
 static int lock_to_write(pthread_rwlock_t *lock, uint64_t until_ns)
 {
     int error = REAL(pthread_rwlock_trywrlock)(lock);
-    if (error == EBUSY)
-        (void)ect_virtual_now(); /* as in lock_with_turn() */
-    while (error == EBUSY && (error = REAL(pthread_rwlock_trywrlock)(lock)) == EBUSY) {
+    if (error == EBUSY) {
+        (void)ect_virtual_now();
+        error = REAL(pthread_rwlock_timedwrlock)(lock, &over);
+    }
+    while (error == EBUSY || error == ETIMEDOUT) {
         if (ect_virtual_wait(lock, until_ns) == ECT_WAIT_TIMED_OUT)
             return ETIMEDOUT;
+        error = REAL(pthread_rwlock_trywrlock)(lock);
     }
     return error;
 }
@@ -319,18 +336,36 @@ REPLACES int pthread_rwlock_wrlock(pthread_rwlock_t *lock)
     return ect_inside > 0 ? REAL(pthread_rwlock_wrlock)(lock) : lock_to_write(lock, UINT64_MAX);
 }
 
+int pthread_rwlock_clockrdlock(pthread_rwlock_t *restrict lock, clockid_t clock, const struct timespec *restrict until);
+REPLACES int pthread_rwlock_clockrdlock(pthread_rwlock_t *restrict lock, clockid_t clock,
+                                        const struct timespec *restrict until)
+{
+    if (ect_inside > 0)
+        return REAL(pthread_rwlock_clockrdlock)(lock, clock, until);
+    return ect_is_point(until) ? lock_to_read(lock, ect_deadline_on(clock, until)) : EINVAL;
+}
+
+int pthread_rwlock_clockwrlock(pthread_rwlock_t *restrict lock, clockid_t clock, const struct timespec *restrict until);
+REPLACES int pthread_rwlock_clockwrlock(pthread_rwlock_t *restrict lock, clockid_t clock,
+                                        const struct timespec *restrict until)
+{
+    if (ect_inside > 0)
+        return REAL(pthread_rwlock_clockwrlock)(lock, clock, until);
+    return ect_is_point(until) ? lock_to_write(lock, ect_deadline_on(clock, until)) : EINVAL;
+}
+
 REPLACES int pthread_rwlock_timedrdlock(pthread_rwlock_t *restrict lock, const struct timespec *restrict until)
 {
     if (ect_inside > 0)
         return REAL(pthread_rwlock_timedrdlock)(lock, until);
-    return lock_to_read(lock, ect_deadline_on(CLOCK_REALTIME, until));
+    return pthread_rwlock_clockrdlock(lock, CLOCK_REALTIME, until);
 }
 
 REPLACES int pthread_rwlock_timedwrlock(pthread_rwlock_t *restrict lock, const struct timespec *restrict until)
 {
     if (ect_inside > 0)
         return REAL(pthread_rwlock_timedwrlock)(lock, until);
-    return lock_to_write(lock, ect_deadline_on(CLOCK_REALTIME, until));
+    return pthread_rwlock_clockwrlock(lock, CLOCK_REALTIME, until);
 }
 
 REPLACES int pthread_rwlock_unlock(pthread_rwlock_t *lock)
@@ -344,6 +379,7 @@ REPLACES int pthread_rwlock_unlock(pthread_rwlock_t *lock)
 /* --- semaphores ----------------------------------------------------------------------------------------------------
  */
 
+/* @return 0; -1 (errno) */
 static int wait_semaphore(sem_t *semaphore, uint64_t until_ns)
 {
     pthread_testcancel();
@@ -363,6 +399,14 @@ static int wait_semaphore(sem_t *semaphore, uint64_t until_ns)
     return 0;
 }
 
+static int wait_timed(sem_t *semaphore, clockid_t clock, const struct timespec *until)
+{
+    if (ect_is_point(until))
+        return wait_semaphore(semaphore, ect_deadline_on(clock, until));
+    errno = EINVAL;
+    return -1;
+}
+
 REPLACES int sem_wait(sem_t *semaphore)
 {
     return ect_inside > 0 ? REAL(sem_wait)(semaphore) : wait_semaphore(semaphore, UINT64_MAX);
@@ -372,7 +416,7 @@ REPLACES int sem_timedwait(sem_t *restrict semaphore, const struct timespec *res
 {
     if (ect_inside > 0)
         return REAL(sem_timedwait)(semaphore, until);
-    return wait_semaphore(semaphore, ect_deadline_on(CLOCK_REALTIME, until));
+    return wait_timed(semaphore, CLOCK_REALTIME, until);
 }
 
 int sem_clockwait(sem_t *restrict semaphore, clockid_t clock, const struct timespec *restrict until);
@@ -380,7 +424,7 @@ REPLACES int sem_clockwait(sem_t *restrict semaphore, clockid_t clock, const str
 {
     if (ect_inside > 0)
         return REAL(sem_clockwait)(semaphore, clock, until);
-    return wait_semaphore(semaphore, ect_deadline_on(clock, until));
+    return wait_timed(semaphore, clock, until);
 }
 
 REPLACES int sem_post(sem_t *semaphore)
@@ -489,6 +533,8 @@ static long wait_futex(const int *word, int operation, int expected, const struc
     struct timespec time;
     if (timeout && !ect_user_read(&time, timeout, sizeof time))
         return fail(EFAULT);
+    if (timeout && !ect_is_time(&time))
+        return fail(EINVAL);
     const struct timespec *limit = timeout ? &time : NULL;
     uint64_t until_ns = absolute && limit ? ect_deadline_on(clock, limit) : ect_deadline_in(limit);
     (void)ect_virtual_now(); /* takes the turn: no wake-up can be lost between this comparison and the wait */

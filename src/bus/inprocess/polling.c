@@ -130,14 +130,17 @@ static int poll_list(struct pollfd *fds, nfds_t count, const char *call, uint64_
     return !good ? fail(EFAULT) : result < 0 ? fail(error) : result;
 }
 
-/* Reads a time span of the program. @return the end of the span, which begins now; NULL: no limit */
+/* Reads a time span of the program; NULL: no limit. @param[out] until_ns  the end of the span, which begins now
+ * @return false (errno): a bad address, or not a time */
 static bool read_deadline(const struct timespec *span, uint64_t *until_ns)
 {
     struct timespec its;
-    bool good = !span || ect_user_read(&its, span, sizeof its);
-    if (good)
-        *until_ns = ect_deadline_in(span ? &its : NULL);
-    return good;
+    if (span && !ect_user_read(&its, span, sizeof its))
+        return fail(EFAULT) == 0;
+    if (span && !ect_is_time(&its))
+        return fail(EINVAL) == 0;
+    *until_ns = ect_deadline_in(span ? &its : NULL);
+    return true;
 }
 
 REPLACES int poll(struct pollfd *fds, nfds_t count, int timeout_ms)
@@ -162,7 +165,7 @@ REPLACES int ppoll(struct pollfd *fds, nfds_t count, const struct timespec *time
     sigset_t before;
     uint64_t until_ns;
     if (!read_deadline(timeout, &until_ns))
-        return fail(EFAULT);
+        return -1;
     int result = ect_signals_mask(mask, &before);
     if (result == 0)
         result = poll_list(fds, count, "ppoll()", until_ns);
@@ -231,7 +234,9 @@ REPLACES int select(int count, fd_set *restrict to_read, fd_set *restrict to_wri
     struct timeval span;
     if (timeout && !ect_user_read(&span, timeout, sizeof span))
         return fail(EFAULT);
-    uint64_t until_ns = timeout ? ect_virtual_now() + ect_ns_of_timeval(&span) : UINT64_MAX;
+    if (timeout && (span.tv_sec < 0 || span.tv_usec < 0))
+        return fail(EINVAL);
+    uint64_t until_ns = timeout ? ect_deadline_in_ns(ect_ns_of_timeval(&span)) : UINT64_MAX;
     return select_until(count, to_read, to_write, except, until_ns);
 }
 
@@ -243,7 +248,7 @@ REPLACES int pselect(int count, fd_set *restrict to_read, fd_set *restrict to_wr
     sigset_t before;
     uint64_t until_ns;
     if (!read_deadline(timeout, &until_ns))
-        return fail(EFAULT);
+        return -1;
     int result = ect_signals_mask(mask, &before);
     if (result == 0)
         result = select_until(count, to_read, to_write, except, until_ns);
@@ -308,7 +313,7 @@ REPLACES int epoll_pwait2(int fd, struct epoll_event *events, int most, const st
         return REAL(epoll_pwait2)(fd, events, most, timeout, mask);
     uint64_t until_ns;
     if (!read_deadline(timeout, &until_ns))
-        return fail(EFAULT);
+        return -1;
     return epoll_masked(fd, events, most, until_ns, mask);
 }
 
@@ -319,14 +324,20 @@ static uint64_t receive_deadline(int fd)
     if (REAL(getsockopt)(fd, SOL_SOCKET, SO_RCVTIMEO, &timeout, &length) != 0 ||
         (timeout.tv_sec == 0 && timeout.tv_usec == 0))
         return UINT64_MAX;
-    return ect_virtual_now() + ect_ns_of_timeval(&timeout);
+    return ect_deadline_in_ns(ect_ns_of_timeval(&timeout));
 }
 
-/* The descriptor may be a pipe, a socket or an eventfd of another thread or process. */
-void ect_time_before_read(const char *call, int fd, int flags)
+/* The descriptor may be a pipe, a socket or an eventfd of another thread or process. After a timeout of the virtual
+ * clock the real call waits, too: the reply of another process takes real time. */
+bool ect_time_before_read(const char *call, int fd, int flags)
 {
     struct pollfd one = {.fd = fd, .events = POLLIN};
     if ((flags & MSG_DONTWAIT) != 0 || REAL(poll)(&one, 1, 0) != 0 || (REAL(fcntl)(fd, F_GETFL) & O_NONBLOCK) != 0)
-        return;
-    (void)poll_until(&one, 1, call, receive_deadline(fd));
+        return true;
+    const uint64_t until_ns = receive_deadline(fd);
+    int result;
+    do
+        result = poll_until(&one, 1, call, until_ns);
+    while (result < 0 && errno == EINTR && until_ns == UINT64_MAX && ect_virtual_restarts());
+    return result >= 0 || errno != EINTR;
 }

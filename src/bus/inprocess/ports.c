@@ -31,6 +31,8 @@ enum {
     LONGEST = 1518,
 };
 
+static const time_t LONGEST_S = INT64_MAX / 1000000000;
+
 typedef struct waiting {
     size_t length;
     uint8_t frame[ECTWIN_FRAME_MAX];
@@ -45,7 +47,7 @@ struct ect_port {
     unsigned int receivers;   /* threads that wait for a frame, also after the last descriptor is closed */
     int end;                  /* -1: not bound */
     uint16_t protocol;        /* network order */
-    uint64_t timeout_ns;
+    uint64_t timeout_ns;      /* 0: none */
     bool nonblocking;
     waiting_t *frames; /* a ring, mapped: no allocation in a handler that has interrupted malloc() */
     size_t first, count;
@@ -348,6 +350,14 @@ int ect_port_bind(ect_port_t *port, const struct sockaddr *address, socklen_t le
     return started ? 0 : fail(ENETDOWN);
 }
 
+/* As the kernel reads SO_RCVTIMEO: a negative time ends a receive at once, and a very long one is none. */
+static uint64_t timeout_of(const struct timeval *time)
+{
+    if (time->tv_sec < 0)
+        return 1;
+    return time->tv_sec < LONGEST_S ? (uint64_t)time->tv_sec * 1000000000u + (uint64_t)time->tv_usec * 1000u : 0;
+}
+
 int ect_port_set(ect_port_t *port, int level, int name, const void *value, socklen_t length)
 {
     int number;
@@ -355,8 +365,10 @@ int ect_port_set(ect_port_t *port, int level, int name, const void *value, sockl
         struct timeval time;
         if (!ect_user_read(&time, value, sizeof time))
             return fail(EFAULT);
+        if (time.tv_usec < 0 || time.tv_usec >= 1000000)
+            return fail(EDOM);
         ect_time_lock();
-        port->timeout_ns = (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_usec * 1000u;
+        port->timeout_ns = timeout_of(&time);
         ect_time_unlock();
         return 0;
     }

@@ -149,6 +149,8 @@ REPLACES int sigtimedwait(const sigset_t *restrict set, siginfo_t *restrict info
     struct timespec span;
     if (timeout && !ect_user_read(&span, timeout, sizeof span))
         return fail(EFAULT);
+    if (timeout && !ect_is_time(&span))
+        return fail(EINVAL);
     return accept_until(set, info, "sigtimedwait()", ect_deadline_in(timeout ? &span : NULL));
 }
 

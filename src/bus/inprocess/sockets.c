@@ -202,11 +202,11 @@ REPLACES ssize_t writev(int fd, const struct iovec *pieces, int count)
 /* --- receiving -----------------------------------------------------------------------------------------------------
  */
 
-/* Called for a descriptor that is not of the bus, on which the master may block. */
-static void before(const char *call, int fd, int flags)
+/* Called for a descriptor that is not of the bus, on which the master may block. @return false (errno): the call ends
+ */
+static bool before(const char *call, int fd, int flags)
 {
-    if (ect_inside == 0)
-        ect_time_before_read(call, fd, flags);
+    return ect_inside > 0 || ect_time_before_read(call, fd, flags);
 }
 
 static ssize_t receive(ect_port_t *port, void *data, size_t size, int flags)
@@ -220,8 +220,7 @@ REPLACES ssize_t recv(int fd, void *data, size_t size, int flags)
     ect_port_t *port = ours(fd);
     if (port)
         return receive(port, data, size, flags);
-    before("recv()", fd, flags);
-    return REAL(recv)(fd, data, size, flags);
+    return before("recv()", fd, flags) ? REAL(recv)(fd, data, size, flags) : -1;
 }
 
 REPLACES ssize_t recvfrom(int fd, void *restrict data, size_t size, int flags, __SOCKADDR_ARG from,
@@ -231,8 +230,7 @@ REPLACES ssize_t recvfrom(int fd, void *restrict data, size_t size, int flags, _
     const struct iovec piece = {.iov_base = data, .iov_len = size};
     if (port)
         return ect_port_receive(port, &piece, 1, flags, NULL, from.__sockaddr__, length);
-    before("recvfrom()", fd, flags);
-    return REAL(recvfrom)(fd, data, size, flags, from, length);
+    return before("recvfrom()", fd, flags) ? REAL(recvfrom)(fd, data, size, flags, from, length) : -1;
 }
 
 static ssize_t receive_message(ect_port_t *port, struct msghdr *message, int flags)
@@ -255,8 +253,7 @@ REPLACES ssize_t recvmsg(int fd, struct msghdr *message, int flags)
     ect_port_t *port = ours(fd);
     if (port)
         return receive_message(port, message, flags);
-    before("recvmsg()", fd, flags);
-    return REAL(recvmsg)(fd, message, flags);
+    return before("recvmsg()", fd, flags) ? REAL(recvmsg)(fd, message, flags) : -1;
 }
 
 /* The time limit has no effect; the kernel reads it before the first frame and writes it after the last one. */
@@ -265,7 +262,7 @@ REPLACES int recvmmsg(int fd, struct mmsghdr *messages, unsigned int count, int 
     ect_port_t *port = ours(fd);
     struct timespec limit;
     if (!port)
-        return REAL(recvmmsg)(fd, messages, count, flags, timeout);
+        return before("recvmmsg()", fd, flags) ? REAL(recvmmsg)(fd, messages, count, flags, timeout) : -1;
     if (timeout && !ect_user_read(&limit, timeout, sizeof limit))
         return fail(EFAULT);
     unsigned int done = 0;
@@ -286,7 +283,7 @@ REPLACES ssize_t readv(int fd, const struct iovec *pieces, int count)
 {
     ect_port_t *port = ours(fd);
     if (!port)
-        return REAL(readv)(fd, pieces, count);
+        return before("readv()", fd, 0) ? REAL(readv)(fd, pieces, count) : -1;
     return is_count(count) ? ect_port_receive(port, pieces, (size_t)count, 0, NULL, NULL, NULL) : fail(EINVAL);
 }
 
@@ -295,8 +292,7 @@ REPLACES ssize_t read(int fd, void *data, size_t size)
     ect_port_t *port = ours(fd);
     if (port)
         return receive(port, data, size, 0);
-    before("read()", fd, 0);
-    return REAL(read)(fd, data, size);
+    return before("read()", fd, 0) ? REAL(read)(fd, data, size) : -1;
 }
 
 /* The variants called with _FORTIFY_SOURCE. */
@@ -310,7 +306,9 @@ ssize_t __recv_chk(int fd, void *data, size_t size, size_t room, int flags);
 REPLACES ssize_t __recv_chk(int fd, void *data, size_t size, size_t room, int flags)
 {
     ect_port_t *port = ours(fd);
-    return port ? receive(port, data, size < room ? size : room, flags) : REAL(__recv_chk)(fd, data, size, room, flags);
+    if (port)
+        return receive(port, data, size < room ? size : room, flags);
+    return size <= room ? recv(fd, data, size, flags) : REAL(__recv_chk)(fd, data, size, room, flags);
 }
 
 ssize_t __recvfrom_chk(int fd, void *data, size_t size, size_t room, int flags, struct sockaddr *from,
@@ -320,20 +318,20 @@ REPLACES ssize_t __recvfrom_chk(int fd, void *data, size_t size, size_t room, in
 {
     ect_port_t *port = ours(fd);
     const struct iovec piece = {.iov_base = data, .iov_len = size < room ? size : room};
-    return port ? ect_port_receive(port, &piece, 1, flags, NULL, from, length)
-                : REAL(__recvfrom_chk)(fd, data, size, room, flags, from, length);
+    if (port)
+        return ect_port_receive(port, &piece, 1, flags, NULL, from, length);
+    return size <= room ? recvfrom(fd, data, size, flags, from, length)
+                        : REAL(__recvfrom_chk)(fd, data, size, room, flags, from, length);
 }
 
 REPLACES int accept(int fd, __SOCKADDR_ARG address, socklen_t *restrict length)
 {
-    before("accept()", fd, 0);
-    return REAL(accept)(fd, address, length);
+    return before("accept()", fd, 0) ? REAL(accept)(fd, address, length) : -1;
 }
 
 REPLACES int accept4(int fd, __SOCKADDR_ARG address, socklen_t *restrict length, int flags)
 {
-    before("accept4()", fd, 0);
-    return REAL(accept4)(fd, address, length, flags);
+    return before("accept4()", fd, 0) ? REAL(accept4)(fd, address, length, flags) : -1;
 }
 
 /* --- descriptors ---------------------------------------------------------------------------------------------------

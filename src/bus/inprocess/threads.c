@@ -116,7 +116,8 @@ static void run_timers(void)
     for (ect_timer_t *timer = timers; timer; timer = timer->next) {
         if (timer->next_ns > now_ns)
             continue;
-        timer->next_ns = timer->interval_ns > 0 ? timer->next_ns + timer->interval_ns : NEVER;
+        const uint64_t span_ns = timer->interval_ns, most_ns = NEVER - 1 - timer->next_ns;
+        timer->next_ns = span_ns > 0 ? timer->next_ns + (span_ns < most_ns ? span_ns : most_ns) : NEVER;
         timer->expired(timer);
     }
 }

@@ -32,11 +32,13 @@ uint64_t ect_time_now(void);
 void ect_time_charge(uint64_t cost_ns);
 
 /**
- * Called before the master receives from a descriptor that is not of the bus, where it may block. Without the lock.
+ * Called before the master receives from a descriptor that is not of the bus, where it may block: waits on the virtual
+ * clock. Without the lock.
  * @param call   name of the function
  * @param flags  as of recv(2); MSG_DONTWAIT: non-blocking
+ * @return true: the master receives now; false: the call ends with errno, EINTR, as of ::ect_time_wait
  */
-void ect_time_before_read(const char *call, int fd, int flags);
+bool ect_time_before_read(const char *call, int fd, int flags);
 
 /** Called before descriptors of a range, both ends inclusive, are closed. No effect in a child of vfork(). Without the
  * lock. */

@@ -201,7 +201,7 @@ static void send_alarm(ect_timer_t *timer)
 /* A running timer never returns 0, which means a stopped timer. */
 static struct timeval as_timeval(uint64_t time_ns)
 {
-    uint64_t time_us = (time_ns + 999) / 1000;
+    uint64_t time_us = time_ns / 1000 + (time_ns % 1000 > 0);
     return (struct timeval){.tv_sec = (time_t)(time_us / 1000000), .tv_usec = (suseconds_t)(time_us % 1000000)};
 }
 
@@ -220,6 +220,11 @@ REPLACES int getitimer(__itimer_which_t which, struct itimerval *value)
     return ect_user_write(value, &left, sizeof left) ? 0 : fail(EFAULT);
 }
 
+static bool is_timeval(const struct timeval *time)
+{
+    return time->tv_sec >= 0 && time->tv_usec >= 0 && time->tv_usec < 1000000;
+}
+
 REPLACES int setitimer(__itimer_which_t which, const struct itimerval *restrict value,
                        struct itimerval *restrict before)
 {
@@ -228,6 +233,8 @@ REPLACES int setitimer(__itimer_which_t which, const struct itimerval *restrict 
     struct itimerval set = {0};
     if (value && !ect_user_read(&set, value, sizeof set))
         return fail(EFAULT);
+    if (!is_timeval(&set.it_value) || !is_timeval(&set.it_interval))
+        return fail(EINVAL);
     const struct itimerval left = alarm_left();
     const struct itimerspec spec = {.it_value = ect_timespec_of(ect_ns_of_timeval(&set.it_value)),
                                     .it_interval = ect_timespec_of(ect_ns_of_timeval(&set.it_interval))};

@@ -185,6 +185,11 @@ ect_wait_t ect_virtual_wait_for_process(bool (*ready)(void *arg), void *arg, con
     return wait_until("stop", ready, arg, call, until_ns);
 }
 
+bool ect_virtual_restarts(void)
+{
+    return CALLED(restarts) != 0;
+}
+
 bool ect_virtual_has_child(void)
 {
     return CALLED(has_child) != 0;
@@ -441,7 +446,7 @@ static void waits_before_a_read(void **state)
 {
     (void)state;
     receive_timeout = (struct timeval){.tv_sec = 1, .tv_usec = 2};
-    ect_time_before_read("read()", OTHER, 0);
+    (void)ect_time_before_read("read()", OTHER, 0);
     EXPECT_CALLS("a limit", "poll(5,1,0) fcntl(5) getsockopt(5) show() poll(5,1,0) wait read(1000002000) show() "
                             "poll(5,1,0) ready(0) ");
     static const struct {
@@ -455,8 +460,38 @@ static void waits_before_a_read(void **state)
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         receive_timeout = rows[i].limit;
         plan("getsockopt", rows[i].result, ENOTSOCK);
-        ect_time_before_read("read()", OTHER, 0);
+        (void)ect_time_before_read("read()", OTHER, 0);
         assert_non_null(strstr(fakes.log, rows[i].wait));
+        forget_calls();
+    }
+}
+
+static void ends_a_read(void **state)
+{
+    static const struct {
+        ect_wait_t end;
+        time_t limit_s;
+        bool restarts; /* the first handler */
+        int error;     /* 0: the master reads */
+        long waits;
+    } rows[] = {{ECT_WAIT_TIMED_OUT, 1, false, 0, 1},      {ECT_WAIT_INTERRUPTED, 1, false, EINTR, 1},
+                {ECT_WAIT_INTERRUPTED, 1, true, EINTR, 1}, {ECT_WAIT_INTERRUPTED, 0, false, EINTR, 1},
+                {ECT_WAIT_INTERRUPTED, 0, true, EINTR, 2}, {ECT_WAIT_WOKEN, 1, false, 0, 1}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        receive_timeout = (struct timeval){.tv_sec = rows[i].limit_s};
+        end_of_wait = rows[i].end;
+        plan("poll", 0, 0);
+        plan("poll", 0, 0);
+        plan("poll", rows[i].end == ECT_WAIT_WOKEN, 0);
+        plan("restarts", rows[i].restarts, 0);
+        errno = 0;
+        bool reads = ect_time_before_read("read()", OTHER, 0);
+        long waits = 0;
+        for (const char *at = fakes.log; (at = strstr(at, "wait read")); at++)
+            waits++;
+        if (reads != (rows[i].error == 0) || (!reads && errno != rows[i].error) || waits != rows[i].waits)
+            fail_msg("row %zu: %s, errno %d, %ld waits", i, reads ? "reads" : "ends", errno, waits);
         forget_calls();
     }
 }
@@ -464,13 +499,13 @@ static void waits_before_a_read(void **state)
 static void does_not_wait_before_others(void **state)
 {
     (void)state;
-    ect_time_before_read("read()", OTHER, MSG_DONTWAIT);
+    assert_true(ect_time_before_read("read()", OTHER, MSG_DONTWAIT));
     EXPECT_CALLS("MSG_DONTWAIT", "");
     plan("poll", 1, 0);
-    ect_time_before_read("read()", OTHER, 0);
+    assert_true(ect_time_before_read("read()", OTHER, 0));
     EXPECT_CALLS("readable", "poll(5,1,0) ");
     plan("fcntl", O_RDWR | O_NONBLOCK, 0);
-    ect_time_before_read("read()", OTHER, 0);
+    assert_true(ect_time_before_read("read()", OTHER, 0));
     EXPECT_CALLS("O_NONBLOCK", "poll(5,1,0) fcntl(5) ");
 }
 
@@ -489,6 +524,9 @@ int main(void)
         {"epoll_wait() and its variants wait on the virtual clock", polls_by_epoll, begin, NULL, NULL},
         {"The library itself polls in real time", leaves_the_library_alone, begin, NULL, NULL},
         {"A read that would block waits on the virtual clock", waits_before_a_read, begin, NULL, NULL},
+        {"signal(7): a read ends with EINTR after a handler without SA_RESTART, or with a timeout; recv(2): with "
+         "EAGAIN",
+         ends_a_read, begin, NULL, NULL},
         {"A read that would not block does not wait", does_not_wait_before_others, begin, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -810,6 +810,36 @@ static void has_a_timeout(void **state)
     end_port(FD);
 }
 
+/* As the kernel reads them. */
+static void has_timeouts_at_their_limits(void **state)
+{
+    enum { LONGEST_S = 9223372036 };
+    static const struct {
+        struct timeval limit;
+        int error;
+        const char *wait; /* of a receive */
+    } rows[] = {{{0, -1}, EDOM, "wait(20,-1) "},
+                {{0, 1000000}, EDOM, "wait(20,-1) "},
+                {{0, 999999}, 0, "wait(20,1000004000) "},
+                {{-1, 0}, 0, "wait(20,5001) "},
+                {{LONGEST_S - 1, 0}, 0, "wait(20,9223372035000005000) "},
+                {{LONGEST_S, 0}, 0, "wait(20,-1) "},
+                {{INT64_MAX, 999999}, 0, "wait(20,-1) "}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        ect_port_t *port = bound_port(FD, ECAT, 0);
+        errno = 0;
+        int result = ect_port_set(port, SOL_SOCKET, SO_RCVTIMEO, &rows[i].limit, sizeof rows[i].limit);
+        if (result != (rows[i].error == 0 ? 0 : -1) || errno != rows[i].error)
+            fail_msg("row %zu: %d, errno %d", i, result, errno);
+        plan("wait", 1, EAGAIN);
+        assert_int_equal(receive(port, sent, sizeof sent, 0), -1);
+        if (!strstr(fakes.log, rows[i].wait))
+            fail_msg("row %zu: expected %s, got %s", i, rows[i].wait, fakes.log);
+        end_port(FD);
+    }
+}
+
 static void has_a_name(void **state)
 {
     static const uint8_t address[8] = {2, 0, 0, 0, 0, 1};
@@ -1058,6 +1088,8 @@ int main(void)
          NULL, NULL},
         {"Options have values, rings are refused", has_options, begin, NULL, NULL},
         {"SO_RCVTIMEO limits a wait", has_a_timeout, begin, NULL, NULL},
+        {"SO_RCVTIMEO: a negative time ends a wait, the longest is none, and a fraction that is none is refused",
+         has_timeouts_at_their_limits, begin, NULL, NULL},
         {"A socket has a name, cut to its room", has_a_name, begin, NULL, NULL},
         {"A frame has 14 to 1518 bytes in pieces", sends, begin, NULL, NULL},
         {"A frame needs an interface that is up", refuses_to_send, begin, NULL, NULL},

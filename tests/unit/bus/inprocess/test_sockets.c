@@ -188,11 +188,11 @@ void ect_raw_scan(void)
     CALLED(raw_scan);
 }
 
-void ect_time_before_read(const char *call, int fd, int flags)
+bool ect_time_before_read(const char *call, int fd, int flags)
 {
     char name[32];
     snprintf(name, sizeof name, "before %.*s", (int)strcspn(call, "("), call);
-    fake_call(name, (const long[]){fd, flags}, 2);
+    return fake_call(name, (const long[]){fd, flags}, 2) == 0;
 }
 
 void ect_time_closed(unsigned int from, unsigned int to)
@@ -294,6 +294,52 @@ static void checks_the_room(void **state)
     EXPECT_CALLS("recv", "port_receive(700,10,11,1,0,0,0) ");
     (void)ours___recvfrom_chk(PORT, AT(10), 11, 12, 0, NULL, NULL);
     EXPECT_CALLS("recvfrom", "port_receive(700,10,11,1,0,0,0) ");
+    plan("recv", 42, 0);
+    assert_int_equal(ours___recv_chk(OTHER, AT(10), 11, 11, 14), 42);
+    EXPECT_CALLS("recv of another", "before recv(5,14) recv(5,10,11,14) ");
+    plan("recvfrom", 43, 0);
+    assert_int_equal(ours___recvfrom_chk(OTHER, AT(10), 11, 11, 14, AT(15), AT(16)), 43);
+    EXPECT_CALLS("recvfrom of another", "before recvfrom(5,14) recvfrom(5,10,11,14,15,16) ");
+}
+
+static long call_recvmsg(int fd)
+{
+    return ours_recvmsg(fd, AT(8), 9);
+}
+
+static long call_recvmmsg(int fd)
+{
+    return ours_recvmmsg(fd, AT(8), 9, 10, AT(11));
+}
+
+static long call_readv(int fd)
+{
+    return ours_readv(fd, AT(8), 9);
+}
+
+/* A handler has ended the wait. */
+static void ends_with_the_wait(void **state)
+{
+    static const struct {
+        const char *wait;
+        long (*call)(int fd);
+        const char *calls;
+    } ended[] = {{"before recv", call_recv, "before recv(5,12) "},
+                 {"before recvfrom", call_recvfrom, "before recvfrom(5,12) "},
+                 {"before read", call_read, "before read(5,0) "},
+                 {"before recvmsg", call_recvmsg, "before recvmsg(5,9) "},
+                 {"before recvmmsg", call_recvmmsg, "before recvmmsg(5,10) "},
+                 {"before readv", call_readv, "before readv(5,0) "},
+                 {"before accept", call_accept, "before accept(5,0) "},
+                 {"before accept4", call_accept4, "before accept4(5,0) "}};
+    (void)state;
+    for (size_t i = 0; i < sizeof ended / sizeof *ended; i++) {
+        plan(ended[i].wait, 1, EINTR);
+        errno = 0;
+        assert_int_equal(ended[i].call(OTHER), -1);
+        assert_int_equal(errno, EINTR);
+        EXPECT_CALLS(ended[i].wait, ended[i].calls);
+    }
 }
 
 static void opens_raw_packet_sockets(void **state)
@@ -495,7 +541,7 @@ static void receives_a_message(void **state)
     EXPECT_CALLS("readv", "port_receive(700,60,61,1,0,0,0) ");
     plan("readv", 7, 0);
     assert_int_equal(ours_readv(OTHER, AT(8), 9), 7);
-    EXPECT_CALLS("another readv", "readv(5,8,9) ");
+    EXPECT_CALLS("another readv", "before readv(5,0) readv(5,8,9) ");
 }
 
 static void receives_messages(void **state)
@@ -526,7 +572,7 @@ static void receives_messages(void **state)
     EXPECT_CALLS("no room", "");
     plan("recvmmsg", 3, 0);
     assert_int_equal(ours_recvmmsg(OTHER, AT(8), 9, 10, AT(11)), 3);
-    EXPECT_CALLS("another", "recvmmsg(5,8,9,10,11) ");
+    EXPECT_CALLS("another", "before recvmmsg(5,10) recvmmsg(5,8,9,10,11) ");
 }
 
 static void accepts_after_waiting(void **state)
@@ -737,6 +783,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST("A call on a socket of the bus reaches its port, another the C library", passes_calls_on),
         TEST("A fortified read of more bytes than there is room for reaches the C library's check", checks_the_room),
+        TEST("recv(2): a call ends with the wait for another descriptor", ends_with_the_wait),
         TEST("A raw packet socket is one of the bus", opens_raw_packet_sockets),
         TEST("A message is sent in its pieces, to its address", sends_pieces),
         TEST("Messages are sent up to the first that fails", sends_messages),

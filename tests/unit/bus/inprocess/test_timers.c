@@ -422,6 +422,26 @@ static void refuses_bad_addresses(void **state)
 
 /* --- interval timers ---------------------------------------------------------------------------------------------- */
 
+static void refuses_intervals(void **state)
+{
+    static const struct itimerval rows[] = {{.it_value = {-1, 0}},    {.it_value = {0, 1000000}},
+                                            {.it_value = {1, -1}},    {{0, 1000000}, {1, 0}},
+                                            {.it_interval = {-1, 0}}, {.it_interval = {0, -1}}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        errno = 0;
+        assert_int_equal(ours_setitimer(ITIMER_REAL, &rows[i], NULL), -1);
+        assert_int_equal(errno, EINVAL);
+        EXPECT_CALLS("no alarm", "");
+    }
+    static const struct itimerval longest = {{INT64_MAX, 999999}, {INT64_MAX, 999999}};
+    struct itimerval left;
+    assert_int_equal(ours_setitimer(ITIMER_REAL, &longest, NULL), 0);
+    assert_int_equal(ours_getitimer(ITIMER_REAL, &left), 0);
+    assert_true(left.it_value.tv_sec > 1000000000 && left.it_interval.tv_sec > 1000000000);
+    forget_calls();
+}
+
 static void alarms(void **state)
 {
     (void)state;
@@ -525,6 +545,8 @@ int main(void)
         {"setitimer() and getitimer() round up to microseconds", repeats_alarms, begin, NULL, NULL},
         {"Interval timers of processors are real", leaves_other_interval_timers_real, begin, NULL, NULL},
         {"The child of a fork has no timers", has_no_timers_in_a_child, begin, NULL, NULL},
+        {"setitimer(2): times that are none are refused; the longest is accepted", refuses_intervals, begin, NULL,
+         NULL},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -14,6 +14,7 @@
 OURS(clock_gettime);
 OURS(gettimeofday);
 OURS(time);
+OURS(timespec_get);
 OURS(usleep);
 OURS(sleep);
 OURS(nanosleep);
@@ -44,6 +45,11 @@ static time_t fake_time(time_t *result)
     return CALLED(time, (long)result);
 }
 
+static int fake_timespec_get(struct timespec *time, int base)
+{
+    return (int)CALLED(timespec_get, (long)time, base);
+}
+
 static int fake_usleep(useconds_t microseconds)
 {
     return (int)CALLED(usleep, microseconds);
@@ -69,8 +75,8 @@ static int fake_sched_yield(void)
     return (int)CALLED(sched_yield);
 }
 
-FAKES(FAKE(clock_gettime), FAKE(gettimeofday), FAKE(time), FAKE(usleep), FAKE(sleep), FAKE(nanosleep),
-      FAKE(clock_nanosleep), FAKE(sched_yield))
+FAKES(FAKE(clock_gettime), FAKE(gettimeofday), FAKE(time), FAKE(timespec_get), FAKE(usleep), FAKE(sleep),
+      FAKE(nanosleep), FAKE(clock_nanosleep), FAKE(sched_yield))
 
 bool ect_sanitizer_has(const void *address)
 {
@@ -189,6 +195,25 @@ static void reads_the_time_of_day(void **state)
     assert_int_equal(ours_gettimeofday(AT(8), AT(9)), -1);
     assert_int_equal(ours_time(AT(8)), 9);
     EXPECT_CALLS("of the library", "gettimeofday(8,9) time(8) ");
+}
+
+static void reads_the_time_of_c11(void **state)
+{
+    struct timespec time = {0};
+    (void)state;
+    now_ns += 5 * ECT_NS_PER_S + 7;
+    assert_int_equal(ours_timespec_get(&time, TIME_UTC), TIME_UTC);
+    assert_int_equal(time.tv_sec, DAY_S + 5);
+    assert_int_equal(time.tv_nsec, 57);
+    EXPECT_CALLS("costs", "charge(50) ");
+    assert_int_equal(ours_timespec_get(AT(5), TIME_UTC), 0);
+    EXPECT_CALLS("a bad address", "charge(50) ");
+    plan("timespec_get", 2, 0);
+    assert_int_equal(ours_timespec_get(&time, 2), 2);
+    ect_inside = 1;
+    (void)ours_timespec_get(AT(8), TIME_UTC);
+    assert_non_null(strstr(fakes.log, ",2) timespec_get(8,1) "));
+    forget_calls();
 }
 
 /* --- sleeps ------------------------------------------------------------------------------------------------------- */
@@ -343,6 +368,8 @@ int main(void)
         {"Clocks of the processor, of the library and in dlsym", leaves_processor_time_real, begin, NULL, NULL},
         {"A sanitizer that reads a clock keeps the turn", keeps_the_turn_of_a_sanitizer, begin, NULL, NULL},
         {"The time of day begins with 2026", reads_the_time_of_day, begin, NULL, NULL},
+        {"timespec_get(3) reads the time of day; other bases are the C library's", reads_the_time_of_c11, begin, NULL,
+         NULL},
         {"A sleep is a wait on the virtual clock", sleeps, begin, NULL, NULL},
         {"A time with too many nanoseconds, or a negative one, is refused", refuses_what_is_no_time, begin, NULL, NULL},
         {"A handler ends a sleep; the rest is that of a span", ends_with_a_handler, begin, NULL, NULL},
