@@ -27,6 +27,7 @@
 
 enum { FRAME = 1518, HEADERS = 10, FRAGMENT_HEADER = 4, UNIT = 32, TRIES = 20 };
 enum { MAILBOX_FULL = 8, QUIET_US = 200, SDO_PAUSE_NS = 10000000 };
+enum { SM1_ACTIVATION = 0x080E, REPEAT = 2, READS_MOST = 10000 };
 enum { SDO_REQUEST = 2, UPLOAD = 0x40, SDO_BYTES = 10 };
 
 typedef struct settings {
@@ -179,15 +180,39 @@ static bool is_repeated(bridge_t *b, const ec_mbxheadert *header)
     return b->counter != 0 && b->counter == before;
 }
 
-/* Reads the state of the mailbox first, so that ec_mbxreceive can have a timeout sufficient for a lost frame: with a
- * timeout of 0 it requests a repetition, does not wait for it, and gets the next mail instead. @return whether a mail
- * was received */
+/* Requests the last mail again, which a lost frame has taken with it. The request is a changed bit: the same value is
+ * written until a reply confirms it. ec_mbxreceive() writes it once, and loses the mail with this frame. @return
+ * whether the slave has a mail; false: it does not repeat mails */
+static bool request_again(const bridge_t *b)
+{
+    const uint16 slave = ec_slave[b->slave].configadr;
+    uint8 activation = 0, control = 0;
+    int left = READS_MOST;
+    while (left > 0 && ec_FPRD(slave, SM1_ACTIVATION, 1, &activation, EC_TIMEOUTRET) <= 0)
+        left--;
+    activation ^= REPEAT;
+    while (left > 0 && ec_FPWR(slave, SM1_ACTIVATION, 1, &activation, EC_TIMEOUTRET) <= 0)
+        left--;
+    while (left > 0 && (ec_FPRD(slave, ECT_REG_SM1CONTR, 1, &control, EC_TIMEOUTRET) <= 0 ||
+                        ((control ^ activation) & REPEAT) != 0))
+        left--;
+    while (left > 0 && !mail_waits(b))
+        left--;
+    return left > 0;
+}
+
+/* @return whether a mail was received */
 static bool fetch(bridge_t *b)
 {
+    const ec_slavet *slave = &ec_slave[b->slave];
     ec_mbxbuft mail;
     ec_clearmbx(&mail);
-    if (!mail_waits(b) || ec_mbxreceive(b->slave, &mail, EC_TIMEOUTRXM) <= 0)
+    if (!mail_waits(b))
         return false;
+    while (ec_FPRD(slave->configadr, slave->mbx_ro, slave->mbx_rl, &mail, EC_TIMEOUTRET) <= 0) {
+        if (!request_again(b))
+            return false;
+    }
     if (is_repeated(b, (const ec_mbxheadert *)&mail))
         return true;
     uint8 type = ((const ec_mbxheadert *)&mail)->mbxtype & 0x0F;

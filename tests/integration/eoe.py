@@ -213,7 +213,7 @@ def inside_lossy(ectwin, program, _):
     """Half of the lost frames reach the twin: the master repeats a request that was executed, and has the reply repeated."""
     inner, bridge = both(program, "--sdo")
     lost = signals(ectwin)["dropped"]
-    check("EOE-015 a frame of fifty is lost: 300 datagrams there and back, each once, in their order", 300, datagrams(inner, 300, 1400))
+    check("EOE-015 a frame of ten is lost: 300 datagrams there and back, each once, in their order", 300, datagrams(inner, 300, 1400))
     check("EOE-015 no frame is lost in the twin", lost, signals(ectwin)["dropped"])
     end = bridge.stop()
     check("EOE-015 no frame is broken in the master", 0, end["broken"])
@@ -314,7 +314,7 @@ def tap():
 
 
 def lossy():
-    inside("lossy", ["--drop", "2", "--eoe", "tap0"])
+    inside("lossy", ["--drop", "10", "--eoe", "tap0"])
 
 
 def echo():
