@@ -210,8 +210,7 @@ static void take_limits(ect_build_t *build, ect_build_idn_t *idn, const ect_esi_
     const bool both = info->minimum.given && info->maximum.given;
     if ((row->attribute & ECT_SOE_KIND) == ECT_SOE_FLOAT || (both && minimum == maximum))
         return;
-    if ((both && minimum > maximum) || (info->minimum.given && initial < minimum) ||
-        (info->maximum.given && initial > maximum)) {
+    if ((info->minimum.given && initial < minimum) || (info->maximum.given && initial > maximum)) {
         ect_build_note(build, "line %d: the default of %s is not within its limits: it has no limits", object->line,
                        ect_build_idn_text(build, row->idn));
         return;
@@ -438,7 +437,7 @@ static ect_build_idn_t *add_from(ect_build_t *build, const ect_esi_mail_t *init)
     const size_t length = init->data.length;
     ect_build_note(build, "line %d: a start-up command writes %s, which the dictionary lacks: it is added", init->line,
                    ect_build_idn_text(build, init->idn));
-    if (!looks_like_list(&init->data) || (length == LIST_HEAD && ect_load_le16(init->data.bytes) != 0))
+    if (!looks_like_list(&init->data))
         return add(build, init->drive, init->idn, width_of((uint32_t)(8 * length)) | ECT_SOE_UNSIGNED | 1u, name);
     ect_build_idn_t *list = add(build, init->drive, init->idn, ECT_SOE_8 | ECT_SOE_LIST | 1u, name);
     const uint16_t said = ect_load_le16(init->data.bytes + 2);
