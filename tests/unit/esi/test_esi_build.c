@@ -750,6 +750,23 @@ static void assignments(void **state)
          ASSIGN(TX("Sm='3'", "#x1A00", "<Exclude>#x1A01</Exclude>" A8) TX("", "#x1A01", "<Exclude>#x1A00</Exclude>" B8)
                     TX("", "#x1A02", B8)),
          2, true, "SyncManager 3 PDO assignment"},
+        {"one of three",
+         ASSIGN(TX("Sm='3'", "#x1A00", "<Exclude>#x1A01</Exclude><Exclude>#x1A02</Exclude>" A8)
+                    TX("", "#x1A01", "<Exclude>#x1A02</Exclude>" B8) TX("", "#x1A02", B8)),
+         1, true, "SyncManager 3 PDO assignment"},
+        {"the second, or the first and the third",
+         ASSIGN(TX("Sm='3'", "#x1A00", "<Exclude>#x1A01</Exclude>" A8) TX("", "#x1A01", B8)
+                    TX("", "#x1A02", "<Exclude>#x1A01</Exclude>" B8)),
+         2, true, "SyncManager 3 PDO assignment"},
+        {"the first or the third, and the second",
+         ASSIGN(TX("Sm='3'", "#x1A00", "<Exclude>#x1A02</Exclude>" A8) TX("", "#x1A01", B8) TX("", "#x1A02", B8)), 2,
+         true, "SyncManager 3 PDO assignment"},
+        {"a PDO of another SyncManager", ASSIGN(TX("Sm='3'", "#x1A00", A8) TX("Sm='2'", "#x1A01", B8)), 1, true,
+         "SyncManager 3 PDO assignment"},
+        {"a PDO of the other direction", ASSIGN(TX("Sm='3'", "#x1A00", A8) RX("", "#x1600", O8)), 1, true,
+         "SyncManager 3 PDO assignment"},
+        {"a PDO that is left out", ASSIGN(TX("Sm='3'", "#x1A00", A8) TX("", "#x1C00", B8)), 1, true,
+         "SyncManager 3 PDO assignment"},
         {"none", ASSIGN(""), 0, true, "SyncManager 3 PDO assignment"},
     };
     (void)state;
@@ -788,6 +805,18 @@ static void rooms_of_sms(void **state)
          BUILT(OUTPUTS INPUTS(""), TX("Sm='3'", "#x1A00", A8) TX("", "#x1A01", A8 B8), ""), 3, 3},
         {"the longer of two",
          BUILT(OUTPUTS INPUTS(""), TX("Sm='3'", "#x1A00", "<Exclude>#x1A01</Exclude>" A8) TX("", "#x1A01", A8 B8), ""),
+         3, 2},
+        {"the longer of the first and the third, and the second",
+         BUILT(OUTPUTS INPUTS(""),
+               TX("Sm='3'", "#x1A00", "<Exclude>#x1A02</Exclude>" A8) TX("", "#x1A01", A8 B8)
+                   TX("", "#x1A02", A8 B8 ENTRY("#x6000", "3", "8", "C", "USINT")),
+               ""),
+         3, 5},
+        {"the longest of three",
+         BUILT(OUTPUTS INPUTS(""),
+               TX("Sm='3'", "#x1A00", "<Exclude>#x1A01</Exclude><Exclude>#x1A02</Exclude>" A8)
+                   TX("", "#x1A01", "<Exclude>#x1A02</Exclude>" A8 B8) TX("", "#x1A02", A8),
+               ""),
          3, 2},
         {"MaxSize of a fixed one", BUILT(OUTPUTS INPUTS("MaxSize='9'"), TX("Sm='3'", "#x1A00", A8), ""), 3, 1},
         {"MaxSize of one to be mapped",

@@ -167,6 +167,53 @@ static void pulled_in_op(void **state)
     }
 }
 
+/* In SAFEOP only a fall to PREOP leaves the state. */
+static void pulled_in_safeop(void **state)
+{
+    static const struct {
+        const char *reaction;
+        uint8_t al;
+        uint16_t code;
+    } rows[] = {{"0", PREOP | 0x10, 0x0070}, {"1", SAFEOP, 0}, {"2", SAFEOP, 0}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        rig_t r;
+        uint16_t code;
+        open_rig(&r, RACK(DOWNLOAD, ""), PREOP);
+        configure(&r);
+        wire_go(&r.wire, 0, SAFEOP);
+        set(&r, "modules.on_change", rows[i].reaction);
+        assert_true(plug(&r, 1, 0));
+        wire_advance(&r.wire, 10000000);
+        const uint8_t status = al(&r, &code);
+        if (status != rows[i].al || code != rows[i].code)
+            fail_msg("on_change=%s: AL status %02X, code %04X", rows[i].reaction, status, code);
+        assert_int_equal(abort_of(&r, 0x6000, 1), i == 0 ? NO_OBJECT : 0);
+        close_rig(&r);
+    }
+}
+
+/* The slots beyond the count of F030h keep the modules that are in them. */
+static void shorter_list(void **state)
+{
+    rig_t r;
+    (void)state;
+    open_rig(&r, RACK(DOWNLOAD, ""), PREOP);
+    assert_true(plug(&r, 3, OUT));
+    assert_int_equal(write_number(&r, 0, 0, 1), 0);
+    assert_int_equal(write_number(&r, 1, OUT, 4), 0);
+    assert_int_equal(write_number(&r, 2, IN, 4), 0);
+    assert_int_equal(write_number(&r, 0, 2, 1), 0);
+    expect_pdos(&r, "two of three", (const uint16_t[4]){0x1600, 0x1602}, (const uint16_t[4]){0x1A01});
+    assert_int_equal(write_number(&r, 0, 1, 1), 0);
+    expect_pdos(&r, "one of three", (const uint16_t[4]){0x1600, 0x1602}, (const uint16_t[4]){0});
+    assert_int_equal(write_number(&r, 0, 3, 1), 0);
+    expect_pdos(&r, "all three", (const uint16_t[4]){0x1600}, (const uint16_t[4]){0x1A01});
+    assert_int_equal(write_number(&r, 0, 0, 1), 0);
+    expect_pdos(&r, "none", (const uint16_t[4]){0x1602}, (const uint16_t[4]){0x1A00});
+    close_rig(&r);
+}
+
 static void same_module(void **state)
 {
     rig_t r;
@@ -420,6 +467,110 @@ static void racks(void **state)
     }
 }
 
+#define MODULE_OF(ident, class, objects)                                                                               \
+    "<Module><Type ModuleIdent='" ident "' ModuleClass='" class "'>M</Type><Name>M</Name><Profile>" objects            \
+                                                                "</Profile></Module>"
+
+/* The twin has memory for each module that a slot takes, in each of these slots: the value of each entry with 9 bytes
+ * for its place, and 10 bytes for its object; the objects of 1C12h and 1C13h with their counts, too. */
+static void memory(void **state)
+{
+    static const struct {
+        const char *what, *text;
+        size_t bytes; /* of a slot */
+        uint16_t runs, value;
+    } rows[] = {
+#define RACK_WITH(modules) PARTS("", "", "<CoE/>", "8", modules)
+        {"no module", RACK_WITH(""), 0, 1024, 0},
+        {"a word", RACK_WITH(MODULE_OF("#x110", "IO", OBJECTS(WORD("2000")))), 40 + 10 + 2 + 9, 1024, 2},
+        {"a byte", RACK_WITH(MODULE_OF("#x110", "IO", OBJECTS(OBJECT("2000", "USINT", "8", "")))), 40 + 10 + 1 + 9,
+         1024, 1},
+        {"a bit", RACK_WITH(MODULE_OF("#x110", "IO", OBJECTS(OBJECT("2000", "BOOL", "1", "")))), 40 + 10 + 1 + 9, 1024,
+         1},
+        {"two words", RACK_WITH(MODULE_OF("#x110", "IO", OBJECTS(WORD("2000") WORD("2001")))), 40 + 42, 1024, 2},
+        {"7000 bytes", RACK_WITH(MODULE_OF("#x110", "IO", OBJECTS(LARGE("2000")))), 40 + 10 + 7000 + 9, 1024, 7000},
+        {"7000 bytes and a word", RACK_WITH(MODULE_OF("#x110", "IO", OBJECTS(LARGE("2000") WORD("2001")))), 40 + 7040,
+         1024, 7000},
+        /* 1A00h with its count and its element, 6000h:1, an element of 1C13h */
+        {"a PDO", RACK_WITH(MODULE("#x110", "IO", TX_PDO)), 40 + (10 + 10 + 13) + (10 + 11) + 11, 1024 + 8, 4},
+        {"a word, and a word of another module",
+         RACK_WITH(MODULE_OF("#x110", "IO", OBJECTS(WORD("2000"))) MODULE_OF("#x120", "IO", OBJECTS(WORD("2000")))),
+         2 * (40 + 21), 1024, 2},
+        {"a word, and a word that no slot takes",
+         RACK_WITH(MODULE_OF("#x110", "IO", OBJECTS(WORD("2000"))) MODULE_OF("#x120", "AX", OBJECTS(WORD("2000")))),
+         40 + 21, 1024, 2},
+    };
+    size_t least = 0;
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        made_t m = make_text(rows[i].what, rows[i].text);
+        const ect_device_t *device = device_of(&m);
+        least = i == 0 ? device->instance_size : least;
+        if (device->instance_size != least + 8 * rows[i].bytes || device->growth.runs != rows[i].runs ||
+            device->growth.value != rows[i].value)
+            fail_msg("%s: expected %zu bytes in each slot, %u runs and %u bytes, got %zu bytes in 8, %u and %u",
+                     rows[i].what, rows[i].bytes, rows[i].runs, rows[i].value, device->instance_size - least,
+                     device->growth.runs, device->growth.value);
+        assert_int_equal(device->growth.image, 1486);
+        free_made(&m);
+    }
+}
+
+/* Modules change where all of them need at most 8 MiB, 4096 bytes for assignments included: 149 texts of 7000 bytes and
+ * a last one in each of 8 slots. */
+static void largest(void **state)
+{
+    enum { TEXTS = 149, ROOM = 40000 };
+    static const struct {
+        unsigned int last;
+        bool changes;
+    } rows[] = {{2174, true}, {2175, false}};
+    char *objects = malloc(ROOM), *text = malloc(ROOM);
+    (void)state;
+    assert_true(objects != NULL && text != NULL);
+    for (size_t i = 0; i < 2; i++) {
+        size_t length = 0;
+        for (unsigned int n = 0; n < TEXTS; n++)
+            length += (size_t)snprintf(objects + length, ROOM - length, LARGE("%X"), 0x2000 + n);
+        (void)snprintf(objects + length, ROOM - length, OBJECT("3000", "STRING(%u)", "%u", ""), rows[i].last,
+                       8 * rows[i].last);
+        (void)snprintf(text, ROOM, RACK_WITH(MODULE_OF("#x110", "IO", OBJECTS("%s"))), objects);
+        made_t m = make_text("large modules", text);
+        if ((device_of(&m)->growth.image != 0) != rows[i].changes)
+            fail_msg("%u bytes: expected modules that %s", rows[i].last, rows[i].changes ? "change" : "do not change");
+        free_made(&m);
+    }
+    free(objects);
+    free(text);
+}
+
+/* A list has at most 255 elements. */
+static void lists_of_many_slots(void **state)
+{
+    static const struct {
+        const char *text;
+        uint8_t elements;
+    } rows[] = {
+        {PARTS("", "", "<CoE/>", "254", MODULE("#x110", "IO", TX_PDO)), 254},
+        {PARTS("", "", "<CoE/>", "255", MODULE("#x110", "IO", TX_PDO)), 255},
+        {PARTS("", "", "<CoE/>", "256", MODULE("#x110", "IO", TX_PDO)), 255},
+    };
+    static const uint16_t indices[] = {0xF010, 0xF030, 0xF050};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        made_t m = make_text("many slots", rows[i].text);
+        const ect_od_t od = od_of(&m);
+        for (size_t k = 0; k < sizeof indices / sizeof indices[0]; k++) {
+            const ect_object_t *list = ect_od_find(&od, indices[k]);
+            if (list == NULL || ect_od_element(list, 0) != rows[i].elements || list->max_subindex != rows[i].elements)
+                fail_msg("%04X: expected %u elements, got %u", indices[k], rows[i].elements,
+                         list != NULL ? list->max_subindex : 0);
+        }
+        assert_int_equal(ect_od_element(ect_od_find(&od, 0xF000), 2), rows[i].elements);
+        free_made(&m);
+    }
+}
+
 static void expect_text(rig_t *r, uint16_t index, const char *expected, size_t length)
 {
     char text[32] = "";
@@ -536,6 +687,8 @@ int main(int argc, char **argv)
          NULL, NULL, NULL},
         {"MDP-020: a module pulled in OP ends it as the user chooses; the dictionary follows below SAFEOP",
          pulled_in_op, NULL, NULL, NULL},
+        {"MDP-020: a module pulled in SAFEOP ends it by a fall to PREOP only", pulled_in_safeop, NULL, NULL, NULL},
+        {"MDP-009: a F030h shorter than the slots leaves the modules of the others", shorter_list, NULL, NULL, NULL},
         {"MDP-020: a module replaced by one of the same ident changes nothing", same_module, NULL, NULL, NULL},
         {"MDP-009: values of other modules stay, a new module has its defaults", values, NULL, NULL, NULL},
         {"a reference to a signal does not reach the values of another module", references, NULL, NULL, NULL},
@@ -544,6 +697,9 @@ int main(int argc, char **argv)
         {"MDP-004 MDP-009 MDP-010: the sequences of masters for modular devices lead to OP", masters, NULL, NULL, NULL},
         {"MDP-007: a set of modules that cannot be built is refused at SAFEOP", too_many, NULL, NULL, NULL},
         {"MDP-009: devices whose modules change", racks, NULL, NULL, NULL},
+        {"MDP-002: lists of more than 255 slots have 255 elements", lists_of_many_slots, NULL, NULL, NULL},
+        {"MDP-009: memory of the modules that the slots take", memory, NULL, NULL, NULL},
+        {"MDP-009: modules of 8 MiB change, larger ones do not", largest, NULL, NULL, NULL},
         {"MDP-009 MDP-005: values of the device outlast a change of modules", values_of_the_device, NULL, NULL, NULL},
         {"MDP-009 MDP-010: mappings return to their defaults with other modules", mappings, NULL, NULL, NULL},
         {"MDP-009: the first object of the dictionary has its default with its module", lowest_object, NULL, NULL,

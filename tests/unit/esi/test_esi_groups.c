@@ -93,6 +93,49 @@ static void order(void **state)
     }
 }
 
+/* Outputs of the device, in its own group: those of a SyncManager count. */
+static void outputs(void **state)
+{
+#define RX(attributes, index, bits)                                                                                    \
+    "<RxPdo Fixed='1' " attributes "><Index>" index "</Index><Name>P</Name><Entry><Index>#x7000</Index><SubIndex>1"    \
+    "</SubIndex><BitLen>" bits "</BitLen><Name>A</Name><DataType>BIT" bits "</DataType></Entry></RxPdo>"
+#define OUTPUTS(alignment, pdos)                                                                                       \
+    GROUPED("ModulePdoGroup='1'", pdos, GROUP("") GROUP("Alignment='" alignment "' RxPdo='#x17ff' TxPdo='#x1bff'"))
+    static const struct {
+        const char *what, *text;
+        uint16_t pdos[4];
+        uint32_t padding;
+    } rows[] = {
+        {"three bits", OUTPUTS("1", RX("Sm='2'", "#x1600", "3")), {0x1600, 0x17FF}, 5},
+        {"three bits to four bytes", OUTPUTS("4", RX("Sm='2'", "#x1600", "3")), {0x1600, 0x17FF}, 29},
+        {"a byte", OUTPUTS("1", RX("Sm='2'", "#x1600", "8")), {0x1600}, 0},
+        {"two PDOs",
+         OUTPUTS("1", RX("Sm='2'", "#x1600", "3") RX("Sm='2'", "#x1601", "2")),
+         {0x1600, 0x1601, 0x17FF},
+         3},
+        {"a PDO of no SyncManager",
+         OUTPUTS("1", RX("Sm='2'", "#x1600", "3") RX("", "#x1601", "2")),
+         {0x1600, 0x17FF},
+         5},
+        {"a virtual PDO",
+         OUTPUTS("1", RX("Sm='2'", "#x1600", "3") RX("Virtual='1' Sm='2'", "#x1601", "2")),
+         {0x1600, 0x17FF},
+         5},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        made_t m = make_text(rows[i].what, rows[i].text);
+        for (unsigned int n = 0; n < 4; n++) {
+            if (element(&m, 0x1C12, n + 1) != rows[i].pdos[n])
+                fail_msg("%s: PDO %u is %04X, expected %04X", rows[i].what, n + 1,
+                         (unsigned int)element(&m, 0x1C12, n + 1), rows[i].pdos[n]);
+        }
+        if (element(&m, 0x17FF, 1) != rows[i].padding)
+            fail_msg("%s: the padding is %08X", rows[i].what, (unsigned int)element(&m, 0x17FF, 1));
+        free_made(&m);
+    }
+}
+
 static void with_data(void **state)
 {
     size_t count = 0;
@@ -128,6 +171,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         {"MDP-019: the PDOs of a group follow one another, padded to its alignment", order, NULL, NULL, NULL},
+        {"MDP-019: the outputs of a group are padded, too", outputs, NULL, NULL, NULL},
         {"MDP-019: a PDO with data is no padding", with_data, NULL, NULL, NULL},
         {"MDP-009 MDP-019: F030h changes order and padding", changed, NULL, NULL, NULL},
     };

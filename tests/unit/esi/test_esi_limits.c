@@ -67,6 +67,11 @@ static size_t command_count(const ect_device_t *d)
     return d->init_command_count;
 }
 
+static size_t mail_count(const ect_device_t *d)
+{
+    return d->init_mail_count;
+}
+
 static size_t category_count(const ect_device_t *d)
 {
     return d->category_count;
@@ -104,6 +109,12 @@ static void counts(void **state)
         {"256 start-up commands", ESI_MAILBOX_SMS "<Mailbox><CoE>", "<InitCmd><Transition>PS</Transition><Index>",
          "</Index><SubIndex>0</SubIndex><Data>00</Data></InitCmd>", "</CoE></Mailbox>", 0x2000, 256, 255, command_count,
          NULL},
+        {"255 start-up mails", ESI_MAILBOX_SMS "<Mailbox><EoE>",
+         "<InitCmd><Transition>PS</Transition><Type>2</Type><Data>", "</Data></InitCmd>", "</EoE></Mailbox>", 1000, 255,
+         255, mail_count, NULL},
+        {"256 start-up mails", ESI_MAILBOX_SMS "<Mailbox><EoE>",
+         "<InitCmd><Transition>PS</Transition><Type>2</Type><Data>", "</Data></InitCmd>", "</EoE></Mailbox>", 1000, 256,
+         255, mail_count, NULL},
         {"255 categories", "<Eeprom>", "<Category><CatNo>", "</CatNo><Data>0102</Data></Category>", "</Eeprom>", 2048,
          255, 255, category_count, NULL},
         {"256 categories", "<Eeprom>", "<Category><CatNo>", "</CatNo><Data>0102</Data></Category>", "</Eeprom>", 2048,
@@ -206,6 +217,65 @@ static void longest_image(void **state)
             assert_non_null(strstr(m.why, "SyncManager 1 has 1487 bytes by default; a frame takes 1486"));
         free_made(&m);
         free(text);
+    }
+}
+
+/* A gap takes an element for each 255 bits; an entry behind the 254th element is omitted. */
+static void long_gaps(void **state)
+{
+#define GAP_OF(bits) "<Entry><Index>0</Index><BitLen>" bits "</BitLen></Entry>"
+    static const struct {
+        const char *what, *text;
+        uint32_t last;
+    } table[] = {
+        {"253 elements and an entry", WITH(TX("", "#x1A05", GAP_OF("64515") A8)), 0x60000108},
+        {"253 elements, one of a bit, and an entry", WITH(TX("", "#x1A05", GAP_OF("64516") A8)), 1},
+        {"254 elements and an entry", WITH(TX("", "#x1A05", GAP_OF("64770") A8)), 255},
+        {"255 elements", WITH(TX("", "#x1A05", GAP_OF("64771"))), 255},
+        {"253 elements and a gap of two elements", WITH(TX("", "#x1A05", GAP_OF("64515") GAP_OF("256"))), 255},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        made_t m = make_text(table[i].what, table[i].text);
+        const ect_od_t od = od_of(&m);
+        const ect_object_t *pdo = ect_od_find(&od, 0x1A05);
+        assert_non_null(pdo);
+        if (ect_od_element(pdo, 0) != 254 || pdo->max_subindex != 254 || ect_od_element(pdo, 254) != table[i].last)
+            fail_msg("%s: expected 254 elements, the last %08X, got %u, %08X", table[i].what,
+                     (unsigned int)table[i].last, (unsigned int)ect_od_element(pdo, 0),
+                     (unsigned int)ect_od_element(pdo, 254));
+        free_made(&m);
+    }
+}
+
+/* An assignment has at most 254 elements, those of the first PDOs. */
+static void longest_assignment(void **state)
+{
+    static const struct {
+        size_t pdos;
+        uint8_t elements;
+    } table[] = {{253, 253}, {254, 254}, {255, 254}};
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        for (unsigned int assigned = 0; assigned < 2; assigned++) {
+            grown_t g = grow();
+            put(&g, ESI_HEAD OPEN ESI_MAILBOX_SMS ESI_PROCESS_SMS);
+            for (size_t k = 0; k < table[i].pdos; k++)
+                put_number(&g, assigned != 0 ? "<TxPdo Sm='3'><Index>" : "<TxPdo><Index>", 0x1A00 + k,
+                           "</Index>" BIT "</TxPdo>");
+            put(&g, "<Mailbox><CoE PdoAssign='1'/></Mailbox></Device>" ESI_TAIL);
+            made_t m = try_text(g.text);
+            if (m.twin == NULL)
+                fail_msg("%zu PDOs: %s", table[i].pdos, m.why);
+            const ect_od_t od = od_of(&m);
+            const ect_object_t *list = ect_od_find(&od, 0x1C13);
+            const uint32_t count = assigned != 0 ? table[i].elements : 0;
+            if (list->max_subindex != table[i].elements || ect_od_element(list, 0) != count)
+                fail_msg("%zu PDOs: expected %u of %u elements, got %u of %u", table[i].pdos, (unsigned int)count,
+                         table[i].elements, (unsigned int)ect_od_element(list, 0), list->max_subindex);
+            free_made(&m);
+            free(g.text);
+        }
     }
 }
 
@@ -854,6 +924,8 @@ int main(void)
         {"a description has at most 255 PDOs, modes, commands, categories, and 8 FMMUs", counts, NULL, NULL, NULL},
         {"a PDO beyond a limit of its index, its entries or its memory is refused", refusals, NULL, NULL, NULL},
         {"1486 bytes of process data fit a frame, 1487 are refused", longest_image, NULL, NULL, NULL},
+        {"a mapping has 254 elements at most, with those of long gaps", long_gaps, NULL, NULL, NULL},
+        {"an assignment has at most 254 elements", longest_assignment, NULL, NULL, NULL},
         {"without CoE a PDO has an index of a mapping that no other PDO has", substitutes, NULL, NULL, NULL},
         {"only with PdoAssign can 1C13h be written, and have more than the default", without_pdo_assign, NULL, NULL,
          NULL},

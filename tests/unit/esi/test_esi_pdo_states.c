@@ -254,6 +254,171 @@ static void excluded(void **state)
     close_rig(&r);
 }
 
+/* --- lists of excluded PDOs --------------------------------------------------------------------------------------- */
+
+/* An object 1800h with sub-index 6 of the type, and PDOs. */
+#define LISTING(type, bits, info, pdos)                                                                                \
+    ESI_DEVICE(                                                                                                        \
+        "<Profile><Dictionary><DataTypes><DataType><Name>USINT</Name><BitSize>8</BitSize></DataType><DataType><Name>L" \
+        "</Name><BitSize>96</BitSize>" SUB("0", "USINT", "8", "0", "") SUB(                                            \
+            "6", type, bits, "16",                                                                                     \
+            "") "</DataType></DataTypes><Objects><Object><Index>#x1800</Index><Name>P</Name><Type>L</Type><BitSize>96" \
+                "</BitSize><Info><SubItem><Name>N6</Name><Info>" info                                                  \
+                "</Info></SubItem></Info></Object></Objects></Dictionary></Profile>" ESI_MAILBOX_SMS                   \
+                    ESI_PROCESS_SMS pdos "<Mailbox><CoE/></Mailbox>" ESI_EEPROM)
+#define LISTING_8(info, pdos) LISTING("ARRAY [0..7] OF BYTE", "64", info, pdos)
+#define PDO_OF(index, attributes, excludes)                                                                            \
+    "<TxPdo " attributes "><Index>#x" index "</Index>" excludes                                                        \
+    "<Name>P</Name>" MAPPED("6000", "1", "8", "USINT") "</TxPdo>"
+#define EXCLUDE(index) "<Exclude>#x" index "</Exclude>"
+#define DEFAULT(bytes) "<DefaultData>" bytes "</DefaultData>"
+
+static void expect_excluded(const char *what, const ect_device_t *device, const uint16_t expected[4])
+{
+    static const uint16_t none[4];
+    const uint16_t *got = none;
+    for (unsigned int i = 0; i < device->pdo_count; i++)
+        got = device->pdos[i].index == 0x1A00 && device->pdos[i].excludes != NULL ? device->pdos[i].excludes : got;
+    for (size_t k = 0; k == 0 || expected[k - 1] != 0; k++) {
+        if (got[k] != expected[k])
+            fail_msg("%s: expected %04X as element %zu of the excluded PDOs, got %04X", what, expected[k], k, got[k]);
+    }
+}
+
+/* The list of the dictionary has the existing PDOs of the file's elements, as far as it has room; its own default
+ * stays, and excludes PDOs too, except those that the file assigns together. */
+static void excluded_lists(void **state)
+{
+#define FREE_PDOS PDO_OF("1A01", "", "") PDO_OF("1A02", "", "")
+    static const struct {
+        const char *what, *text;
+        uint8_t bytes[8];
+        uint16_t length, excluded[4];
+    } rows[] = {
+        {"two PDOs",
+         LISTING_8("", PDO_OF("1A00", "Sm='3'", EXCLUDE("1A01") EXCLUDE("1A02")) FREE_PDOS),
+         {0x01, 0x1A, 0x02, 0x1A},
+         8,
+         {0x1A01, 0x1A02}},
+        {"one twice",
+         LISTING_8("", PDO_OF("1A00", "Sm='3'", EXCLUDE("1A01") EXCLUDE("1A01") EXCLUDE("1A02")) FREE_PDOS),
+         {0x01, 0x1A, 0x02, 0x1A},
+         8,
+         {0x1A01, 0x1A02}},
+        {"itself, a missing one and another",
+         LISTING_8("", PDO_OF("1A00", "Sm='3'", EXCLUDE("1A00") EXCLUDE("1A09") EXCLUDE("1A02")) FREE_PDOS),
+         {0x02, 0x1A},
+         8,
+         {0x1A02}},
+        {"none", LISTING_8("", PDO_OF("1A00", "Sm='3'", "") FREE_PDOS), {0}, 8, {0}},
+        {"a PDO that is left out",
+         LISTING_8("", PDO_OF("1A00", "Sm='3'", EXCLUDE("1C00")) PDO_OF("1C00", "", "")),
+         {0},
+         8,
+         {0}},
+        {"room for one",
+         LISTING("UINT", "16", "", PDO_OF("1A00", "Sm='3'", EXCLUDE("1A01") EXCLUDE("1A02")) FREE_PDOS),
+         {0x01, 0x1A},
+         2,
+         {0x1A01, 0x1A02}},
+        {"room for one and a half",
+         LISTING("ARRAY [0..2] OF BYTE", "24", "", PDO_OF("1A00", "Sm='3'", EXCLUDE("1A01") EXCLUDE("1A02")) FREE_PDOS),
+         {0x01, 0x1A, 0},
+         3,
+         {0x1A01, 0x1A02}},
+        {"room for two",
+         LISTING("UDINT", "32", "", PDO_OF("1A00", "Sm='3'", EXCLUDE("1A01") EXCLUDE("1A02")) FREE_PDOS),
+         {0x01, 0x1A, 0x02, 0x1A},
+         4,
+         {0x1A01, 0x1A02}},
+        {"no room", LISTING("USINT", "8", "", PDO_OF("1A00", "Sm='3'", EXCLUDE("1A01")) FREE_PDOS), {0}, 1, {0x1A01}},
+        {"a default of the file",
+         LISTING_8(DEFAULT("011A"), PDO_OF("1A00", "Sm='3'", EXCLUDE("1A02")) FREE_PDOS),
+         {0x01, 0x1A},
+         8,
+         {0x1A02, 0x1A01}},
+        {"a default of three bytes",
+         LISTING_8(DEFAULT("011A02"), PDO_OF("1A00", "Sm='3'", "") FREE_PDOS),
+         {0x01, 0x1A, 0x02},
+         8,
+         {0x1A01}},
+        {"a default with the PDO itself, and one twice",
+         LISTING_8(DEFAULT("001A021A021A"), PDO_OF("1A00", "Sm='3'", "") FREE_PDOS),
+         {0x00, 0x1A, 0x02, 0x1A, 0x02, 0x1A},
+         8,
+         {0x1A02}},
+        {"a default with a PDO that is assigned, too",
+         LISTING_8(DEFAULT("011A021A"),
+                   PDO_OF("1A00", "Sm='3'", "") PDO_OF("1A01", "Sm='3'", "") PDO_OF("1A02", "", "")),
+         {0x01, 0x1A, 0x02, 0x1A},
+         8,
+         {0x1A02}},
+        {"a default with an assigned PDO beside a free one",
+         LISTING_8(DEFAULT("011A021A"), PDO_OF("1A00", "", "") PDO_OF("1A01", "Sm='3'", "") PDO_OF("1A02", "", "")),
+         {0x01, 0x1A, 0x02, 0x1A},
+         8,
+         {0x1A01, 0x1A02}},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        static uint64_t memory[8192];
+        uint8_t bytes[8] = {0};
+        made_t m = make_text(rows[i].what, rows[i].text);
+        assert_true(device_of(&m)->instance_size <= sizeof memory);
+        memset(memory, 0, sizeof memory);
+        const ect_od_t od = ect_device_od(device_of(&m), memory);
+        ect_od_set_defaults(&od);
+        const ect_entry_t *entry = ect_od_entry(ect_od_find(&od, 0x1800), 6);
+        assert_non_null(entry);
+        assert_int_equal(ect_od_bytes(entry), rows[i].length);
+        ect_od_read(&od, entry, 0, bytes, ect_od_bytes(entry));
+        if (memcmp(bytes, rows[i].bytes, sizeof bytes) != 0)
+            fail_msg("%s: expected %02X %02X %02X %02X, got %02X %02X %02X %02X", rows[i].what, rows[i].bytes[0],
+                     rows[i].bytes[1], rows[i].bytes[2], rows[i].bytes[3], bytes[0], bytes[1], bytes[2], bytes[3]);
+        expect_excluded(rows[i].what, device_of(&m), rows[i].excluded);
+        free_made(&m);
+    }
+}
+
+/* Sub-index 9 of 1800h to 19FFh is a toggle, if inputs may contain it. */
+static void entries_that_toggle(void **state)
+{
+#define STATED(index, n, flags)                                                                                        \
+    ESI_DEVICE("<Profile><Dictionary><DataTypes><DataType><Name>L</Name><BitSize>24</BitSize>" SUB("0", "USINT", "8",  \
+                                                                                                   "0", "")            \
+                   SUB(n, "BOOL", "1", "16", flags) "</DataType></DataTypes><Objects><Object><Index>"                  \
+                                                    "#x" index "</Index><Name>P</Name><Type>L"                         \
+                                                    "</Type><BitSize>24</BitSize></Object></Objects>"                  \
+                                                    "</Dictionary></Profile>" ESI_MAILBOX_SMS ESI_PROCESS_SMS          \
+                                                    "<Mailbox><CoE/></Mailbox>" ESI_EEPROM)
+#define IN_INPUTS "<PdoMapping>T</PdoMapping>"
+    static const struct {
+        const char *what, *text;
+        bool toggles;
+    } rows[] = {
+        {"1800h:9", STATED("1800", "9", IN_INPUTS), true},
+        {"19FFh:9", STATED("19FF", "9", IN_INPUTS), true},
+        {"15FFh:9", STATED("15FF", "9", IN_INPUTS), false},
+        {"1800h:8", STATED("1800", "8", IN_INPUTS), false},
+        {"1800h:10", STATED("1800", "10", IN_INPUTS), false},
+        {"2000h:9", STATED("2000", "9", IN_INPUTS), false},
+        {"not in inputs", STATED("1800", "9", ""), false},
+        {"in outputs", STATED("1800", "9", "<PdoMapping>R</PdoMapping>"), false},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        made_t m = make_text(rows[i].what, rows[i].text);
+        const ect_product_t *product = ect_esi_twin_product(m.twin);
+        bool signal = false;
+        for (unsigned int g = 0; g < product->plant->signal_group_count; g++)
+            signal |= strcmp(product->plant->signal_groups[g].prefix, "toggle") == 0;
+        if (signal != rows[i].toggles || (product->device->inputs != NULL) != rows[i].toggles ||
+            (product->device->inputs_read != NULL) != rows[i].toggles)
+            fail_msg("%s: expected %s", rows[i].what, rows[i].toggles ? "a toggle" : "no toggle");
+        free_made(&m);
+    }
+}
+
 static void revision(void **state)
 {
     rig_t r;
@@ -276,6 +441,9 @@ int main(int argc, char **argv)
         {"MDP-030 MDP-031: 1800h is no mapping; its sub-index 6 has the excluded PDOs of the file", parameters, NULL,
          NULL, NULL},
         {"MDP-031 MDP-035: PDOs that exclude each other are refused with the count", excluded, NULL, NULL, NULL},
+        {"MDP-031: lists of excluded PDOs, of the file's elements and of the dictionary", excluded_lists, NULL, NULL,
+         NULL},
+        {"MDP-034: the entries that are toggles", entries_that_toggle, NULL, NULL, NULL},
         {"MDP-036: the download revision F081h:1 is the revision number", revision, NULL, NULL, NULL},
     };
     if (argc > 1)

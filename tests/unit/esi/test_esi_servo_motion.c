@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The words S-0-0134 and S-0-0135 of SoE drives: the way to enabled and back, set values, halt, faults, AL states. */
+#include "from_text.h"
 #include "servo_of_file.h"
 
 enum { GO = 0x2000, ALLOW = 0x4000, ON = 0x8000, RUN = ON | ALLOW | GO, CLASS_1 = 0x2000, FOLLOWS = 0x0008 };
@@ -60,6 +61,7 @@ static void speed(void **state)
     expect_near("S-0-0040", 5.0 * TURN, 0.01 * TURN, (double)actual(0));
     expect_near("turns a minute", 300, 1, signal_of("axis1.speed"));
     assert_true(signal_of("axis1.turns") > 5);
+    assert_int_equal(word(0) & FOLLOWS, 0); /* the file does not announce bit 3 */
     control(0, 0);
     reach(0, TO_ENABLE);
     assert_int_equal((int)signal_of("axis1.powered"), 0);
@@ -218,16 +220,140 @@ static void below_op(void **state)
 
 static void supply(void **state)
 {
+    static const struct {
+        const char *signal, *off, *on;
+    } rows[] = {{"axis1.power", "0", "1"}, {"axis1.enable", "0", "1"}, {"axis1.sto", "1", "0"}};
     (void)state;
     open_in_op("SPEED");
-    set("axis1.power", "0");
-    cycles(2);
-    assert_int_equal(power(0), READY_FOR_POWER);
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        assert_int_equal(power(0), TO_ENABLE);
+        set(rows[i].signal, rows[i].off);
+        cycles(2);
+        if (power(0) != READY_FOR_POWER)
+            fail_msg("%s=%s: the word is %04X", rows[i].signal, rows[i].off, word(0));
+        control(0, RUN);
+        cycles(20);
+        assert_int_not_equal(power(0), IS_ENABLED);
+        set(rows[i].signal, rows[i].on);
+        reach(0, IS_ENABLED);
+        control(0, 0);
+        reach(0, TO_ENABLE);
+    }
+}
+
+/* --- drives in few lines ------------------------------------------------------------------------------------------ */
+
+#define NUMBER(index, value, flags)                                                                                    \
+    "<Object><Index>#x" index "</Index><Name>N</Name><Type>UINT</Type><BitSize>16</BitSize><Info><DefaultValue>" value \
+    "</DefaultValue></Info>" flags "</Object>"
+#define PART(index, bits, name, type)                                                                                  \
+    "<Entry><Index>#x" index "</Index><BitLen>" bits "</BitLen><Name>" name "</Name><DataType>" type                   \
+    "</DataType></Entry>"
+#define DRIVE(objects, at)                                                                                             \
+    ESI_DEVICE(                                                                                                        \
+        "<Profile><Dictionary><DataTypes><DataType><Name>UINT</Name><BitSize>16</BitSize></DataType>"                  \
+        "</DataTypes><Objects>" objects "</Objects></Dictionary></Profile>" ESI_MAILBOX_SMS ESI_PROCESS_SMS            \
+        "<RxPdo Sm='2'><Index>#x0018</Index><Name>MDT</Name>" PART("86", "16", "Control", "UINT")                      \
+            PART("24", "32", "Speed", "DINT") PART("2F", "32", "Position", "DINT")                                     \
+                PART("50", "16", "Torque", "INT") "</RxPdo><TxPdo Sm='3'><Index>#x0010</Index><Name>AT</Name>" PART(   \
+                    "87", "16", "Status", "UINT") at "</TxPdo><Mailbox><SoE/></Mailbox>" ESI_EEPROM)
+#define HOMING_COMMAND NUMBER("0094", "0", "<Flags><Attribute>#x00090001</Attribute></Flags>")
+
+static ect_esi_t *file;
+
+static void open_text(const char *what, const char *text)
+{
+    char why[200] = "";
+    made_t m = make_text(what, text);
+    assert_true(ect_esi_twin_behave(m.twin, ECT_BEHAVIOUR_BY_FILE, why, sizeof why));
+    file = m.esi;
+    twin = m.twin;
+    open_twin();
+}
+
+static int close_text(void **state)
+{
+    (void)close_drive(state);
+    ect_esi_close(file);
+    file = NULL;
+    return 0;
+}
+
+/* Bits 0 to 2 of S-0-0032 to S-0-0035 are the kind of the mode; bits 8, 9 and 11 of S-0-0134 select the number. A
+ * number without a mode leaves the present one. */
+static void selected_modes(void **state)
+{
+    static const struct {
+        unsigned int values[4];
+        int modes[4]; /* 0: none */
+    } rows[] = {
+        {{2, 11, 1, 7}, {CSV, CSP, CST, 0}},
+        {{2, 6, 3, 4}, {CSV, 0, CSP, CSP}},
+        {{0, 10, 5, 9}, {0, CSV, CSP, CST}},
+        {{1, 8, 2, 0}, {CST, 0, CSV, 0}},
+    };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        char text[6000];
+        const unsigned int *v = rows[i].values;
+        (void)snprintf(text, sizeof text,
+                       DRIVE(NUMBER("0020", "%u", "") NUMBER("0021", "%u", "") NUMBER("0022", "%u", "")
+                                 NUMBER("0023", "%u", ""),
+                             PART("33", "32", "Position", "DINT")),
+                       v[0], v[1], v[2], v[3]);
+        open_text("modes", text);
+        operational();
+        int mode = 0;
+        for (unsigned int number = 0; number < 8; number++) {
+            mode = number < 4 && rows[i].modes[number] != 0 ? rows[i].modes[number] : mode;
+            control(0, (uint16_t)(RUN | (number & 3) << 8 | (number >= 4 ? 0x0800 : 0)));
+            cycles(2);
+            if ((word(0) >> 8 & 7u) != number || (int)signal_of("axis1.mode") != mode)
+                fail_msg("row %zu, mode number %u: expected mode %d, got %d, status word %04X", i, number, mode,
+                         (int)signal_of("axis1.mode"), word(0));
+        }
+        (void)close_text(state);
+    }
+}
+
+/* Values that the drive writes are read-only for users; S-0-0400 and S-0-0403 belong to S-0-0148. */
+static void written_values(void **state)
+{
+#define ALL_VALUES                                                                                                     \
+    PART("0B", "16", "Class 1", "UINT")                                                                                \
+    PART("190", "16", "Switch", "UINT")                                                                                \
+    PART("193", "16", "Homed", "UINT") PART("33", "32", "Position", "DINT") PART("8001", "16", "Own", "UINT")
+    static const struct {
+        const char *name;
+        bool with_homing, without;
+    } rows[] = {{"at.status", true, true}, {"at.class_1", true, true},  {"at.switch", true, false},
+                {"at.homed", true, false}, {"at.position", true, true}, {"at.own", false, false}};
+    static const char *const texts[] = {DRIVE(HOMING_COMMAND, ALL_VALUES), DRIVE("", ALL_VALUES)};
+    for (size_t k = 0; k < COUNT(texts); k++) {
+        open_text("values of a drive", texts[k]);
+        for (size_t i = 0; i < COUNT(rows); i++) {
+            ect_signal_ref_t ref;
+            if (!ect_chain_signal(wire.chain, 0, rows[i].name, &ref))
+                fail_msg("there is no signal %s", rows[i].name);
+            if ((ref.signal->access == ECT_SIGNAL_READ) != (k == 0 ? rows[i].with_homing : rows[i].without))
+                fail_msg("%s, file %zu: read-only or not", rows[i].name, k);
+        }
+        (void)close_text(state);
+    }
+}
+
+/* Without S-0-0147 the home switch is at the drive: a run starts. */
+static void homing_without_a_parameter(void **state)
+{
+    static const uint8_t start[] = {3, 0};
+    enum { HOMING_IDN = 148 };
+    (void)state;
+    open_text("homing", DRIVE(NUMBER("0020", "11", "") HOMING_COMMAND, PART("33", "32", "Position", "DINT")));
+    operational();
     control(0, RUN);
-    cycles(20);
-    assert_int_not_equal(power(0), IS_ENABLED);
-    set("axis1.power", "1");
     reach(0, IS_ENABLED);
+    assert_int_equal(write_value(0, HOMING_IDN, start, sizeof start), 0);
+    cycles(2);
+    assert_int_equal(number_of(0, HOMING_IDN, ECT_SOE_ELEMENT_STATE), ECT_SOE_COMMAND_RUNS);
 }
 
 int main(void)
@@ -245,7 +371,12 @@ int main(void)
         {"SOE-041: S-0-0099 ends in an error while the cause remains", cause_remains, NULL, close_drive, NULL},
         {"S-0-0134 is 0 when OP ends; a moving drive gets a fault, which S-0-0099 resets in SAFEOP", below_op, NULL,
          close_drive, NULL},
-        {"S-0-0135: without supply a drive is ready for power, and not enabled", supply, NULL, close_drive, NULL},
+        {"S-0-0135: without supply or enable input a drive is ready for power, and not enabled", supply, NULL,
+         close_drive, NULL},
+        {"SOE-043: bits of S-0-0134 select one of four operation modes, each with its kind", selected_modes, NULL,
+         close_text, NULL},
+        {"values that a drive writes are read-only signals", written_values, NULL, close_text, NULL},
+        {"S-0-0148 without S-0-0147 seeks the switch at the drive", homing_without_a_parameter, NULL, close_text, NULL},
     };
     return cmocka_run_group_tests_name("words of SoE drives", tests, NULL, NULL);
 }
