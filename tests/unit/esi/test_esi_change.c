@@ -162,6 +162,7 @@ static void pulled_in_op(void **state)
         assert_int_equal(read_number(&r, 0xF050, 1), 0);
         assert_int_equal(abort_of(&r, 0x6000, 1), i == 0 ? NO_OBJECT : 0); /* the mapping of SAFEOP and OP stays */
         assert_int_equal(wire_al(&r.wire, 0, PREOP | 0x10, &code), PREOP);
+        assert_false(has_signal(&r, "p.a"));
         assert_int_equal(abort_of(&r, 0x6000, 1), NO_OBJECT);
         close_rig(&r);
     }
@@ -211,6 +212,20 @@ static void shorter_list(void **state)
     expect_pdos(&r, "all three", (const uint16_t[4]){0x1600}, (const uint16_t[4]){0x1A01});
     assert_int_equal(write_number(&r, 0, 0, 1), 0);
     expect_pdos(&r, "none", (const uint16_t[4]){0x1602}, (const uint16_t[4]){0x1A00});
+    assert_int_equal(write_number(&r, 1, 0, 4), 0);
+    assert_int_equal(write_number(&r, 0, 1, 1), 0);
+    expect_pdos(&r, "an empty one of three", (const uint16_t[4]){0x1602}, (const uint16_t[4]){0x1A00});
+    close_rig(&r);
+}
+
+/* One ident is a configuration, also of the last slot. */
+static void last_element(void **state)
+{
+    rig_t r;
+    (void)state;
+    open_rig(&r, RACK(DOWNLOAD, ""), PREOP);
+    assert_int_equal(write_number(&r, 3, OUT, 4), 0);
+    expect_pdos(&r, "the last slot", (const uint16_t[4]){0x1602}, (const uint16_t[4]){0});
     close_rig(&r);
 }
 
@@ -266,10 +281,12 @@ static void power_cycle(void **state)
     rig_t r;
     (void)state;
     open_rig(&r, RACK(DOWNLOAD, ""), PREOP);
+    assert_false(has_signal(&r, "p_2.a"));
     assert_true(plug(&r, 2, OUT));
     assert_int_equal(write_number(&r, 1, OUT, 4), 0);
     ect_chain_power_cycle(r.wire.chain, r.wire.now_ns);
     wire_poll(&r.wire);
+    assert_true(has_signal(&r, "p_2.a")); /* of the second slot */
     wire_assign_stations(&r.wire);
     wire_configure_mailbox(&r.wire, 0);
     wire_go(&r.wire, 0, PREOP);
@@ -284,11 +301,8 @@ static void strict(void **state)
     static const struct {
         uint8_t subindex;
         uint32_t ident, tolerant, strict;
-    } rows[] = {{1, IN, 0, 0},
-                {1, OUT, 0, 0x06090033},
-                {2, OUT, 0, 0x06090033},
-                {1, 0, 0, 0},
-                {1, OTHER, 0x06090030, 0x06090030}};
+    } rows[] = {{1, IN, 0, 0}, {1, OUT, 0, 0x06090033},           {2, OUT, 0, 0x06090033}, {3, OUT, 0, 0x06090033},
+                {1, 0, 0, 0},  {1, OTHER, 0x06090030, 0x06090030}};
     (void)state;
     for (unsigned int on = 0; on < 2; on++) {
         rig_t r;
@@ -523,18 +537,19 @@ static void largest(void **state)
     enum { TEXTS = 149, ROOM = 40000 };
     static const struct {
         unsigned int last;
+        const char *other; /* a second module */
         bool changes;
-    } rows[] = {{2174, true}, {2175, false}};
+    } rows[] = {{2174, "", true}, {2175, "", false}, {2174, MODULE("#x120", "IO", TX_PDO), false}};
     char *objects = malloc(ROOM), *text = malloc(ROOM);
     (void)state;
     assert_true(objects != NULL && text != NULL);
-    for (size_t i = 0; i < 2; i++) {
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         size_t length = 0;
         for (unsigned int n = 0; n < TEXTS; n++)
             length += (size_t)snprintf(objects + length, ROOM - length, LARGE("%X"), 0x2000 + n);
         (void)snprintf(objects + length, ROOM - length, OBJECT("3000", "STRING(%u)", "%u", ""), rows[i].last,
                        8 * rows[i].last);
-        (void)snprintf(text, ROOM, RACK_WITH(MODULE_OF("#x110", "IO", OBJECTS("%s"))), objects);
+        (void)snprintf(text, ROOM, RACK_WITH(MODULE_OF("#x110", "IO", OBJECTS("%s")) "%s"), objects, rows[i].other);
         made_t m = make_text("large modules", text);
         if ((device_of(&m)->growth.image != 0) != rows[i].changes)
             fail_msg("%u bytes: expected modules that %s", rows[i].last, rows[i].changes ? "change" : "do not change");
@@ -571,6 +586,24 @@ static void lists_of_many_slots(void **state)
     }
 }
 
+/* The last slot of as many as a list can have. */
+static void last_of_many_slots(void **state)
+{
+    static const char text[] = PARTS("", "", "<CoE/>", "255", MODULE("#x110", "IO", TX_PDO));
+    rig_t r;
+    (void)state;
+    open_rig(&r, text, PREOP);
+    assert_int_equal(read_number(&r, 0xF050, 0), 255);
+    assert_int_equal(read_number(&r, 0xF050, 255), 0);
+    assert_true(plug(&r, 255, IN));
+    assert_int_equal(read_number(&r, 0xF050, 0), 255);
+    assert_int_equal(read_number(&r, 0xF050, 255), IN);
+    assert_int_equal(abort_of(&r, 0x6000 + 0x10 * 254, 1), 0);
+    assert_int_equal(write_number(&r, 255, IN, 4), 0);
+    assert_int_equal(abort_of(&r, 0x6000 + 0x10 * 254, 1), 0);
+    close_rig(&r);
+}
+
 static void expect_text(rig_t *r, uint16_t index, const char *expected, size_t length)
 {
     char text[32] = "";
@@ -587,7 +620,8 @@ static void values_of_the_device(void **state)
     static const char text[] =
         PARTS(OBJECTS(OBJECT("2000", "STRING(12)", "96", "<Info><DefaultString>abcdefghijkl</DefaultString></Info>")
                           OBJECT("2001", "STRING(12)", "96", "")
-                              OBJECT("2002", "UINT", "16", "<Flags><Access>rw</Access></Flags>")),
+                              OBJECT("2003", "STRING(12)", "96", "<Info><DefaultString>a</DefaultString></Info>")
+                                  OBJECT("2002", "UINT", "16", "<Flags><Access>rw</Access></Flags>")),
               "", "<CoE/>", "4", MODULE("#x110", "IO", TX_PDO));
     const uint8_t seven[2] = {7, 0};
     rig_t r;
@@ -601,6 +635,7 @@ static void values_of_the_device(void **state)
     assert_int_equal(abort_of(&r, 0x6010, 1), 0);
     expect_text(&r, 0x2000, "abcdefghijkl", 12);
     expect_text(&r, 0x2001, "", 0);
+    expect_text(&r, 0x2003, "a", 1);
     assert_int_equal(read_number(&r, 0x2002, 0), 7);
     close_rig(&r);
 }
@@ -689,6 +724,7 @@ int main(int argc, char **argv)
          pulled_in_op, NULL, NULL, NULL},
         {"MDP-020: a module pulled in SAFEOP ends it by a fall to PREOP only", pulled_in_safeop, NULL, NULL, NULL},
         {"MDP-009: a F030h shorter than the slots leaves the modules of the others", shorter_list, NULL, NULL, NULL},
+        {"MDP-009: an ident of the last slot alone is a configuration", last_element, NULL, NULL, NULL},
         {"MDP-020: a module replaced by one of the same ident changes nothing", same_module, NULL, NULL, NULL},
         {"MDP-009: values of other modules stay, a new module has its defaults", values, NULL, NULL, NULL},
         {"a reference to a signal does not reach the values of another module", references, NULL, NULL, NULL},
@@ -697,6 +733,7 @@ int main(int argc, char **argv)
         {"MDP-004 MDP-009 MDP-010: the sequences of masters for modular devices lead to OP", masters, NULL, NULL, NULL},
         {"MDP-007: a set of modules that cannot be built is refused at SAFEOP", too_many, NULL, NULL, NULL},
         {"MDP-009: devices whose modules change", racks, NULL, NULL, NULL},
+        {"MDP-009 MDP-016: a module in the last of 255 slots", last_of_many_slots, NULL, NULL, NULL},
         {"MDP-002: lists of more than 255 slots have 255 elements", lists_of_many_slots, NULL, NULL, NULL},
         {"MDP-009: memory of the modules that the slots take", memory, NULL, NULL, NULL},
         {"MDP-009: modules of 8 MiB change, larger ones do not", largest, NULL, NULL, NULL},

@@ -171,6 +171,7 @@ static void shapes(void **state)
             fail_msg("%s: expected attribute 0x%08X, %u of %u bytes, got 0x%08X, %u of %u", rows[i].what,
                      (unsigned int)rows[i].attribute, rows[i].used, rows[i].size, (unsigned int)idn->attribute,
                      idn->used, idn->size);
+        assert_int_not_equal(idn->offset, 0); /* each has memory */
         if ((idn->content != NULL) != (rows[i].content != NULL))
             fail_msg("%s: expected %s", rows[i].what, rows[i].content != NULL ? "a content" : "no content");
         if (rows[i].content != NULL)
@@ -534,6 +535,8 @@ static void limits_and_commands(void **state)
         uint8_t flags;
     } rows[] = {
         {"within", DRIVE(OBJECT("UINT", "16", BOTH), "", INIT("#x8001", "0400")), MIN | MAX},
+        {"the minimum", DRIVE(OBJECT("UINT", "16", BOTH), "", INIT("#x8001", "0300")), MIN | MAX},
+        {"the maximum", DRIVE(OBJECT("UINT", "16", BOTH), "", INIT("#x8001", "0900")), MIN | MAX},
         {"below", DRIVE(OBJECT("UINT", "16", BOTH), "", INIT("#x8001", "0200")), 0},
         {"above", DRIVE(OBJECT("UINT", "16", BOTH), "", INIT("#x8001", "0A00")), 0},
         {"above, with a minimum alone", DRIVE(OBJECT("UINT", "16", MINIMUM), "", INIT("#x8001", "0A00")), MIN},
@@ -802,6 +805,7 @@ static void forced(void **state)
         const bool mode = rows[i].idn == 32;
         expect_row(rows[i].what, idn, rows[i].attribute, rows[i].size, 0);
         assert_string_equal(idn->name, "N");
+        assert_true(idn->content == NULL || rows[i].idn == 16 || rows[i].idn == 24); /* set with the telegrams */
         if (idn->initial != rows[i].initial || idn->flags != (mode ? ECT_SOE_DEFAULT : 0))
             fail_msg("%s: expected the value %u, got %u with flags 0x%02X", rows[i].what, (unsigned int)rows[i].initial,
                      (unsigned int)idn->initial, idn->flags);

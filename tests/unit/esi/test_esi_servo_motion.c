@@ -95,6 +95,7 @@ static void position(void **state)
 {
     (void)state;
     open_in_op("TWO");
+    assert_int_equal(word(0) & FOLLOWS, 0);
     for (unsigned int drive = 0; drive < 2; drive++) {
         command_value(drive, actual(drive));
         control(drive, RUN);
