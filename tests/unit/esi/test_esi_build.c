@@ -177,6 +177,16 @@ static void defaults(void **state)
          6,
          {1, 2, 3, 4, 5, 6},
          NULL},
+        {"more bytes than an array has",
+         ONE("ARRAY [0..5] OF BYTE", "48", "<DefaultData>0102030405060708</DefaultData>", ""),
+         6,
+         {1, 2, 3, 4, 5, 6},
+         NULL},
+        {"fewer bytes than an array has",
+         ONE("ARRAY [0..5] OF BYTE", "48", "<DefaultData>0102030405</DefaultData>", ""),
+         6,
+         {1, 2, 3, 4, 5},
+         NULL},
     };
     (void)state;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
@@ -327,6 +337,15 @@ static void records(void **state)
         {"a number twice", RECORD(COUNT ITEM("1", "A", "UINT", "16", "") ITEM("1", "B", "UINT", "16", ""), "", ""),
          ECT_OBJECT_RECORD, 1, 1, 16, "A",
          "line 2: object 2000: sub-index 1 of type UINT is left out: it exists already"},
+        {"the highest number twice",
+         RECORD(COUNT ITEM("255", "A", "UINT", "16", "") ITEM("255", "B", "UINT", "16", ""), "", ""), ECT_OBJECT_RECORD,
+         255, 255, 16, "A", "line 2: object 2000: sub-index 255 of type UINT is left out: it exists already"},
+        {"a number behind the highest",
+         RECORD(COUNT ITEM("255", "A", "UINT", "16", "") "<SubItem><Name>B</Name><Type>UINT</Type><BitSize>16</BitSize>"
+                                                         "</SubItem>",
+                "", ""),
+         ECT_OBJECT_RECORD, 255, 255, 16, "A",
+         "line 2: object 2000: sub-index 256 of type UINT is left out: 255 is the highest"},
         {"an unknown type", RECORD(COUNT ITEM("1", "A", "UINT", "16", "") ITEM("2", "B", "X", "0", ""), "", ""),
          ECT_OBJECT_RECORD, 1, 1, 16, "A",
          "line 2: object 2000: sub-index 2 of type X is left out: its length is not known"},
@@ -1157,6 +1176,70 @@ static void signals(void **state)
     }
 }
 
+/* The unit of a signal is that of its entry, else that of an object of the profile, with decimal digits in some. */
+static void units_of_signals(void **state)
+{
+#define MEASURED(profile, value, unit, digits)                                                                         \
+    ESI_DEVICE("<Profile><ProfileNo>" profile "</ProfileNo><Dictionary>" OBJECTS(                                      \
+        UNIT_OBJECT(value, "UINT", "16", "")                                                                           \
+            UNIT_OBJECT(unit, "UDINT", "32", "<DefaultValue>#x00010300</DefaultValue>")                                \
+                UNIT_OBJECT(digits, "USINT", "8",                                                                      \
+                            "<DefaultValue>2</DefaultValue>")) "</Dictionary></Profile>" MAIL COE ESI_EEPROM)
+#define UNIT_OBJECT(index, type, bits, info)                                                                           \
+    "<Object><Index>#x" index "</Index><Name>N</Name><Type>" type "</Type><BitSize>" bits "</BitSize><Info>" info      \
+    "</Info></Object>"
+    static const struct {
+        uint16_t profile, value, unit;
+        const char *expected; /* NULL: none */
+    } table[] = {
+        {401, 0x6401, 0x6430, "m/s"},       {401, 0x6402, 0x6430, "m/s"},       {401, 0x6403, 0x6430, "m/s"},
+        {401, 0x6404, 0x6430, NULL},        {401, 0x6400, 0x6430, NULL},        {404, 0x6401, 0x6430, NULL},
+        {404, 0x6130, 0x6131, "m/s"},       {404, 0x6148, 0x6131, "m/s"},       {404, 0x6149, 0x6131, "m/s"},
+        {404, 0x7130, 0x6131, "10^-2 m/s"}, {404, 0x7148, 0x6131, "10^-2 m/s"}, {404, 0x7149, 0x6131, "10^-2 m/s"},
+        {404, 0x9130, 0x6131, "10^-2 m/s"}, {404, 0x9148, 0x6131, "10^-2 m/s"}, {404, 0x9149, 0x6131, "10^-2 m/s"},
+        {401, 0x7130, 0x6131, NULL},        {404, 0x8130, 0x6131, NULL},        {404, 0x7130, 0x6430, NULL},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        char text[4000], profile[8], value[8], unit[8], name[16];
+        (void)snprintf(profile, sizeof profile, "%u", table[i].profile);
+        (void)snprintf(value, sizeof value, "%04X", table[i].value);
+        (void)snprintf(unit, sizeof unit, "%04X", table[i].unit);
+        (void)snprintf(name, sizeof name, "%04x_00", table[i].value);
+        (void)snprintf(text, sizeof text, MEASURED("%s", "%s", "%s", "6132"), profile, value, unit);
+        made_t m = make_text(value, text);
+        const ect_signal_t *s = find_signal(&m, "od", name);
+        assert_non_null(s);
+        if ((s->unit != NULL) != (table[i].expected != NULL) ||
+            (s->unit != NULL && strcmp(s->unit, table[i].expected) != 0))
+            fail_msg("%u, %04X: expected the unit %s, got %s", table[i].profile, table[i].value,
+                     table[i].expected ? table[i].expected : "none", s->unit ? s->unit : "none");
+        free_made(&m);
+    }
+}
+
+static void units_of_entries(void **state)
+{
+    static const struct {
+        const char *text, *unit;
+    } table[] = {
+        {ONE("UINT", "16", "<Unit>#xFD010300</Unit>", ""), "mm/s"},
+        {ONE("UINT", "16", "<Unit>#x00030000</Unit>", ""), "s"},
+        {ONE("UINT", "16", "<Unit>#x00FF0000</Unit>", ""), NULL},
+        {ONE("UINT", "16", "", ""), NULL},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        made_t m = make_text("a unit", table[i].text);
+        const ect_signal_t *s = find_signal(&m, "od", "2000_00");
+        assert_non_null(s);
+        if ((s->unit != NULL) != (table[i].unit != NULL) || (s->unit != NULL && strcmp(s->unit, table[i].unit) != 0))
+            fail_msg("row %zu: expected the unit %s, got %s", i, table[i].unit ? table[i].unit : "none",
+                     s->unit ? s->unit : "none");
+        free_made(&m);
+    }
+}
+
 static void names_of_signals(void **state)
 {
 #define NAMED(pdo, entry)                                                                                              \
@@ -1182,6 +1265,9 @@ static void names_of_signals(void **state)
                       ENTRY("#x6000", "4", "8", "B", "USINT"))),
          "p", "b_3"},
         {PLAIN(TX("Sm='3'", "#x1A00", A8) TX("Sm='3'", "#x1A01", B8)), "p_2", "b"},
+        {PLAIN(TX("Sm='3'", "#x1A00", A8) TX("Sm='3'", "#x1A01", B8)
+                   TX("Sm='3'", "#x1A02", ENTRY("#x6000", "3", "8", "C", "USINT"))),
+         "p_3", "c"},
         {PLAIN(TX("", "#x1A01", B8) TX("Sm='3'", "#x1A00", A8)), "p", "a"},
         {ONE("UINT", "16", "", "<Access>rw</Access>"), "od", "2000_00"},
     };
@@ -1249,6 +1335,8 @@ int main(void)
         {"CF-027 mailboxes of the BOOT state: 8 bytes with a length, or none", boot_mailboxes, NULL, NULL, NULL},
         {"bytes in hexadecimal digits of either case", hexadecimal_digits, NULL, NULL, NULL},
         {"types and ranges of signals", signals, NULL, NULL, NULL},
+        {"a signal has the unit of its entry", units_of_entries, NULL, NULL, NULL},
+        {"a signal of CiA 401 and CiA 404 has the unit of its object", units_of_signals, NULL, NULL, NULL},
         {"names of signals: plain, unique, within their length", names_of_signals, NULL, NULL, NULL},
         {"entries that have no signal of their own", no_signals, NULL, NULL, NULL},
     };

@@ -165,6 +165,8 @@ static void refusals(void **state)
         {"19FFh", WITH(TX("Sm='3'", "#x19FF", A8)), "its index is not that of a PDO of inputs"},
         {"1C00h", WITH(TX("Sm='3'", "#x1C00", A8)), "its index is not that of a PDO of inputs"},
         {"an entry of 248 bits", WITH(TX("Sm='3'", "#x1A00", ENTRY("#x6000", "1", "248", "A", "STRING(31)"))), NULL},
+        {"255 bits of an entry",
+         WITH(TX("Sm='3'", "#x1A00", ENTRY("#x6000", "1", "255", "A", "ARRAY [0..31] OF BYTE"))), NULL},
         {"an entry of 256 bits", WITH(TX("Sm='3'", "#x1A00", ENTRY("#x6000", "1", "256", "A", "STRING(32)"))),
          "an entry can map at most 255 bits"},
         {"a gap of 256 bits", WITH(TX("Sm='3'", "#x1A00", "<Entry><Index>0</Index><BitLen>256</BitLen></Entry>")),
@@ -385,9 +387,10 @@ static void elements_of_a_mapping(void **state)
 {
 #define NUMBER                                                                                                         \
     "<SubItem><SubIdx>0</SubIdx><Name>N</Name><Type>USINT</Type><BitSize>8</BitSize><BitOffs>0</BitOffs></SubItem>"
-#define ELEMENT(n, offset)                                                                                             \
-    "<SubItem><SubIdx>" n "</SubIdx><Name>M" n "</Name><Type>UDINT</Type><BitSize>32</BitSize><BitOffs>" offset        \
+#define NUMBERED(n, name, offset)                                                                                      \
+    "<SubItem><SubIdx>" n "</SubIdx><Name>" name "</Name><Type>UDINT</Type><BitSize>32</BitSize><BitOffs>" offset      \
     "</BitOffs></SubItem>"
+#define ELEMENT(n, offset) NUMBERED(n, "M" n, offset)
 #define DESCRIBED(elements)                                                                                            \
     ESI_DEVICE("<Profile><Dictionary><DataTypes><DataType><Name>M</Name><BitSize>112</BitSize>" NUMBER elements        \
                "</DataType></DataTypes><Objects>" OBJECT(                                                              \
@@ -400,6 +403,10 @@ static void elements_of_a_mapping(void **state)
         {"none in the dictionary", DESCRIBED(""), {"Mapped object", "Mapped object"}, 2},
         {"one less than the PDO", DESCRIBED(ELEMENT("1", "16")), {"M1", "Mapped object"}, 2},
         {"those of the PDO", DESCRIBED(ELEMENT("1", "16") ELEMENT("2", "48")), {"M1", "M2"}, 2},
+        {"names that are numbers, and one that begins like these",
+         DESCRIBED(NUMBERED("1", "SubIndex 001", "16") NUMBERED("2", "SubIndexes", "48")),
+         {"Mapped object", "SubIndexes"},
+         2},
         {"one more than the PDO",
          DESCRIBED(ELEMENT("1", "16") ELEMENT("2", "48") ELEMENT("3", "80")),
          {"M1", "M2", "M3"},

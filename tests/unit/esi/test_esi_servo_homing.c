@@ -186,6 +186,28 @@ static void apart(void **state)
     expect_near("drive 1", REFERENCE, 2, actual(0));
 }
 
+/* S-0-0041 and S-0-0042 of each drive: 2 turns a second within 1 s, 1 turn a second at once. */
+static void speed_and_acceleration(void **state)
+{
+    (void)state;
+    open_servo("TWO", ECT_BEHAVIOUR_BY_FILE);
+    prepare(0, AT_DRIVE, 0);
+    prepare(1, AT_DRIVE, 0);
+    write_number(0, ACCELERATION_IDN, 20000);
+    write_number(1, SPEED_IDN, 10000);
+    operational();
+    power_on(0);
+    power_on(1);
+    assert_int_equal(write_word(0, HOMING, 3), 0);
+    assert_int_equal(write_word(1, HOMING, 3), 0);
+    cycles(500);
+    expect_near("drive 1 after 0.5 s", 60, 3, signal_of("axis1.speed"));
+    expect_near("drive 2 after 0.5 s", 60, 3, signal_of("axis2.speed"));
+    cycles(700);
+    expect_near("drive 1 after 1.2 s", 120, 3, signal_of("axis1.speed"));
+    expect_near("drive 2 after 1.2 s", 60, 3, signal_of("axis2.speed"));
+}
+
 /* --- failures ----------------------------------------------------------------------------------------------------- */
 
 static void not_now(void **state)
@@ -295,6 +317,7 @@ int main(void)
          each_setting, NULL, close_drive, NULL},
         {"S-0-0148: the set value counts again after the command is cleared", until_cleared, NULL, close_drive, NULL},
         {"S-0-0148: two drives home, each by its own settings", apart, NULL, close_drive, NULL},
+        {"S-0-0148: speed and acceleration are S-0-0041 and S-0-0042", speed_and_acceleration, NULL, close_drive, NULL},
         {"SOE-031: S-0-0148 of a drive that is not enabled or halts is refused", not_now, NULL, close_drive, NULL},
         {"S-0-0148 ends in an error when the control unit has the home switch", switch_elsewhere, NULL, close_drive,
          NULL},
