@@ -233,6 +233,49 @@ static void each_text_of_general_is_read(void **state)
     }
 }
 
+/* ETG.2010, category DC: name and description of a mode; category PDO: name, and the texts of its entries. */
+static void texts_of_modes_and_pdos_are_read(void **state)
+{
+    static const uint8_t strings[] = {4, 1, 'M', 1, 'D', 1, 'P', 1, 'E', 0};
+    const uint8_t modes[24] = {[18] = 1, [19] = 2};
+    const uint8_t pdos[16] = {0x00, 0x1A, 1, 0xFF, 0, 3, 0, 0, 0x00, 0x60, 1, 4, ECT_TYPE_UNSIGNED8, 8};
+    image_t image;
+    char why[TEXT];
+    (void)state;
+    begin(&image, 0);
+    add(&image, ECT_SII_STRINGS, strings, sizeof strings);
+    add(&image, ECT_SII_TXPDO, pdos, sizeof pdos);
+    add(&image, ECT_SII_DC, modes, sizeof modes);
+    end(&image);
+    ect_esi_t *esi = ect_esi_of_image("image", image.bytes, image.size, why, sizeof why);
+    const ect_esi_device_t *d = ect_esi_select(esi, "", why, sizeof why);
+    assert_string_equal(d->dcs[0].name, "M");
+    assert_string_equal(d->dcs[0].description, "D");
+    assert_string_equal(d->pdos[0].name, "P");
+    assert_string_equal(d->pdos[0].entries[0].name, "E");
+    ect_esi_close(esi);
+}
+
+/* ETG.2010, category PDO, flags: mandatory, fixed, virtual. */
+static void each_flag_of_a_pdo_is_read(void **state)
+{
+    (void)state;
+    for (unsigned int bit = 0; bit < 16; bit++) {
+        const uint8_t pdo[] = {0x00, 0x1A, 0, 0xFF, 0, 0, (uint8_t)(1u << bit), (uint8_t)(1u << bit >> 8)};
+        image_t image;
+        char why[TEXT];
+        begin(&image, 0);
+        add(&image, ECT_SII_TXPDO, pdo, sizeof pdo);
+        end(&image);
+        ect_esi_t *esi = ect_esi_of_image("image", image.bytes, image.size, why, sizeof why);
+        const ect_esi_pdo_t *p = &ect_esi_select(esi, "", why, sizeof why)->pdos[0];
+        assert_int_equal(p->mandatory, bit == 0);
+        assert_int_equal(p->fixed, bit == 4);
+        assert_int_equal(p->virtual_pdo, bit == 5);
+        ect_esi_close(esi);
+    }
+}
+
 /* ETG.2010, category SyncM, byte 6: enabled, fixed content, virtual, OpOnly. */
 static void each_flag_of_a_sync_manager_is_read(void **state)
 {
@@ -334,6 +377,7 @@ static void each_element_of_a_category_is_read(void **state)
                 static const char *const roles[] = {"Outputs", "Inputs", "MBoxState"};
                 const ect_esi_sm_t *sm = &model->sms[i];
                 const ect_esi_dc_t *dc = &model->dcs[i];
+                assert_true(sm->size.given);
                 assert_true(sm->start == 0x1000 + 0x100 * i && sm->size.value == (int64_t)(100 + i));
                 assert_true(sm->maximum == 100 + i && sm->control == 0x20 + i && strcmp(sm->type, "Inputs") == 0);
                 assert_string_equal(model->fmmus[i], roles[i % 3]);
@@ -399,8 +443,9 @@ static void process_data_without_pdos_are_bytes(void **state)
 /* A PDO truncated by its category, and everything after a PDO without an index, are omitted. */
 static void pdos_are_read_as_far_as_they_are_whole(void **state)
 {
-    static const uint8_t rx[] = {PDO(0x1600, 2, 0xFF), ENTRY(0x7000, 1, 0, 16), ENTRY(0, 0, 0, 8), PDO(0x1601, 2, 0xFF),
-                                 ENTRY(0x7000, 1, 0, 16)};
+    static const uint8_t rx[] = {PDO(0x1600, 3, 0xFF), ENTRY(0x7000, 1, 0, 16),
+                                 ENTRY(0, 0, 0, 8),    ENTRY(0x7000, 2, ECT_TYPE_UNSIGNED8, 0),
+                                 PDO(0x1601, 2, 0xFF), ENTRY(0x7000, 1, 0, 16)};
     static const uint8_t tx[] = {PDO(0x1A00, 0, 0xFF), PDO(0, 0, 0xFF), PDO(0x1A01, 0, 0xFF)};
     image_t image;
     (void)state;
@@ -411,8 +456,9 @@ static void pdos_are_read_as_far_as_they_are_whole(void **state)
     made_t m = make(&image);
     assert_int_equal(m.model->pdo_count, 2);
     assert_int_equal(m.model->pdos[0].index, 0x1600);
-    assert_int_equal(m.model->pdos[0].entry_count, 2);
+    assert_int_equal(m.model->pdos[0].entry_count, 3);
     assert_string_equal(m.model->pdos[0].entries[0].type, ""); /* the image names none */
+    assert_string_equal(m.model->pdos[0].entries[2].type, ""); /* without bits */
     assert_int_equal(m.model->pdos[0].entries[1].index, 0);
     assert_int_equal(m.model->pdos[1].index, 0x1A00);
     drop(&m);
@@ -505,6 +551,8 @@ int main(void)
         cmocka_unit_test(mailboxes_of_the_header_serve_without_a_category_of_sync_managers),
         cmocka_unit_test(each_field_of_general_is_read),
         cmocka_unit_test(each_text_of_general_is_read),
+        cmocka_unit_test(texts_of_modes_and_pdos_are_read),
+        cmocka_unit_test(each_flag_of_a_pdo_is_read),
         cmocka_unit_test(each_type_of_a_sync_manager_has_its_name),
         cmocka_unit_test(each_type_of_an_fmmu_has_its_name),
         cmocka_unit_test(each_flag_of_a_sync_manager_is_read),
