@@ -88,6 +88,15 @@ static void no_encoder(void **state)
 #define DICTIONARY(objects)                                                                                            \
     "<Dictionary><DataTypes><DataType><Name>UDINT</Name><BitSize>32</BitSize></DataType></DataTypes><Objects>" objects \
     "</Objects></Dictionary>"
+#define STEPS                                                                                                          \
+    "<Dictionary><DataTypes><DataType><Name>USINT</Name><BitSize>8</BitSize></DataType><DataType><Name>UDINT</Name>"   \
+    "<BitSize>32</BitSize></DataType><DataType><Name>DT6005</Name><BitSize>48</BitSize><SubItem><SubIdx>0</SubIdx>"    \
+    "<Name>N</Name><Type>USINT</Type><BitSize>8</BitSize><BitOffs>0</BitOffs></SubItem><SubItem><SubIdx>1</SubIdx>"    \
+    "<Name>Step</Name><Type>UDINT</Type><BitSize>32</BitSize><BitOffs>16</BitOffs></SubItem></DataType></DataTypes>"   \
+    "<Objects><Object><Index>#x6005</Index><Name>N</Name><Type>DT6005</Type><BitSize>48</BitSize></Object>"
+#define LINEAR(objects)                                                                                                \
+    ESI_DEVICE("<Profile>" STEPS objects "</Objects></Dictionary></Profile>" ESI_MAILBOX_SMS                           \
+               "<Mailbox><CoE/></Mailbox>" ESI_EEPROM)
 #define OBJECT(index) "<Object><Index>#x" index "</Index><Name>N</Name><Type>UDINT</Type><BitSize>32</BitSize></Object>"
 
 #define TWELVE_OBJECTS                                                                                                 \
@@ -107,6 +116,12 @@ static void by_their_objects(void **state)
     } rows[] = {
         {"position, units", ENCODER("", OBJECT("6001") OBJECT("6004")), "CiA 406: encoder 1 position"},
         {"position, resolution", ENCODER("", OBJECT("6004") OBJECT("6501")), "CiA 406: encoder 1 position"},
+        {"position, units, resolution", ENCODER("", OBJECT("6001") OBJECT("6004") OBJECT("6501")),
+         "CiA 406: encoder 1 position"},
+        {"position, step", LINEAR(OBJECT("6004")), "CiA 406: linear encoder 1 position"},
+        {"position, step, units", LINEAR(OBJECT("6001") OBJECT("6004")), "CiA 406: encoder 1 position"},
+        {"position, step, resolution", LINEAR(OBJECT("6004") OBJECT("6501")), "CiA 406: linear encoder 1 position"},
+        {"step, resolution", LINEAR(OBJECT("6501")), NULL},
         {"position alone", ENCODER("", OBJECT("6004")), NULL},
         {"resolution alone", ENCODER("", OBJECT("6501")), NULL},
         {"a drive", ENCODER("", OBJECT("6004") OBJECT("6040") OBJECT("6501")), NULL},

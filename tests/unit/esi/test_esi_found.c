@@ -315,6 +315,27 @@ static void mappings_and_assignments_replace_those_of_the_image(void **state)
     drop(&m);
 }
 
+/* 1C10h to 1C2Fh are assignments. */
+static void the_objects_of_assignments(void **state)
+{
+    static const struct {
+        uint16_t index;
+        int sm; /* -1: none */
+    } rows[] = {{0x1C0F, -1}, {0x1C10, 0}, {0x1C13, 3}, {0x1C2F, 31}, {0x1C30, -1}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ect_esi_t *esi = open_image();
+        mapping(esi, 0x1A05, 0x60000110, 0x60000208);
+        assignment(esi, rows[i].index, 0x1A05);
+        char why[TEXT] = "";
+        ect_esi_found_end(esi); /* a twin would have no assignment of a mailbox */
+        made_t m = {.esi = esi, .model = ect_esi_select(esi, "", why, sizeof why)};
+        if (pdo_at(&m, 0x1A05)->sm != rows[i].sm)
+            fail_msg("%04X: expected SyncManager %d, got %d", rows[i].index, rows[i].sm, pdo_at(&m, 0x1A05)->sm);
+        drop(&m);
+    }
+}
+
 /* Mappings of both directions in turn, more than the image has room for. */
 static void many_mappings_stay_in_order(void **state)
 {
@@ -493,6 +514,38 @@ static void elements_described_in_different_ways_make_a_record(void **state)
     }
 }
 
+/* An element of an array without a value has none of another. */
+static void elements_without_a_value(void **state)
+{
+    static const uint8_t two[] = {2}, seven[] = {7, 0}, five[] = {5, 0}, nine[] = {9, 0};
+    static const ect_esi_found_entry_t entries[] = {
+        {.subindex = 0, .type = ECT_TYPE_UNSIGNED8, .bits = 8, .access = ECT_ACCESS_RO, .name = "N", .value = {two, 1}},
+        {.subindex = 1,
+         .type = ECT_TYPE_UNSIGNED16,
+         .bits = 16,
+         .access = ECT_ACCESS_RW,
+         .name = "A",
+         .value = {seven, 2},
+         .minimum = {five, 2},
+         .maximum = {nine, 2}},
+        {.subindex = 2, .type = ECT_TYPE_UNSIGNED16, .bits = 16, .access = ECT_ACCESS_RW, .name = "B"},
+    };
+    (void)state;
+    ect_esi_t *esi = open_image();
+    object(esi, 0x4100, ECT_OBJECT_ARRAY, "Array");
+    for (size_t i = 0; i < sizeof entries / sizeof entries[0]; i++)
+        ect_esi_found_entry(esi, &entries[i]);
+    made_t m = finish(esi);
+    const ect_od_t od = ect_device_od(m.device, NULL);
+    assert_int_equal(ect_od_find(&od, 0x4100)->object_code, ECT_OBJECT_ARRAY);
+    assert_int_equal(find(&m, 0x4100, 1)->value, 7);
+    assert_int_equal(find(&m, 0x4100, 2)->value, 0);
+    assert_string_equal(find(&m, 0x4100, 2)->name, "B");
+    assert_int_equal(ect_od_detail(&od, 0x4100, 1)->minimum, 5);
+    assert_null(ect_od_detail(&od, 0x4100, 2));
+    drop(&m);
+}
+
 /* Mappings and assignments whose number of entries is unknown leave those of the image. */
 static void without_a_number_of_entries_the_image_counts(void **state)
 {
@@ -564,6 +617,8 @@ int main(void)
         cmocka_unit_test(limits_and_units_stay),
         cmocka_unit_test(a_mapping_keeps_what_the_image_knows),
         cmocka_unit_test(mappings_and_assignments_replace_those_of_the_image),
+        cmocka_unit_test(the_objects_of_assignments),
+        cmocka_unit_test(elements_without_a_value),
         cmocka_unit_test(many_mappings_stay_in_order),
         cmocka_unit_test(CLN_015_a_mapping_and_an_assignment_keep_the_right_of_a_master_to_write_them),
         cmocka_unit_test(CLN_015_names_of_values_and_of_the_identity_stay),

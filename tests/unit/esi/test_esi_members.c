@@ -162,6 +162,8 @@ typedef struct row {
     X(plain_command, testdev, (command(c, "PS"), command_plain()),                                                     \
       "<InitCmd><Transition>PS</Transition><Index>#x2000</Index><SubIndex>17</SubIndex><Data>0AFF00</Data></InitCmd>", \
       "<Comment>")                                                                                                     \
+    X(disabled_command, testdev, (command(c, "PS"), the_command.disabled = true), "<CoE ", "<InitCmd")                 \
+    X(upload, testdev, (command(c, "PS"), the_command.upload = true), "<CoE ", "<InitCmd")                             \
     X(transitions, testdev, command(c, "IP PS OS"),                                                                    \
       "<Transition>IP</Transition><Transition>PS</Transition><Transition>OS</Transition><Index>", NULL)                \
     X(mails_of_EoE, testdev, mails(c, ECT_MAILBOX_EOE),                                                                \
@@ -169,10 +171,12 @@ typedef struct row {
       "<Comment>Why</Comment></InitCmd></EoE><CoE ",                                                                   \
       "<IDN>")                                                                                                         \
     X(mails_of_AoE, testdev, mails(c, ECT_MAILBOX_AOE),                                                                \
-      "<AoE><InitCmd><Transition>PS</Transition><Data>010203</Data></InitCmd></AoE><CoE ", "<Type>0</Type>")           \
+      "<AoE><InitCmd><Transition>PS</Transition><Data>010203</Data></InitCmd><InitCmd><Transition>SO</Transition>"     \
+      "</InitCmd></AoE><CoE ",                                                                                         \
+      "<Type>0</Type>")                                                                                                \
     X(mails_of_SoE, testdev, mails(c, ECT_MAILBOX_SOE),                                                                \
       "<SoE><InitCmd><Transition>PS</Transition><IDN>32</IDN><Data>010203</Data></InitCmd><InitCmd Chn=\"1\">"         \
-      "<Transition>PS</Transition><IDN>33026</IDN><Data>010203</Data></InitCmd></SoE>",                                \
+      "<Transition>PS</Transition><IDN>33026</IDN><Data>01</Data></InitCmd></SoE>",                                    \
       "<IDN>17</IDN>")                                                                                                 \
     X(no_clocks, testdev, AS_IS, "</Mailbox><Eeprom>", "<Dc>")                                                         \
     X(clocks, confdev, AS_IS,                                                                                          \
@@ -228,7 +232,8 @@ static void mails(copy_t *c, uint8_t protocol)
         {"IP PS", "Why", ECT_MAILBOX_TYPE_EOE, 2, 0, 0, 0, false, sizeof bytes, bytes},
         {"PS", NULL, ECT_MAILBOX_TYPE_EOE, 4, 0, 0, 0, true, sizeof bytes, bytes},
         {"PS", NULL, ECT_MAILBOX_TYPE_SOE, ECT_INIT_WRITES, 0, 0x40, 32, false, sizeof bytes, bytes},
-        {"PS", NULL, ECT_MAILBOX_TYPE_SOE, ECT_INIT_WRITES, 1, 0x40, 0x8102, false, sizeof bytes, bytes},
+        {"PS", NULL, ECT_MAILBOX_TYPE_SOE, ECT_INIT_WRITES, 1, 0x40, 0x8102, false, 1, bytes},
+        {"SO", NULL, ECT_MAILBOX_TYPE_AOE, 0, 0, 0, 0, false, 0, NULL},
         {"PS", NULL, ECT_MAILBOX_TYPE_SOE, ECT_INIT_READS, 0, 0x40, 17, false, 0, NULL},
     };
     c->device.mailbox_protocols |= protocol;
