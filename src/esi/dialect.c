@@ -176,7 +176,6 @@ static uint16_t class_1_of(uint16_t code)
         {0xF000, 0x2000, 1u << 7},
         {0xFFFF, 0x3220, 1u << 9},
         {0xFF00, 0x3200, 1u << 8},
-        {0xFFFF, 0x4310, 1u << 1},
         {0xFF00, 0x4300, 1u << 1},
         {0xFF00, 0x7300, 1u << 5},
         {0xFF00, 0x7500, 1u << 12},

@@ -84,9 +84,9 @@ static void selectors(void **state)
         const char *operand;
         int at; /* -1: none */
     } table[] = {
-        {"a.xml", -1},       {"a.xml#T", 5},        {"a.xml#", 5},    {"a.xml#@#x1234", 5},
-        {"b#c.xml", -1},     {"b#c.xml#T", 7},      {"none.xml", -1}, {"none.xml#T", 8},
-        {"none#c.xml#T", 4}, {"b#c.xml#@1/#x2", 7}, {"a.xml#b#c", 5},
+        {"a.xml", -1},    {"a.xml#T", 5},   {"a.xml#", 5},     {"a.xml#@#x1234", 5}, {"b#c.xml", -1},
+        {"b#c.xml#T", 7}, {"none.xml", -1}, {"none.xml#T", 8}, {"none#c.xml#T", 4},  {"b#c.xml#@1/#x2", 7},
+        {"a.xml#b#c", 5}, {"d#", -1},       {"d##T", 2},       {"d##", 2},           {"d###", 2},
     };
     char old[1000];
     const char *path = folder();
@@ -95,6 +95,7 @@ static void selectors(void **state)
     assert_int_equal(chdir(path), 0);
     write_text("a.xml", "");
     write_text("b#c.xml", "");
+    write_text("d#", "");
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
         const char *hash = ect_esi_selector(table[i].operand);
         int at = hash != NULL ? (int)(hash - table[i].operand) : -1;
@@ -103,6 +104,7 @@ static void selectors(void **state)
     }
     (void)unlink("a.xml");
     (void)unlink("b#c.xml");
+    (void)unlink("d#");
     assert_int_equal(chdir(old), 0);
     (void)rmdir(path);
 }
@@ -176,6 +178,12 @@ static void heads(void **state)
     memset(longest + 1, '1', 70);
     assert_null(ect_esi_select(esi, longest, why, sizeof why));
     assert_non_null(strstr(why, "is not TYPE, @PRODUCT or @PRODUCT/REVISION"));
+    for (size_t digits = 63; digits <= 64; digits++) { /* leading zeros */
+        memset(longest + 1, '0', digits);
+        longest[digits] = '1';
+        longest[digits + 1] = '\0';
+        assert_int_equal(ect_esi_select(esi, longest, why, sizeof why) != NULL, digits == 63);
+    }
     ect_esi_close(esi);
 }
 

@@ -217,6 +217,10 @@ static void below_op(void **state)
     assert_int_equal(write_value(0, RESET_IDN, start, sizeof start), 0);
     assert_int_equal(number_of(0, RESET_IDN, ECT_SOE_ELEMENT_STATE), ECT_SOE_COMMAND_DONE);
     assert_int_equal(number_of(0, 135, VALUE) & CLASS_1, 0);
+    set("axis1.fault", "0x2311"); /* the reset does not last until OP */
+    wire_go(&wire, 0, OP);
+    cycles(5);
+    assert_int_equal(word(0) & CLASS_1, CLASS_1);
 }
 
 static void supply(void **state)
@@ -250,15 +254,16 @@ static void supply(void **state)
 #define PART(index, bits, name, type)                                                                                  \
     "<Entry><Index>#x" index "</Index><BitLen>" bits "</BitLen><Name>" name "</Name><DataType>" type                   \
     "</DataType></Entry>"
-#define DRIVE(objects, at)                                                                                             \
+#define DRIVE_WITH(mailbox, objects, at)                                                                               \
     ESI_DEVICE(                                                                                                        \
         "<Profile><Dictionary><DataTypes><DataType><Name>UINT</Name><BitSize>16</BitSize></DataType>"                  \
         "</DataTypes><Objects>" objects "</Objects></Dictionary></Profile>" ESI_MAILBOX_SMS ESI_PROCESS_SMS            \
         "<RxPdo Sm='2'><Index>#x0018</Index><Name>MDT</Name>" PART("86", "16", "Control", "UINT")                      \
             PART("24", "32", "Speed", "DINT") PART("2F", "32", "Position", "DINT")                                     \
                 PART("50", "16", "Torque", "INT") "</RxPdo><TxPdo Sm='3'><Index>#x0010</Index><Name>AT</Name>" PART(   \
-                    "87", "16", "Status", "UINT") at "</TxPdo><Mailbox><SoE/></Mailbox>" ESI_EEPROM)
-#define HOMING_COMMAND NUMBER("0094", "0", "<Flags><Attribute>#x00090001</Attribute></Flags>")
+                    "87", "16", "Status", "UINT") at "</TxPdo><Mailbox>" mailbox "</Mailbox>" ESI_EEPROM)
+#define DRIVE(objects, at) DRIVE_WITH("<SoE/>", objects, at)
+#define HOMING_COMMAND     NUMBER("0094", "0", "<Flags><Attribute>#x00090001</Attribute></Flags>")
 
 static ect_esi_t *file;
 
@@ -357,6 +362,17 @@ static void homing_without_a_parameter(void **state)
     assert_int_equal(number_of(0, HOMING_IDN, ECT_SOE_ELEMENT_STATE), ECT_SOE_COMMAND_RUNS);
 }
 
+/* Without reports of SoE the emergencies are those of CoE. */
+static void emergencies_of_coe(void **state)
+{
+    (void)state;
+    open_text("CoE and SoE", DRIVE_WITH("<CoE/><SoE/>", HOMING_COMMAND, PART("33", "32", "Position", "DINT")));
+    operational();
+    set("axis1.fault", "0x2311");
+    cycles(10);
+    expect_emergency(0x2311, 0x03);
+}
+
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
@@ -377,6 +393,7 @@ int main(void)
         {"SOE-043: bits of S-0-0134 select one of four operation modes, each with its kind", selected_modes, NULL,
          close_text, NULL},
         {"values that a drive writes are read-only signals", written_values, NULL, close_text, NULL},
+        {"a fault of a drive that has CoE, too, is an emergency of CoE", emergencies_of_coe, NULL, close_text, NULL},
         {"S-0-0148 without S-0-0147 seeks the switch at the drive", homing_without_a_parameter, NULL, close_text, NULL},
     };
     return cmocka_run_group_tests_name("words of SoE drives", tests, NULL, NULL);

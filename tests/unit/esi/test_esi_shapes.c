@@ -533,6 +533,34 @@ static void kinds_of_notes_are_counted(void **state)
     free_made(&m);
 }
 
+/* A note has at most 399 characters. */
+static void long_notes(void **state)
+{
+    static const size_t lengths[] = {300, 500};
+    (void)state;
+    for (size_t i = 0; i < 2; i++) {
+        char name[600], text[3000];
+        size_t count;
+        memset(name, 'N', sizeof name);
+        name[lengths[i]] = '\0';
+        (void)snprintf(text, sizeof text,
+                       ESI_DEVICE(ESI_MAILBOX_SMS ESI_PROCESS_SMS "<TxPdo Sm='2'><Index>#x1A00</Index><Name>%s</Name>"
+                                                                  "</TxPdo><Mailbox><CoE/></Mailbox>"),
+                       name);
+        made_t m = make_text("a long name", text);
+        const char *const *notes = ect_esi_twin_notes(m.twin, &count);
+        const char *note = NULL;
+        for (size_t k = 0; k < count; k++)
+            note = strstr(notes[k], "NNNN") != NULL ? notes[k] : note;
+        assert_non_null(note);
+        if (lengths[i] == 300)
+            assert_non_null(strstr(note, "N) has no entries: it carries no data"));
+        else
+            assert_int_equal(strlen(note), 399);
+        free_made(&m);
+    }
+}
+
 /* The size is a multiple of 128 bytes, and fits a number of 16 bits. */
 static void sizes_of_EEPROMs(void **state)
 {
@@ -582,8 +610,12 @@ static void time_in_objects(void **state)
 static void too_many_entries(void **state)
 {
     (void)state;
-    char *text = file_of(300, 220);
-    made_t m = try_text(text);
+    char *text = file_of(2621, 24); /* ten entries of the stack in addition */
+    made_t m = make_text("65535 entries", text);
+    free_made(&m);
+    free(text);
+    text = file_of(300, 220);
+    m = try_text(text);
     assert_null(m.twin);
     assert_string_equal(m.why, "t.xml:1: D: its dictionary has more than the 65535 entries that a twin can have");
     free_made(&m);
@@ -842,6 +874,55 @@ static char *sized(const char *eeprom, bool coe)
 
 #define EEPROM_OF(bytes) "<Eeprom><ByteSize>" bytes "</ByteSize><ConfigData>0504</ConfigData></Eeprom>"
 
+/* An EEPROM without room for the categories of the file is doubled, up to 64 KB. */
+static void enlarged_eeproms(void **state)
+{
+    static const struct {
+        unsigned int given, category; /* bytes */
+        uint16_t size;                /* 0: refused */
+        const char *text;             /* the note, or the reason */
+    } table[] = {
+        {16384, 10000, 16384, NULL},
+        {0, 30000, 32768, NULL},
+        {0, 40000, 0,
+         "d.xml:1: D: its SII does not fit an EEPROM of 32768 bytes, or needs more than the 255 texts that it can "
+         "have"},
+        {24576, 30000, 49152, "its SII does not fit 24576 bytes; the twin's EEPROM has 49152"},
+        {32640, 40000, 65280, "its SII does not fit 32640 bytes; the twin's EEPROM has 65280"},
+        {32768, 40000, 0,
+         "d.xml:1: D: its SII does not fit an EEPROM of 32768 bytes, or needs more than the 255 texts that it can "
+         "have"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        char *text = NULL, why[300] = "";
+        size_t size;
+        FILE *out = open_memstream(&text, &size);
+        assert_non_null(out);
+        (void)fputs(ESI_HEAD "<Device Physics='YY'><Type ProductCode='1' RevisionNo='2'>D</Type><Name>D</Name><Eeprom>",
+                    out);
+        if (table[i].given != 0)
+            (void)fprintf(out, "<ByteSize>%u</ByteSize>", table[i].given);
+        (void)fprintf(out,
+                      "<ConfigData>0504</ConfigData><Category><CatNo>2048</CatNo><Data>%0*d</Data></Category></Eeprom>",
+                      2 * (int)table[i].category, 0);
+        (void)fputs("</Device>" ESI_TAIL, out);
+        (void)fclose(out);
+        made_t m = {.esi = ect_esi_parse("d.xml", text, size, why, sizeof why)};
+        m.model = m.esi != NULL ? ect_esi_select(m.esi, "", why, sizeof why) : NULL;
+        m.twin = m.model != NULL ? ect_esi_twin_of(m.esi, m.model, NULL, 0, why, sizeof why) : NULL;
+        if ((m.twin != NULL) != (table[i].size != 0) || (m.twin != NULL && device_of(&m)->sii_size != table[i].size))
+            fail_msg("row %zu: expected %u bytes, got %u (%s)", i, table[i].size,
+                     m.twin != NULL ? device_of(&m)->sii_size : 0, why);
+        if (m.twin != NULL)
+            expect_note("an EEPROM", &m, table[i].text);
+        else
+            assert_string_equal(why, table[i].text);
+        free_made(&m);
+        free(text);
+    }
+}
+
 static void eeprom_of_the_file(void **state)
 {
     static const struct {
@@ -1092,6 +1173,7 @@ int main(void)
         {"a note of one kind appears once, with the number of those like it", notes_are_counted, NULL, NULL, NULL},
         {"an EEPROM has up to 65408 bytes, in steps of 128", sizes_of_EEPROMs, NULL, NULL, NULL},
         {"notes of several kinds have a count each", kinds_of_notes_are_counted, NULL, NULL, NULL},
+        {"a note is cut at its length", long_notes, NULL, NULL, NULL},
         {"the time for a twin grows with its objects, not with their square", time_in_objects, NULL, NULL, NULL},
         {"a dictionary of more entries than a twin can have is refused", too_many_entries, NULL, NULL, NULL},
         {"a virtual SyncManager is in the SII with its registers, its length and its flag", virtual_in_the_sii, NULL,
@@ -1102,6 +1184,8 @@ int main(void)
         {"the category General has the file's flags, identification, channels and ports", general, NULL, NULL, NULL},
         {"the category SyncM has bits 0 to 3 of Enable, with OpOnly", enable_bits, NULL, NULL, NULL},
         {"an EEPROM has the file's ByteSize, and omits parts in order", eeprom_of_the_file, NULL, NULL, NULL},
+        {"CF-061 an EEPROM without room for the categories is doubled, up to 64 KB", enlarged_eeproms, NULL, NULL,
+         NULL},
         {"an EEPROM too small has no names, then no free PDOs, then no PDOs", parts_left_out, NULL, NULL, NULL},
         {"The object of a start-up command exists and is writable", start_up_commands, NULL, NULL, NULL},
         {"a start-up command that the dictionary contradicts is a note", start_up_notes, NULL, NULL, NULL},

@@ -385,6 +385,8 @@ static void layout_of_objects(void **state)
         E(0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "N"), E(1, ECT_TYPE_BOOLEAN, 1, ECT_ACCESS_RW, "A"),
         E(2, ECT_TYPE_BIT1 + 2, 3, ECT_ACCESS_RW, "B"), E(3, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RW, "C"),
         E(4, ECT_TYPE_UNSIGNED32, 32, ECT_ACCESS_RW, "SubIndex 004")};
+    static const ect_entry_t alike[] = {E(0, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RO, "N"),
+                                        E(1, ECT_TYPE_UNSIGNED8, 8, ECT_ACCESS_RW, "SubIndexes")};
     static const struct {
         const char *what;
         uint16_t code;
@@ -403,6 +405,7 @@ static void layout_of_objects(void **state)
         {"two lengths in it", ECT_OBJECT_ARRAY, lengths, 2, 2, false, 56, 32, ""},
         {"two rights in it", ECT_OBJECT_ARRAY, rights, 2, 2, false, 48, 32, ""},
         {"an array without elements", ECT_OBJECT_ARRAY, empty, 0, 0, false, 16, 0, "SubIndex 000"},
+        {"a name that begins like those of numbers", ECT_OBJECT_RECORD, alike, 1, 1, false, 24, 16, ""},
         {"bits side by side", ECT_OBJECT_RECORD, bits, 4, 4, false, 64, 32, "SubIndex 004"},
     };
     (void)state;
