@@ -120,6 +120,33 @@ static void own_increments(void **state)
     }
 }
 
+/* A gap is one in each slot, also where its index depends on the slot. */
+static void gaps(void **state)
+{
+#define WITH_A_GAP                                                                                                     \
+    "<TxPdo Fixed='1' Sm='3'><Index DependOnSlot='1'>#x1a00</Index><Name>P</Name><Entry><Index DependOnSlot='1'>"      \
+    "#x6000</Index><SubIndex>1</SubIndex><BitLen>8</BitLen><Name>A</Name><DataType>USINT</DataType></Entry><Entry>"    \
+    "<Index DependOnSlot='1'>0</Index><BitLen>8</BitLen></Entry></TxPdo>"
+    static const char text[] = ESI_HEAD
+        "\n<Device Physics='YY'><Type ProductCode='#x1' RevisionNo='#x2'>RACK</Type><Name>A rack</Name>"
+        "<Fmmu>Outputs</Fmmu><Fmmu>Inputs</Fmmu>" ESI_MAILBOX_SMS ESI_PROCESS_SMS
+        "<Mailbox><CoE/></Mailbox><Slots MaxSlotCount='2' SlotPdoIncrement='1' SlotIndexIncrement='#x10'>"
+        "<Slot MinInstances='2' MaxInstances='2'><Name>A</Name><ModuleIdent Default='1'>#x110</ModuleIdent>"
+        "</Slot></Slots>" ESI_EEPROM
+        "</Device></Devices><Modules>" MODULE("#x110", "IO", WITH_A_GAP) "</Modules></Descriptions></EtherCATInfo>";
+    (void)state;
+    made_t m = make_text("gaps", text);
+    const ect_od_t od = od_of(&m);
+    for (uint16_t slot = 0; slot < 2; slot++) {
+        const ect_object_t *pdo = ect_od_find(&od, 0x1A00 + slot);
+        assert_non_null(pdo);
+        assert_int_equal(ect_od_element(pdo, 1), (0x6000u + 0x10u * slot) << 16 | 0x0108);
+        assert_int_equal(ect_od_element(pdo, 2), 8);
+    }
+    assert_null(ect_od_find(&od, 0x0010));
+    free_made(&m);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -127,6 +154,7 @@ int main(int argc, char **argv)
          NULL, NULL, NULL},
         {"MDP-012 MDP-013: increments of a slot replace those of all slots and count its own instances", own_increments,
          NULL, NULL, NULL},
+        {"MDP-011: gaps of modules have no index", gaps, NULL, NULL, NULL},
         {"MDP-011 MDP-014: each index, also of an Exclude, has its own flags", each_flag, NULL, NULL, NULL},
     };
     if (argc > 1)
