@@ -118,6 +118,9 @@ static void by_their_objects(void **state)
         {"position, resolution", ENCODER("", OBJECT("6004") OBJECT("6501")), "CiA 406: encoder 1 position"},
         {"position, units, resolution", ENCODER("", OBJECT("6001") OBJECT("6004") OBJECT("6501")),
          "CiA 406: encoder 1 position"},
+        {"wide position", ENCODER("", OBJECT("6001") OBJECT("6008")), "CiA 406: encoder 1 position"},
+        {"wide position and preset", ENCODER("", OBJECT("6001") OBJECT("6008") OBJECT("6009")),
+         "CiA 406: encoder 1 position preset"},
         {"position, step", LINEAR(OBJECT("6004")), "CiA 406: linear encoder 1 position"},
         {"position, step, units", LINEAR(OBJECT("6001") OBJECT("6004")), "CiA 406: encoder 1 position"},
         {"position, step, resolution", LINEAR(OBJECT("6004") OBJECT("6501")), "CiA 406: linear encoder 1 position"},
@@ -368,6 +371,19 @@ static void two_carriages(void **state)
     expect(0x6020, 2, -1040);
 }
 
+/* The next event of an encoder that turns is within 1 ms. */
+static void next_event(void **state)
+{
+    (void)state;
+    open_encoder("LINEAR");
+    assert_true(ect_chain_poll(wire.chain, wire.now_ns) > wire.now_ns + MS);
+    set("encoder2.speed", "20");
+    assert_true(ect_chain_poll(wire.chain, wire.now_ns) <= wire.now_ns + MS);
+    set("encoder2.speed", "0");
+    set("encoder1.speed", "-20");
+    assert_true(ect_chain_poll(wire.chain, wire.now_ns) <= wire.now_ns + MS);
+}
+
 static void without_settings(void **state)
 {
     (void)state;
@@ -430,6 +446,7 @@ int main(void)
         {"6031h and the unit of speed", units_of_speed, NULL, close_sensor, NULL},
         {"alarms and warnings reach 6503h and 6505h", diagnosis, NULL, close_sensor, NULL},
         {"two carriages of a linear encoder, in steps of 6005h", two_carriages, NULL, close_sensor, NULL},
+        {"an encoder that turns has its next event within 1 ms", next_event, NULL, close_sensor, NULL},
         {"an encoder without settings and ProfileNo", without_settings, NULL, close_sensor, NULL},
         {"signals of actual values are read-only", signals_of_the_file_are_locked, NULL, close_sensor, NULL},
         {"the shaft outlasts a power cycle, a preset does not", position_outlasts_power, NULL, close_sensor, NULL},

@@ -416,6 +416,7 @@ static void opened_by_a_command(void **state)
         if ((idn->attribute & ECT_SOE_READ_ONLY) != rows[i].locks)
             fail_msg("%s: expected locks 0x%08X, got 0x%08X", rows[i].transition, (unsigned int)rows[i].locks,
                      (unsigned int)(idn->attribute & ECT_SOE_READ_ONLY));
+        assert_int_equal(idn->attribute & ~ECT_SOE_READ_ONLY, ECT_SOE_16 | ECT_SOE_UNSIGNED | 1);
         assert_int_equal(idn->flags & (ECT_SOE_MINIMUM | ECT_SOE_MAXIMUM), 0); /* 10 is above the maximum */
         free_made(&m);
     }

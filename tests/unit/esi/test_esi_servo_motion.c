@@ -210,6 +210,7 @@ static void below_op(void **state)
     cycles(500);
     wire_go(&wire, 0, SAFEOP);
     wire_advance(&wire, MS);
+    assert_true(ect_chain_poll(wire.chain, wire.now_ns) <= wire.now_ns + MS); /* it turns */
     assert_int_equal(number_of(0, 134, VALUE), 0);
     assert_int_equal(number_of(0, 135, VALUE) & CLASS_1, CLASS_1);
     wire_advance(&wire, 2000 * MS);
