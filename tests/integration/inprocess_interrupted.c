@@ -9,6 +9,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <pthread.h>
+#include <sched.h>
 #include <semaphore.h>
 #include <signal.h>
 #include <stdatomic.h>
@@ -413,9 +414,11 @@ static void a_socket_is_closed_while_a_thread_receives(void **state)
 }
 
 static atomic_int fd_of_sender;
+static atomic_uint rounds_of_sender;
 static atomic_bool sender_ends;
 
-/* A refusal is because of a closed descriptor, another file, a new socket without an interface, or no frame. */
+/* A refusal is because of a closed socket, the other file with its number, a new socket without an interface, or no
+ * frame. */
 static bool is_frame_or_refusal(ssize_t result)
 {
     return result == FRAME ||
@@ -426,13 +429,27 @@ static void *send_and_receive(void *arg)
 {
     uint8_t frame[FRAME];
     bool good = true;
-    while (good && !atomic_load(&sender_ends)) {
+    while (!atomic_load(&sender_ends)) {
         const int fd = atomic_load(&fd_of_sender);
         frame_of(frame, 1);
-        good = is_frame_or_refusal(send(fd, frame, sizeof frame, 0)) &&
-               is_frame_or_refusal(recv(fd, frame, sizeof frame, MSG_DONTWAIT));
+        good &= is_frame_or_refusal(send(fd, frame, sizeof frame, 0));
+        good &= is_frame_or_refusal(recv(fd, frame, sizeof frame, MSG_DONTWAIT));
+        atomic_fetch_add(&rounds_of_sender, 1);
     }
     return good ? arg : NULL;
+}
+
+/* Closes the socket of the sender, whose number remains taken until the sender has another one: a file that is opened
+ * meanwhile, such as a connection of the library, would get its frames. */
+static void change_socket(int other_file)
+{
+    const int fd = atomic_load(&fd_of_sender);
+    assert_int_equal(dup2(other_file, fd), fd);
+    atomic_store(&fd_of_sender, open_socket(0));
+    const unsigned int round = atomic_load(&rounds_of_sender);
+    while (atomic_load(&rounds_of_sender) - round < 2)
+        (void)sched_yield();
+    assert_int_equal(close(fd), 0);
 }
 
 static void a_socket_is_closed_while_a_thread_sends(void **state)
@@ -440,20 +457,20 @@ static void a_socket_is_closed_while_a_thread_sends(void **state)
     enum { ROUNDS = 3000 };
     pthread_t thread;
     void *result = NULL;
+    int other_file = open("/dev/null", O_RDWR);
     (void)state;
     atomic_store(&fd_of_sender, open_socket(0));
     atomic_store(&sender_ends, false);
     assert_int_equal(pthread_create(&thread, NULL, send_and_receive, &result), 0);
     for (unsigned int i = 0; i < ROUNDS; i++) {
-        const int fd = atomic_load(&fd_of_sender);
-        send_one(fd, 2);
-        close(fd);
-        atomic_store(&fd_of_sender, open_socket(0));
+        send_one(atomic_load(&fd_of_sender), 2);
+        change_socket(other_file);
     }
     atomic_store(&sender_ends, true);
     assert_int_equal(pthread_join(thread, &result), 0);
     assert_ptr_equal(result, &result);
     close(atomic_load(&fd_of_sender));
+    close(other_file);
 }
 
 static void a_child_of_vfork_closes_its_descriptors_alone(void **state)

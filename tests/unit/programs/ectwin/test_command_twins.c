@@ -194,7 +194,7 @@ static void names(void **state)
         {"--alias " NAME_31 ":7 " NAME_31 "=fzm1", 0, "1 fzm1 alias=7\n", NULL},
         {NAME_31 "x=fzm1", 1,
          CHECK "'" NAME_31 "x=fzm1': a name is a letter a to z, then letters, digits, _ and -, at most 31 characters, "
-                           "as in gripper=fzm1\n",
+               "as in gripper=fzm1\n",
          NULL},
         {NAME_31 "=fzm1*2", 1, CHECK "the name '" NAME_31 "1' is longer than 31 characters\n", NULL},
         {"abcdefghijklmnopqrstuvwxyz0123=fzm1*9", 0,
