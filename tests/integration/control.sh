@@ -269,10 +269,13 @@ waits() {
     "$1" wait -t 0.05 "${row% *}"; echo "${row% *} $?|"; done' bash "$ectwin" "$rows" >"$work/out" 2>"$work/err"
   check "wait: conditions" "$(echo "$rows" | tr '|' '\n' | sed '/^$/d')" "$(tr -d '|' <"$work/out")"
   has "wait: the value that the signal has" "data1 is still 2.5 after 0.05 s, not data1!=2.5" "$work/err"
-  # The twin's own pulse, too short for a look every 10 ms.
-  beside_an_fzm1 "'$ectwin' set image_input=100 processing=100; (sleep 0.3; '$ectwin' set trigger=1) & '$ectwin' wait busy=1 && echo busy"
+  # The twin's own pulses, too short for a look every 10 ms.
+  beside_an_fzm1 "'$ectwin' set image_input=100 processing=100
+    while :; do '$ectwin' set trigger=1; '$ectwin' set trigger=0; sleep 0.1; done & '$ectwin' wait busy=1 && echo busy; kill \$!"
   check "wait: a condition that holds for 0.2 ms" busy "$(cat "$work/out")"
-  beside_an_fzm1 "(sleep 0.3; '$ectwin' set data2=1 data1=7) & '$ectwin' watch data2 --until data1=7; '$ectwin' watch --until data1=7"
+  beside_an_fzm1 "'$ectwin' watch data2 --until data1=7 >'$work/watch' &
+    until grep -q data1 '$work/watch' && grep -q data2 '$work/watch'; do sleep 0.05; done
+    '$ectwin' set data2=1 data1=7; wait; cat '$work/watch'; '$ectwin' watch --until data1=7"
   check "watch --until: ends with the change" "data1=0 data1=7 data1=7 data2=0" \
     "$(grep -v '"data2","value":1' "$work/out" | sed -E 's/.*"name":"([^"]*)","value":([^,]*),.*/\1=\2/' | sort | xargs)"
 }
