@@ -605,6 +605,30 @@ static void lists(void **state)
     COMMANDS_EXPECT(rows);
 }
 
+#define BAR_25 "#########################"
+
+/* Bars of a histogram: the longest has 50 characters; steps before the first answer and behind the last are left out.
+ */
+static void histograms(void **state)
+{
+    static const command_line_t rows[] = {
+        {.line = "stats -s ./c.sock",
+         .text = "   <       1 us            1  " BAR_25 BAR_25 "\n   <       2 us            1  " BAR_25 BAR_25 "\n",
+         .replies = {"{\"answers\":[1,1,0],\"edges_us\":[1,2]}\n" OK}},
+        {.line = "stats -s ./c.sock",
+         .text = "   <       2 us            1  " BAR_25 "\n       longer             2  " BAR_25 BAR_25 "\n",
+         .replies = {"{\"answers\":[0,1,2],\"edges_us\":[1,2]}\n" OK}},
+        {.line = "stats -s ./c.sock",
+         .text = "   <       1 us            2  " BAR_25 BAR_25
+                 "\n   <       2 us            0  \n       longer             1  " BAR_25 "\n",
+         .replies = {"{\"answers\":[2,0,1],\"edges_us\":[1,2]}\n" OK}},
+        {.line = "stats -s ./c.sock", .text = "", .replies = {"{\"answers\":[0,0],\"edges_us\":[1]}\n" OK}},
+        {.line = "stats -s ./c.sock", .text = "", .replies = {"{\"answers\":[],\"edges_us\":[]}\n" OK}},
+    };
+    (void)state;
+    COMMANDS_EXPECT(rows);
+}
+
 /* The words of a bus, its signals and its script become a file. The values of data1, data2, ... are 0 at the start. */
 static void saves(void **state)
 {
@@ -728,6 +752,7 @@ int main(int argc, char **argv)
         TEST("each line of a table is a request; a wrong line ends the command", tables),
         TEST("a set of periodic data arrives in pieces, each at its offset", sets),
         TEST("a bus is saved with its options, signals and script", saves),
+        TEST("a histogram has bars from the first answer to the last", histograms),
         TEST("a fault has at most 95 characters", lists),
     };
     if (argc > 1)

@@ -43,6 +43,7 @@ typedef struct machine {
 
 static machine_t machine;
 static int program;
+static size_t huge; /* blocks of memory */
 
 /* --- functions of other rooms ------------------------------------------------------------------------------------- */
 
@@ -69,6 +70,7 @@ void __wrap_ect_control_report(ect_control_t *control, void (*report)(void *ctx,
 const char *__wrap_ect_control_path(const ect_control_t *control);
 void __wrap_ect_control_close(ect_control_t *control);
 int __wrap_ect_runner_run(ect_runner_t *runner);
+void __wrap_ect_pages_make_huge(void *block, size_t size);
 int __wrap_getifaddrs(struct ifaddrs **all);
 void __wrap_freeifaddrs(struct ifaddrs *all);
 int __wrap_sched_setscheduler(pid_t process, int policy, const struct sched_param *parameters);
@@ -236,13 +238,18 @@ static const char *port_of(const ect_runner_t *runner, ect_end_t end)
     return runner->ports[end] ? runner->ports[end]->iface : "-";
 }
 
+void __wrap_ect_pages_make_huge(void *block, size_t size)
+{
+    huge += block && size > 0;
+}
+
 int __wrap_ect_runner_run(ect_runner_t *runner)
 {
     fprintf(stderr, "loop: %s %s%s%s%s%s, pause %u, links %d, hook %s\n", port_of(runner, ECT_END_IN),
             port_of(runner, ECT_END_OUT), runner->udp ? ", UDP" : "", runner->modbus == server ? ", Modbus" : "",
             runner->kernel == kernel ? ", kernel" : "", runner->busy_poll ? ", polls" : "", runner->client_pause_ns,
             runner->link_fd, runner->exchange.stats.hook ? runner->exchange.stats.hook : "-");
-    if (!runner->exchange.chain || runner->signal_fd < 0 ||
+    if (huge == 0 || !runner->exchange.chain || runner->signal_fd < 0 ||
         runner->exchange.control != (machine.no_control ? NULL : control))
         fputs("incomplete\n", stderr);
     if (machine.circulates)
