@@ -458,6 +458,25 @@ static void connections(void **state)
     EXPECT(rows);
 }
 
+/* The slaves of a network file are the last twins, with its aliases and wires. */
+static void networks(void **state)
+{
+#define MACHINE "eni:" ENI_FILES "/machine.xml"
+    static const row_t rows[] = {
+        {"--quiet " MACHINE, 0, "1 rack-1-io8\n2 drive-2-ax1 serial=7 up=1 port=1\n3 tool-3-io8 alias=17 up=1 port=2\n",
+         NULL},
+        {"--quiet --alias 2:9 fzm1," MACHINE, 0,
+         "1 fzm1\n2 rack-1-io8 alias=9\n3 drive-2-ax1 serial=7 up=2 port=1\n4 tool-3-io8 alias=17 up=2 port=2\n", NULL},
+        {MACHINE ",fzm1", 1, CHECK "no device follows behind " MACHINE ", a bus of any length: put that last\n", NULL},
+        {MACHINE "*2", 1, CHECK "a count is for one device, and " MACHINE " is a bus: write it once\n", NULL},
+        {MACHINE "*1,fzm1", 1, CHECK "no device follows behind " MACHINE ", a bus of any length: put that last\n",
+         NULL},
+        {"eni:nosuch.xml", 2, CHECK "nosuch.xml: No such file or directory\n", NULL},
+    };
+    (void)state;
+    EXPECT(rows);
+}
+
 /* Each option of twins excludes --external, and so does each of wires and networks. */
 static void given_options(void **state)
 {
@@ -490,6 +509,7 @@ int main(int argc, char **argv)
         TEST("tables of signals", tables),
         TEST("signals that are set, before and after power-on", settings),
         TEST("signals that are connected, and twins of the panel", connections),
+        TEST("slaves of a network file", networks),
         TEST("options of twins exclude --external", given_options),
     };
     if (argc > 1)
