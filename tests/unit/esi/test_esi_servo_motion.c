@@ -222,6 +222,7 @@ static void below_op(void **state)
     wire_go(&wire, 0, OP);
     cycles(5);
     assert_int_equal(word(0) & CLASS_1, CLASS_1);
+    assert_int_equal(number_of(0, RESET_IDN, ECT_SOE_ELEMENT_STATE), ECT_SOE_COMMAND_DONE);
 }
 
 static void supply(void **state)
