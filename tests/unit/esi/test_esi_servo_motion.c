@@ -364,6 +364,14 @@ static void homing_without_a_parameter(void **state)
     assert_int_equal(number_of(0, HOMING_IDN, ECT_SOE_ELEMENT_STATE), ECT_SOE_COMMAND_RUNS);
 }
 
+static void word_at_power_on(void **state)
+{
+    (void)state;
+    open_text("power-on", DRIVE("", PART("33", "32", "Position", "DINT")));
+    ect_chain_power_cycle(wire.chain, wire.now_ns);
+    assert_int_equal((int)signal_of("at.status") >> 14, TO_ENABLE);
+}
+
 /* Without reports of SoE the emergencies are those of CoE. */
 static void emergencies_of_coe(void **state)
 {
@@ -395,6 +403,7 @@ int main(void)
         {"SOE-043: bits of S-0-0134 select one of four operation modes, each with its kind", selected_modes, NULL,
          close_text, NULL},
         {"values that a drive writes are read-only signals", written_values, NULL, close_text, NULL},
+        {"S-0-0135 has the state of the drive at once at power-on", word_at_power_on, NULL, close_text, NULL},
         {"a fault of a drive that has CoE, too, is an emergency of CoE", emergencies_of_coe, NULL, close_text, NULL},
         {"S-0-0148 without S-0-0147 seeks the switch at the drive", homing_without_a_parameter, NULL, close_text, NULL},
     };
