@@ -3,11 +3,15 @@
 
 from __future__ import annotations
 
+import os
 import struct
+import time
 from typing import Iterator, List, Tuple
 
 _PACKET = 6  # type of an Enhanced Packet Block
 _COMMENT = 1  # code of its option
+_WAITS_S = 5.0  # for frames that the twins have captured and not yet written
+_WAITS_BYTES = 1 << 24  # a longer file is not read again
 
 
 def _blocks(data: bytes) -> Iterator[Tuple[int, bytes]]:
@@ -31,10 +35,21 @@ def _comments(packet: bytes) -> Iterator[str]:
         at += 4 + (length + 3) // 4 * 4
 
 
-def events(path: str, most: int) -> List[str]:
-    """The number of frames, and the last `most` lines of their comments, each with the number of its frame."""
+def _packets(path: str) -> List[bytes]:
     with open(path, "rb") as file:
-        packets = [body for kind, body in _blocks(file.read()) if kind == _PACKET]
+        return [body for kind, body in _blocks(file.read()) if kind == _PACKET]
+
+
+def events(path: str, most: int, frames: int = 0) -> List[str]:
+    """The number of frames, and the last `most` lines of their comments, each with the number of its frame.
+
+    Waits until the file contains so many `frames`, because a thread of the twins writes it.
+    """
+    packets = _packets(path)
+    end = time.monotonic() + _WAITS_S
+    while len(packets) < frames and os.path.getsize(path) < _WAITS_BYTES and time.monotonic() < end:
+        time.sleep(0.02)
+        packets = _packets(path)
     lines = [
         f"  frame {number}: {line}"
         for number, packet in enumerate(packets, 1)

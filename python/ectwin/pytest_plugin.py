@@ -193,11 +193,21 @@ def _describe(twin: Twin) -> str:
     return "\n".join(lines + ([messages.rstrip()] if messages else []))
 
 
-def _describe_captures(folder: str, number: int) -> List[str]:
+def _captured(twin: Twin) -> int:
+    """The number of frames in the capture of running twins."""
+    try:
+        return int(twin.stats().get("captured", 0))
+    except Error:
+        return 0
+
+
+def _describe_captures(folder: str, number: int, twin: Twin) -> List[str]:
     """The captures of the twins with this number: one, or with in_process one for each program."""
+    names = sorted(name for name in os.listdir(folder) if name.startswith(f"{number}.pcapng"))
+    frames = _captured(twin) if len(names) == 1 else 0
     lines = []
-    for name in sorted(name for name in os.listdir(folder) if name.startswith(f"{number}.pcapng")):
-        lines += _captures.events(os.path.join(folder, name), _EVENTS)
+    for name in names:
+        lines += _captures.events(os.path.join(folder, name), _EVENTS, frames)
     return lines
 
 
@@ -209,7 +219,7 @@ def pytest_runtest_makereport(item: pytest.Item) -> Iterator[None]:
     factory = getattr(item, "funcargs", {}).get("ectwin")
     if report.failed and isinstance(factory, Factory):
         for number, twin in enumerate(factory.twins, 1):
-            text = "\n".join([_describe(twin), *_describe_captures(factory.folder, number)])
+            text = "\n".join([_describe(twin), *_describe_captures(factory.folder, number, twin)])
             report.sections.append((f"ectwin: twins {number} at '{twin.path}'", text))
         factory.failed = True
 

@@ -2,12 +2,16 @@
 """The pytest plugin, tried by tests that it runs in a pytest of their own: pytest -p pytester -p ectwin.pytest_plugin."""
 
 import os
+import struct
 import subprocess
 import sys
 import tempfile
+import threading
+import time
 
 import ectwin as module
 import pytest
+from ectwin import _captures
 
 # Masters without a library: the program builds its frames itself. A broadcast read of AL status counts the slaves.
 BROADCAST = """
@@ -129,6 +133,23 @@ def test_a_failing_test_keeps_its_capture_and_shows_the_events(run, mark):
         kept = file.read()
     assert kept.startswith(b"\n\r\r\n") and b'"data1": 4' in kept
     result.stdout.fnmatch_lines(['*frame *: request: *"data1": 4*'])
+
+
+def test_a_report_waits_for_the_frames_that_are_not_written_yet(tmp_path):
+    path = tmp_path / "late.pcapng"
+    block = struct.pack("<II20xI", 6, 32, 32)  # an Enhanced Packet Block without bytes
+    path.write_bytes(block)
+
+    def write():
+        time.sleep(0.2)
+        with path.open("ab") as file:
+            file.write(block)
+
+    writer = threading.Thread(target=write)
+    writer.start()
+    assert _captures.events(str(path), 9, 2) == [f"capture: {path}, 2 frames"]
+    writer.join()
+    assert _captures.events(str(path), 9) == [f"capture: {path}, 2 frames"]
 
 
 def test_a_capture_can_be_left_out_or_be_the_own_one(run, tmp_path):
