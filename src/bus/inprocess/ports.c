@@ -8,7 +8,6 @@
 #include <linux/if_packet.h>
 #include <net/ethernet.h>
 #include <pthread.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
 #include <sys/mman.h>
@@ -24,7 +23,6 @@
 #include "bus/library.h"
 
 enum {
-    DESCRIPTORS = 65536,
     WAITING_MOST = 256, /* limit of waiting frames: as many small ones as the kernel's default buffer contains */
     HEADER = 14,
     TAG = 4,
@@ -41,13 +39,12 @@ typedef struct waiting {
 enum { FRAMES_SIZE = WAITING_MOST * sizeof(waiting_t) };
 
 struct ect_port {
-    ect_port_t *next;         /* next bound socket */
-    int fd;                   /* one of the descriptors of the eventfd; -1: none */
-    unsigned int descriptors; /* 0: closed, also by another thread just before a call has the lock */
-    unsigned int receivers;   /* threads that wait for a frame, also after the last descriptor is closed */
-    int end;                  /* -1: not bound */
-    uint16_t protocol;        /* network order */
-    uint64_t timeout_ns;      /* 0: none */
+    ect_eventfd_t event;
+    ect_port_t *next;       /* next bound socket */
+    unsigned int receivers; /* threads that wait for a frame, also after the last descriptor is closed */
+    int end;                /* -1: not bound */
+    uint16_t protocol;      /* network order */
+    uint64_t timeout_ns;    /* 0: none */
     bool nonblocking;
     waiting_t *frames; /* a ring, mapped: no allocation in a handler that has interrupted malloc() */
     size_t first, count;
@@ -55,94 +52,7 @@ struct ect_port {
     bool shown; /* the eventfd is readable */
 };
 
-static ect_port_t *by_descriptor[DESCRIPTORS];
-static unsigned int numbers; /* of descriptors: those that have been sockets are below */
 static ect_port_t *bound;
-static ect_port_t
-    *unused;        /* never freed: another thread may hold a socket that is closed before its call has the lock */
-static pid_t owner; /* the process with these descriptors: a child of vfork() has its own, but this memory */
-
-ect_port_t *ect_port_of(int fd)
-{
-    return fd >= 0 && fd < DESCRIPTORS ? by_descriptor[fd] : NULL;
-}
-
-static void add(int fd, ect_port_t *port)
-{
-    ect_time_lock();
-    port->descriptors++;
-    by_descriptor[fd] = port;
-    numbers = (unsigned int)fd >= numbers ? (unsigned int)fd + 1 : numbers;
-    ect_time_unlock();
-}
-
-static ect_port_t *take_unused(void)
-{
-    ect_time_lock();
-    ect_port_t *port = unused;
-    unused = port ? port->next : NULL;
-    ect_time_unlock();
-    return port;
-}
-
-/* @return NULL: no memory (errno) */
-static ect_port_t *make_port(void)
-{
-    void *frames = mmap(NULL, FRAMES_SIZE, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (frames == MAP_FAILED)
-        return NULL;
-    ect_port_t *port = take_unused();
-    if (!port)
-        port = calloc(1, sizeof *port);
-    if (port)
-        port->frames = frames;
-    else
-        (void)munmap(frames, FRAMES_SIZE);
-    return port;
-}
-
-/* With the lock. */
-static void end_port(ect_port_t *port)
-{
-    (void)munmap(port->frames, FRAMES_SIZE);
-    *port = (ect_port_t){.next = unused, .fd = -1, .end = -1};
-    unused = port;
-}
-
-int ect_port_open(int type, int protocol)
-{
-    int flags = EFD_NONBLOCK | ((type & SOCK_CLOEXEC) != 0 ? EFD_CLOEXEC : 0);
-    ect_port_t *port = make_port();
-    int fd = port ? eventfd(0, flags) : -1;
-    if (fd >= DESCRIPTORS) {
-        REAL(close)(fd);
-        errno = EMFILE;
-    }
-    if (fd < 0 || fd >= DESCRIPTORS) {
-        if (port) {
-            ect_time_lock();
-            end_port(port);
-            ect_time_unlock();
-        }
-        return -1;
-    }
-    port->fd = fd;
-    port->end = -1;
-    port->protocol = (uint16_t)protocol;
-    port->nonblocking = (type & SOCK_NONBLOCK) != 0;
-    /* The eventfd gets O_NONBLOCK too, because the master may read its flags. */
-    if (!port->nonblocking)
-        (void)REAL(fcntl)(fd, F_SETFL, O_RDWR);
-    add(fd, port);
-    return fd;
-}
-
-void ect_port_copied(int fd, int copy)
-{
-    ect_port_t *port = ect_port_of(fd);
-    if (port && copy >= 0 && copy < DESCRIPTORS && getpid() == owner)
-        add(copy, port);
-}
 
 static void close_own(int fd)
 {
@@ -155,7 +65,7 @@ static void close_own(int fd)
 /* Ends a socket without descriptors and receivers. */
 static void end_if_unused(ect_port_t *port)
 {
-    if (port->descriptors > 0 || port->receivers > 0)
+    if (port->event.descriptors > 0 || port->receivers > 0)
         return;
     for (ect_port_t **at = &bound; *at; at = &(*at)->next) {
         if (*at == port) {
@@ -163,65 +73,53 @@ static void end_if_unused(ect_port_t *port)
             break;
         }
     }
-    close_own(port->fd);
-    end_port(port);
+    close_own(port->event.fd);
+    (void)munmap(port->frames, FRAMES_SIZE);
+    ect_eventfd_keep(&port->event);
 }
 
-/* @return another descriptor of the socket than a closed one. Without any, a receiver waits on a descriptor that the
- * program does not know; -1: no receiver, or no descriptor is left */
-static int descriptor_besides(const ect_port_t *port, int fd)
+/* A receiver waits on a descriptor that the program does not know; -1: no descriptor is left. */
+static void closed(ect_eventfd_t *its, int fd)
 {
-    for (int other = 0; other < (int)numbers; other++) {
-        if (by_descriptor[other] == port)
-            return other;
-    }
-    return port->receivers > 0 ? REAL(fcntl)(fd, F_DUPFD_CLOEXEC, fd) : -1;
-}
-
-static void remove_descriptor(int fd, ect_port_t *port)
-{
-    by_descriptor[fd] = NULL;
-    port->descriptors--;
-    if (port->fd == fd)
-        port->fd = descriptor_besides(port, fd);
+    ect_port_t *port = (ect_port_t *)its;
+    if (port->receivers > 0)
+        its->fd = REAL(fcntl)(fd, F_DUPFD_CLOEXEC, fd);
     end_if_unused(port);
 }
 
-/* Without the lock if no socket is in the range, as at the end of most files. */
-void ect_ports_closed(unsigned int from, unsigned int to)
+static bool inherited(ect_eventfd_t *its)
 {
-    for (unsigned int fd = from; fd <= to && fd < numbers; fd++) {
-        if (!by_descriptor[fd] || getpid() != owner)
-            continue;
-        ect_time_lock();
-        if (by_descriptor[fd])
-            remove_descriptor((int)fd, by_descriptor[fd]);
-        ect_time_unlock();
-    }
+    ect_port_t *port = (ect_port_t *)its;
+    port->receivers = 0;
+    return port->shown;
 }
 
-/* A child of fork() has a bus of its own, so its sockets become readable by its own frames: each gets an eventfd. */
-static void renew(void)
+static ect_eventfd_kind_t ports = {.size = sizeof(ect_port_t), .closed = closed, .inherited = inherited};
+
+ect_port_t *ect_port_of(int fd)
 {
-    owner = getpid();
-    for (int fd = 0; fd < (int)numbers; fd++) {
-        ect_port_t *port = by_descriptor[fd];
-        if (!port || port->fd != fd)
-            continue;
-        ect_eventfd_renew(fd, port->shown);
-        port->receivers = 0;
-    }
-    for (int fd = 0; fd < (int)numbers; fd++) {
-        const ect_port_t *port = by_descriptor[fd];
-        if (port && port->fd != fd)
-            ect_eventfd_replace(fd, port->fd);
-    }
+    return (ect_port_t *)ect_eventfd_of(fd, &ports);
 }
 
-__attribute__((constructor)) static void begin(void)
+int ect_port_open(int type, int protocol)
 {
-    owner = getpid();
-    (void)pthread_atfork(NULL, NULL, renew);
+    void *frames = mmap(NULL, FRAMES_SIZE, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (frames == MAP_FAILED)
+        return -1;
+    ect_port_t *port = (ect_port_t *)ect_eventfd_make(&ports);
+    if (port)
+        *port = (ect_port_t){.event = port->event,
+                             .end = -1,
+                             .protocol = (uint16_t)protocol,
+                             .nonblocking = (type & SOCK_NONBLOCK) != 0,
+                             .frames = frames};
+    int flags = EFD_NONBLOCK | ((type & SOCK_CLOEXEC) != 0 ? EFD_CLOEXEC : 0);
+    int fd = port ? ect_eventfd_open(&port->event, flags) : -1;
+    if (fd < 0)
+        (void)munmap(frames, FRAMES_SIZE);
+    else if ((type & SOCK_NONBLOCK) == 0)
+        (void)REAL(fcntl)(fd, F_SETFL, O_RDWR); /* the master may read its flags */
+    return fd;
 }
 
 bool ect_port_has_frame(const ect_port_t *port)
@@ -237,9 +135,9 @@ static void show(ect_port_t *port)
         return;
     int before = ect_enter();
     if (port->fresh)
-        (void)eventfd_write(port->fd, 1);
+        (void)eventfd_write(port->event.fd, 1);
     else
-        (void)!REAL(read)(port->fd, &value, sizeof value);
+        (void)!REAL(read)(port->event.fd, &value, sizeof value);
     port->shown = port->fresh;
     port->fresh = false;
     ect_leave(before);
@@ -332,7 +230,7 @@ int ect_port_bind(ect_port_t *port, const struct sockaddr *address, socklen_t le
     if (end < 0)
         return fail(ENODEV);
     ect_time_lock();
-    if (port->descriptors == 0)
+    if (port->event.descriptors == 0)
         return unlock_and_fail(EBADF);
     bool started = start_bus();
     if (started) {
@@ -467,7 +365,7 @@ ssize_t ect_port_send(ect_port_t *port, const struct iovec *pieces, size_t count
         return fail(EMSGSIZE);
     ect_time_charge(ECT_COST_SOCKET_NS);
     ect_time_lock();
-    if (port->descriptors == 0)
+    if (port->event.descriptors == 0)
         return unlock_and_fail(EBADF);
     bool running = ect_bus_is_up((unsigned int)end) && start_bus();
     if (running)
@@ -562,9 +460,9 @@ __attribute__((no_sanitize("address"))) static int wait_for_frame(ect_port_t *po
     receiver_t its = {.port = port, .fd = -1};
     port->receivers++;
     if (!ect_time_is_virtual)
-        its.fd = REAL(fcntl)(port->fd, F_DUPFD_CLOEXEC, port->fd);
+        its.fd = REAL(fcntl)(port->event.fd, F_DUPFD_CLOEXEC, port->event.fd);
     pthread_cleanup_push(on_cancel, &its);
-    (void)ect_time_wait(its.fd >= 0 ? its.fd : port->fd, is_waiting, port, until_ns);
+    (void)ect_time_wait(its.fd >= 0 ? its.fd : port->event.fd, is_waiting, port, until_ns);
     pthread_cleanup_pop(0);
     int error = errno;
     end_receiver(&its);
@@ -579,7 +477,7 @@ ssize_t ect_port_receive(ect_port_t *port, const struct iovec *pieces, size_t co
         return fail(EFAULT);
     ect_time_charge(ECT_COST_SOCKET_NS);
     ect_time_lock();
-    if (port->descriptors == 0)
+    if (port->event.descriptors == 0)
         return unlock_and_fail(EBADF);
     int error = port->count == 0 && waits(port, flags) ? wait_for_frame(port) : EAGAIN;
     if (port->count == 0) {

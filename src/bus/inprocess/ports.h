@@ -3,9 +3,9 @@
  * @file
  * Packet sockets of the master that are connected to the bus in this process.
  *
- * Each socket is an eventfd, readable for the real poll, select or epoll while frames wait; on the virtual clock
- * ::ect_ports_show, called before these functions, makes it readable. Duplicates by dup, dup2 and fcntl refer to the
- * same socket.
+ * Each socket is an eventfd (eventfds.h), readable for the real poll, select or epoll while frames wait; on the virtual
+ * clock ::ect_ports_show, called before these functions, makes it readable. A thread that waits in ::ect_port_receive
+ * keeps a closed socket until it returns, as the kernel does.
  */
 #ifndef ECT_BUS_INPROCESS_PORTS_H
 #define ECT_BUS_INPROCESS_PORTS_H
@@ -28,11 +28,6 @@ void ect_ports_show(void);
 
 /** Creates a socket. @param type as in socket(2) @param protocol in network order @return the descriptor; -1 (errno) */
 int ect_port_open(int type, int protocol);
-/** Adds the descriptor `copy` to the socket of `fd`; no effect if `fd` is not a socket of the bus. */
-void ect_port_copied(int fd, int copy);
-/** Called before the descriptors of a range, both ends inclusive, are closed. No effect in a child of vfork(). A thread
- * that waits in ::ect_port_receive keeps its socket until it returns, as the kernel does. */
-void ect_ports_closed(unsigned int from, unsigned int to);
 
 /** State of the interface at an end (0, 1). Up and down also plug in and pull the cable. */
 bool ect_port_is_up(unsigned int end);

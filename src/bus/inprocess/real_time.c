@@ -55,18 +55,6 @@ bool ect_time_before_read(const char *call, int fd, int flags)
     return true;
 }
 
-void ect_time_closed(unsigned int from, unsigned int to)
-{
-    (void)from;
-    (void)to;
-}
-
-void ect_time_copied(int fd, int copy)
-{
-    (void)fd;
-    (void)copy;
-}
-
 static int wait_until(struct pollfd *fds, nfds_t count, uint64_t until_ns)
 {
     uint64_t now_ns = ect_time_now();

@@ -14,6 +14,7 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
+#include "bus/inprocess/eventfds.h"
 #include "bus/inprocess/interfaces.h"
 #include "bus/inprocess/ports.h"
 #include "bus/inprocess/raw.h"
@@ -340,19 +341,15 @@ REPLACES int accept4(int fd, __SOCKADDR_ARG address, socklen_t *restrict length,
 /* Called before descriptors are closed. */
 static void closing(unsigned int from, unsigned int to)
 {
-    if (ect_inside == 0) {
-        ect_ports_closed(from, to);
-        ect_time_closed(from, to);
-    }
+    if (ect_inside == 0)
+        ect_eventfds_closed(from, to);
 }
 
 /* Called after a descriptor has been copied. @return the copy; -1: failed */
 static int copied(int fd, int copy)
 {
-    if (ect_inside == 0 && copy >= 0) {
-        ect_port_copied(fd, copy);
-        ect_time_copied(fd, copy);
-    }
+    if (ect_inside == 0 && copy >= 0)
+        ect_eventfd_copied(fd, copy);
     return copy;
 }
 

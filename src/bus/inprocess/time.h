@@ -40,13 +40,6 @@ void ect_time_charge(uint64_t cost_ns);
  */
 bool ect_time_before_read(const char *call, int fd, int flags);
 
-/** Called before descriptors of a range, both ends inclusive, are closed. No effect in a child of vfork(). Without the
- * lock. */
-void ect_time_closed(unsigned int from, unsigned int to);
-
-/** Called after a descriptor, which may be a timer, has been copied. @param copy  -1: failed. Without the lock. */
-void ect_time_copied(int fd, int copy);
-
 /** Called after the power-on of the bus. With the lock. */
 void ect_time_bus_started(void);
 

@@ -3,8 +3,7 @@
 #define _GNU_SOURCE
 #include <errno.h>
 #include <poll.h>
-#include <pthread.h>
-#include <stdlib.h>
+#include <stddef.h>
 #include <sys/eventfd.h>
 #include <sys/timerfd.h>
 #include <unistd.h>
@@ -13,23 +12,13 @@
 #include "bus/inprocess/eventfds.h"
 #include "bus/inprocess/real.h"
 #include "bus/inprocess/threads.h"
-#include "bus/inprocess/time.h"
 #include "bus/inprocess/user.h"
 
-enum { DESCRIPTORS = 65536 };
-
 typedef struct timer_fd {
-    ect_timer_t timer; /* first; its `next` links unused ones, too */
-    int fd;            /* one of the descriptors */
-    unsigned int descriptors;
+    ect_eventfd_t event;
+    ect_timer_t timer; /* also of an unused one in the list of the virtual clock, but stopped */
     clockid_t clock;
 } timer_fd_t;
-
-/* Changed only by the thread with the turn. */
-static timer_fd_t *by_descriptor[DESCRIPTORS];
-static unsigned int numbers; /* of descriptors: those that have been timers are below */
-static timer_fd_t *unused;   /* never freed: close(2) is allowed in a handler that has interrupted malloc() */
-static pid_t owner;          /* the process with these descriptors: a child of vfork() has its own, but this memory */
 
 static int fail(int error)
 {
@@ -37,28 +26,11 @@ static int fail(int error)
     return -1;
 }
 
-static void take_turn(void)
-{
-    (void)ect_virtual_now();
-}
-
-static timer_fd_t *timer_of(int fd)
-{
-    return ect_inside == 0 && fd >= 0 && fd < DESCRIPTORS ? by_descriptor[fd] : NULL;
-}
-
-static void add(int fd, timer_fd_t *its)
-{
-    its->descriptors++;
-    by_descriptor[fd] = its;
-    numbers = (unsigned int)fd >= numbers ? (unsigned int)fd + 1 : numbers;
-}
-
 static void expire(ect_timer_t *timer)
 {
-    const timer_fd_t *its = (const timer_fd_t *)timer;
+    const timer_fd_t *its = (const timer_fd_t *)(const void *)((const char *)timer - offsetof(timer_fd_t, timer));
     eventfd_t one = 1;
-    (void)!REAL(write)(its->fd, &one, sizeof one);
+    (void)!REAL(write)(its->event.fd, &one, sizeof one);
 }
 
 static bool is_readable(int fd)
@@ -67,59 +39,23 @@ static bool is_readable(int fd)
     return REAL(poll)(&one, 1, 0) > 0;
 }
 
-static int descriptor_of(const timer_fd_t *its)
+static void closed(ect_eventfd_t *its, int fd)
 {
-    int fd = 0;
-    while (by_descriptor[fd] != its)
-        fd++;
-    return fd;
+    (void)fd;
+    ((timer_fd_t *)its)->timer.next_ns = UINT64_MAX;
+    ect_eventfd_keep(its);
 }
 
-static void keep_unused(timer_fd_t *its)
+static bool inherited(ect_eventfd_t *its)
 {
-    its->timer.next = unused ? &unused->timer : NULL;
-    unused = its;
+    return is_readable(its->fd);
 }
 
-static void remove_descriptor(unsigned int fd)
-{
-    timer_fd_t *its = by_descriptor[fd];
-    by_descriptor[fd] = NULL;
-    if (--its->descriptors > 0) {
-        its->fd = descriptor_of(its);
-        return;
-    }
-    ect_virtual_remove_timer(&its->timer);
-    keep_unused(its);
-}
+static ect_eventfd_kind_t timer_fds = {.size = sizeof(timer_fd_t), .closed = closed, .inherited = inherited};
 
-/* Without the turn if no timer is in the range, as at the end of most files. */
-void ect_time_closed(unsigned int from, unsigned int to)
+static timer_fd_t *timer_of(int fd)
 {
-    for (unsigned int fd = from; fd <= to && fd < numbers; fd++) {
-        if (!by_descriptor[fd] || getpid() != owner)
-            continue;
-        take_turn();
-        if (by_descriptor[fd])
-            remove_descriptor(fd);
-    }
-}
-
-void ect_time_copied(int fd, int copy)
-{
-    if (!timer_of(fd) || copy < 0 || copy >= DESCRIPTORS || getpid() != owner)
-        return;
-    take_turn();
-    if (by_descriptor[fd])
-        add(copy, by_descriptor[fd]);
-}
-
-static timer_fd_t *take_unused(void)
-{
-    timer_fd_t *its = unused;
-    if (its)
-        unused = (timer_fd_t *)its->timer.next;
-    return its;
+    return ect_inside == 0 ? (timer_fd_t *)ect_eventfd_of(fd, &timer_fds) : NULL;
 }
 
 /* The clocks that wake a suspended machine: the virtual one is never suspended. @return -1: not a clock of timers */
@@ -139,39 +75,23 @@ static int clock_of(int clock)
     }
 }
 
-/* @return an eventfd with the flags of a timer; -1 (errno) */
-static int open_event(int flags)
-{
-    int fd =
-        eventfd(0, ((flags & TFD_CLOEXEC) != 0 ? EFD_CLOEXEC : 0) | ((flags & TFD_NONBLOCK) != 0 ? EFD_NONBLOCK : 0));
-    if (fd < DESCRIPTORS)
-        return fd;
-    REAL(close)(fd);
-    return fail(EMFILE);
-}
-
 REPLACES int timerfd_create(int clock, int flags)
 {
     if (ect_inside > 0)
         return REAL(timerfd_create)(clock, flags);
     if (clock_of(clock) < 0 || (flags & ~(TFD_CLOEXEC | TFD_NONBLOCK)) != 0)
         return fail(EINVAL);
-    take_turn();
-    timer_fd_t *its = take_unused();
-    if (!its)
-        its = calloc(1, sizeof *its);
-    int fd = its ? open_event(flags) : -1;
+    timer_fd_t *its = (timer_fd_t *)ect_eventfd_make(&timer_fds);
     if (!its)
         return -1;
-    *its = (timer_fd_t){
-        .timer = {.next_ns = UINT64_MAX, .expired = expire, .inherited = true}, .fd = fd, .clock = clock_of(clock)};
-    if (fd < 0) {
-        keep_unused(its);
-        return -1;
+    its->clock = clock_of(clock);
+    if (!its->timer.expired) {
+        its->timer = (ect_timer_t){.next_ns = UINT64_MAX, .expired = expire, .inherited = true};
+        ect_virtual_add_timer(&its->timer);
     }
-    ect_virtual_add_timer(&its->timer);
-    add(fd, its);
-    return fd;
+    its->timer.interval_ns = 0;
+    return ect_eventfd_open(&its->event, ((flags & TFD_CLOEXEC) != 0 ? EFD_CLOEXEC : 0) |
+                                             ((flags & TFD_NONBLOCK) != 0 ? EFD_NONBLOCK : 0));
 }
 
 REPLACES int timerfd_gettime(int fd, struct itimerspec *value)
@@ -200,26 +120,4 @@ REPLACES int timerfd_settime(int fd, int flags, const struct itimerspec *value, 
         (void)!REAL(read)(fd, &expiries, sizeof expiries);
     ect_timer_set(&its->timer, its->clock, (flags & TFD_TIMER_ABSTIME) != 0, &set);
     return !before || ect_user_write(before, &left, sizeof left) ? 0 : fail(EFAULT);
-}
-
-/* A child of fork() has the timers of its parent, on its own clock. */
-static void in_child(void)
-{
-    owner = getpid();
-    for (unsigned int fd = 0; fd < numbers; fd++) {
-        const timer_fd_t *its = by_descriptor[fd];
-        if (its && its->fd == (int)fd)
-            ect_eventfd_renew((int)fd, is_readable((int)fd));
-    }
-    for (unsigned int fd = 0; fd < numbers; fd++) {
-        const timer_fd_t *its = by_descriptor[fd];
-        if (its && its->fd != (int)fd)
-            ect_eventfd_replace((int)fd, its->fd);
-    }
-}
-
-__attribute__((constructor)) static void begin(void)
-{
-    owner = getpid();
-    (void)pthread_atfork(NULL, NULL, in_child);
 }

@@ -54,14 +54,9 @@ static int fake_fcntl(int fd, int command, ...)
     return (int)CALLED(fcntl, fd, argument);
 }
 
-void ect_eventfd_renew(int fd, bool readable)
+static int fake_dup3(int fd, int to, int flags)
 {
-    CALLED(renew, fd, readable);
-}
-
-void ect_eventfd_replace(int fd, int other)
-{
-    CALLED(replace, fd, other);
+    return (int)CALLED(dup3, fd, to, flags);
 }
 
 static ssize_t fake_read(int fd, void *data, size_t size)
@@ -71,7 +66,7 @@ static ssize_t fake_read(int fd, void *data, size_t size)
     return (ssize_t)size;
 }
 
-FAKES(FAKE(close), FAKE(fcntl), FAKE(read))
+FAKES(FAKE(close), FAKE(dup3), FAKE(fcntl), FAKE(read))
 
 void *fake_calloc(size_t count, size_t size)
 {
@@ -277,7 +272,7 @@ static int next_mark(ect_port_t *port)
 
 static void end_port(int fd)
 {
-    ect_ports_closed((unsigned int)fd, (unsigned int)fd);
+    ect_eventfds_closed((unsigned int)fd, (unsigned int)fd);
     assert_null(ect_port_of(fd));
     forget_calls();
 }
@@ -355,8 +350,8 @@ static void refuses_to_open(void **state)
     assert_int_equal(mapped, 0);
     assert_null(ect_port_of(-1));
     assert_null(ect_port_of(DESCRIPTORS));
-    ect_ports_closed(FD, FD);
-    ect_port_copied(FD, FD + 1);
+    ect_eventfds_closed(FD, FD);
+    ect_eventfd_copied(FD, FD + 1);
     assert_null(ect_port_of(FD + 1));
 }
 
@@ -365,24 +360,24 @@ static void lives_as_long_as_a_copy(void **state)
 {
     (void)state;
     ect_port_t *port = bound_port(FD, ECAT, 0);
-    ect_port_copied(FD, -1);
-    ect_port_copied(FD, DESCRIPTORS);
-    ect_port_copied(FD, 0);
-    ect_port_copied(0, DESCRIPTORS - 1);
+    ect_eventfd_copied(FD, -1);
+    ect_eventfd_copied(FD, DESCRIPTORS);
+    ect_eventfd_copied(FD, 0);
+    ect_eventfd_copied(0, DESCRIPTORS - 1);
     assert_ptr_equal(ect_port_of(0), port);
-    ect_ports_closed(DESCRIPTORS - 1, DESCRIPTORS - 1);
+    ect_eventfds_closed(DESCRIPTORS - 1, DESCRIPTORS - 1);
     EXPECT_CALLS("a copy", "");
     arrive(0, ECAT, 60, 7);
     ect_ports_show();
     EXPECT_CALLS("the first", "show(20,1) ");
-    ect_ports_closed(FD, FD);
+    ect_eventfds_closed(FD, FD);
     assert_null(ect_port_of(FD));
     arrive(0, ECAT, 60, 8);
     ect_ports_show();
     EXPECT_CALLS("the copy", "show(0,1) ");
     assert_int_equal(next_mark(port), 7);
-    ect_port_copied(0, DESCRIPTORS - 1);
-    ect_ports_closed(0, 0);
+    ect_eventfd_copied(0, DESCRIPTORS - 1);
+    ect_eventfds_closed(0, 0);
     arrive(0, ECAT, 60, 9);
     forget_calls();
     ect_ports_show();
@@ -412,7 +407,7 @@ static void closes_one_of_several(void **state)
 static void close_meanwhile(void)
 {
     plan("copy", 34, 0);
-    ect_ports_closed(FD, FD);
+    ect_eventfds_closed(FD, FD);
     assert_null(ect_port_of(FD));
     arrive(0, ECAT, 60, 9);
     assert_int_equal(mapped, 1);
@@ -421,7 +416,7 @@ static void close_meanwhile(void)
 static void close_without_descriptors_meanwhile(void)
 {
     plan("copy", -1, EMFILE);
-    ect_ports_closed(FD, FD);
+    ect_eventfds_closed(FD, FD);
 }
 
 /* The eventfd of a receiver remains open, and shows frames. */
@@ -491,12 +486,12 @@ static void closes_a_range(void **state)
         char open[4] = "";
         for (int n = 0; n < 3; n++)
             (void)bound_port(FD + n, ECAT, 0);
-        ect_ports_closed(rows[i].from, rows[i].to);
+        ect_eventfds_closed(rows[i].from, rows[i].to);
         for (int n = 0; n < 3; n++)
             open[n] = ect_port_of(FD + n) ? '1' : '0';
         if (strcmp(open, rows[i].open) != 0)
             fail_msg("%u to %u: open are %s, expected %s", rows[i].from, rows[i].to, open, rows[i].open);
-        ect_ports_closed(0, UINT_MAX);
+        ect_eventfds_closed(0, UINT_MAX);
         assert_int_equal(mapped, 0);
     }
 }
@@ -507,9 +502,9 @@ static void ignores_a_child_of_vfork(void **state)
     (void)state;
     ect_port_t *port = bound_port(FD, ECAT, 0);
     process++;
-    ect_ports_closed(FD, FD);
-    ect_port_copied(FD, FD + 1);
-    ect_ports_closed(0, UINT_MAX);
+    ect_eventfds_closed(FD, FD);
+    ect_eventfd_copied(FD, FD + 1);
+    ect_eventfds_closed(0, UINT_MAX);
     process--;
     assert_ptr_equal(ect_port_of(FD), port);
     assert_null(ect_port_of(FD + 1));
@@ -518,23 +513,39 @@ static void ignores_a_child_of_vfork(void **state)
 
 static void gets_eventfds_in_a_child(void **state)
 {
+    char want[256];
     (void)state;
     ect_port_t *first = bound_port(FD, ECAT, 0);
     (void)bound_port(FD + 3, ECAT, 0);
-    ect_port_copied(FD + 3, FD + 1);
+    ect_eventfd_copied(FD + 3, FD + 1);
     arrive(0, ECAT, 60, 7);
     ect_ports_show();
     (void)next_mark(first);
     ect_ports_show();
     forget_calls();
     assert_non_null(in_child);
+    plan("eventfd", 40, 0);
+    plan("eventfd_with_1", 41, 0);
+    plan("get_fl", O_RDWR | O_NONBLOCK, 0);
+    plan("get_fl", O_RDWR, 0);
+    plan("get_fd", FD_CLOEXEC, 0);
     in_child();
-    EXPECT_CALLS("two sockets", "renew(20,0) renew(23,1) replace(21,23) ");
+    snprintf(want, sizeof want,
+             "eventfd(%d) get_fl(20) fcntl(40,%d) get_fd(20) dup3(40,20,%d) close(40) "
+             "eventfd_with_1(%d) get_fl(23) fcntl(41,%d) get_fd(23) dup3(41,23,0) close(41) get_fd(21) dup3(23,21,0) ",
+             EFD_NONBLOCK, O_RDWR | O_NONBLOCK, O_CLOEXEC, EFD_NONBLOCK, O_RDWR);
+    EXPECT_CALLS("two sockets", want);
     process++;
-    ect_ports_closed(FD + 3, FD + 3);
+    ect_eventfds_closed(FD + 3, FD + 3);
+    plan("eventfd", -1, EMFILE);
+    plan("eventfd_with_1", 41, 0);
     in_child();
-    EXPECT_CALLS("a descriptor closed by the parent alone", "renew(20,0) renew(23,1) replace(21,23) ");
-    ect_ports_closed(0, UINT_MAX); /* the descriptors of the new process */
+    snprintf(want, sizeof want,
+             "eventfd(%d) eventfd_with_1(%d) get_fl(23) fcntl(41,0) get_fd(23) dup3(41,23,0) close(41) get_fd(21) "
+             "dup3(23,21,0) ",
+             EFD_NONBLOCK, EFD_NONBLOCK);
+    EXPECT_CALLS("without a further descriptor a socket keeps its own", want);
+    ect_eventfds_closed(0, UINT_MAX); /* the descriptors of the new process */
     assert_int_equal(mapped, 0);
 }
 

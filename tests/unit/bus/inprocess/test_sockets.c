@@ -8,6 +8,7 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
+#include "bus/inprocess/eventfds.h"
 #include "bus/inprocess/interfaces.h"
 #include "bus/inprocess/ports.h"
 #include "bus/inprocess/raw.h"
@@ -115,14 +116,14 @@ int ect_port_open(int type, int protocol)
     return (int)CALLED(port_open, type, protocol);
 }
 
-void ect_port_copied(int fd, int copy)
+void ect_eventfd_copied(int fd, int copy)
 {
-    CALLED(port_copied, fd, copy);
+    CALLED(copied, fd, copy);
 }
 
-void ect_ports_closed(unsigned int from, unsigned int to)
+void ect_eventfds_closed(unsigned int from, unsigned int to)
 {
-    CALLED(ports_closed, from, to);
+    CALLED(closed, from, to);
 }
 
 void ect_port_set_nonblocking(ect_port_t *port, bool on)
@@ -193,16 +194,6 @@ bool ect_time_before_read(const char *call, int fd, int flags)
     char name[32];
     snprintf(name, sizeof name, "before %.*s", (int)strcspn(call, "("), call);
     return fake_call(name, (const long[]){fd, flags}, 2) == 0;
-}
-
-void ect_time_closed(unsigned int from, unsigned int to)
-{
-    CALLED(time_closed, from, to);
-}
-
-void ect_time_copied(int fd, int copy)
-{
-    CALLED(time_copied, fd, copy);
 }
 
 /* --- tests -------------------------------------------------------------------------------------------------------- */
@@ -662,14 +653,14 @@ static void closes_and_copies(void **state)
     (void)state;
     plan("close", -1, EIO);
     assert_int_equal(call_close(PORT), -1);
-    EXPECT_CALLS("close", "ports_closed(700,700) time_closed(700,700) close(700) ");
+    EXPECT_CALLS("close", "closed(700,700) close(700) ");
     (void)call_close(0);
-    EXPECT_CALLS("close the first", "ports_closed(0,0) time_closed(0,0) close(0) ");
+    EXPECT_CALLS("close the first", "closed(0,0) close(0) ");
     (void)call_close(-1);
     EXPECT_CALLS("close none", "close(-1) ");
     plan("dup", 0, 0);
     assert_int_equal(call_dup(PORT), 0);
-    EXPECT_CALLS("dup", "dup(700) port_copied(700,0) time_copied(700,0) ");
+    EXPECT_CALLS("dup", "dup(700) copied(700,0) ");
     plan("dup", -1, EMFILE);
     assert_int_equal(call_dup(OTHER), -1);
     EXPECT_CALLS("dup that fails", "dup(5) ");
@@ -685,16 +676,16 @@ static void closes_ranges(void **state)
     (void)state;
     plan("close_range", -1, EINVAL);
     assert_int_equal(ours_close_range(5, 9, 0), -1);
-    EXPECT_CALLS("a range", "ports_closed(5,9) time_closed(5,9) close_range(5,9,0) ");
+    EXPECT_CALLS("a range", "closed(5,9) close_range(5,9,0) ");
     (void)ours_close_range(5, 9, UNSHARE);
-    EXPECT_CALLS("of a thread of its own", "ports_closed(5,9) time_closed(5,9) close_range(5,9,2) ");
+    EXPECT_CALLS("of a thread of its own", "closed(5,9) close_range(5,9,2) ");
     (void)ours_close_range(5, 9, AT_EXEC);
     (void)ours_close_range(5, 9, UNKNOWN);
     EXPECT_CALLS("at exec; a flag that there is not", "close_range(5,9,4) close_range(5,9,8) ");
     ours_closefrom(7);
-    EXPECT_CALLS("closefrom", "ports_closed(7,4294967295) time_closed(7,4294967295) closefrom(7) ");
+    EXPECT_CALLS("closefrom", "closed(7,4294967295) closefrom(7) ");
     ours_closefrom(-1);
-    EXPECT_CALLS("closefrom, all", "ports_closed(0,4294967295) time_closed(0,4294967295) closefrom(-1) ");
+    EXPECT_CALLS("closefrom, all", "closed(0,4294967295) closefrom(-1) ");
     ect_inside = 1;
     (void)ours_close_range(5, 9, 0);
     ours_closefrom(7);
@@ -706,14 +697,12 @@ static void copies_to_a_number(void **state)
     (void)state;
     plan("dup2", 701, 0);
     assert_int_equal(ours_dup2(PORT, 701), 701);
-    EXPECT_CALLS("dup2", "fcntl(700,1,0) ports_closed(701,701) time_closed(701,701) dup2(700,701) port_copied(700,701) "
-                         "time_copied(700,701) ");
+    EXPECT_CALLS("dup2", "fcntl(700,1,0) closed(701,701) dup2(700,701) copied(700,701) ");
     plan("dup2", 700, 0);
     assert_int_equal(ours_dup2(PORT, PORT), 700);
     EXPECT_CALLS("dup2 to itself", "dup2(700,700) ");
     assert_int_equal(ours_dup3(PORT, 0, O_CLOEXEC), 0);
-    EXPECT_CALLS("dup3", "fcntl(700,1,0) ports_closed(0,0) time_closed(0,0) dup3(700,0,524288) port_copied(700,0) "
-                         "time_copied(700,0) ");
+    EXPECT_CALLS("dup3", "fcntl(700,1,0) closed(0,0) dup3(700,0,524288) copied(700,0) ");
     ect_inside = 1;
     (void)ours_dup2(PORT, 701);
     (void)ours_dup3(PORT, 701, 0);
@@ -750,11 +739,11 @@ static void controls_descriptors(void **state)
     for (size_t i = 0; i < 2; i++) {
         plan("fcntl", 0, 0);
         assert_int_equal(ours_fcntl(PORT, copies[i], 10L), 0);
-        snprintf(want, sizeof want, "fcntl(700,%d,10) port_copied(700,0) time_copied(700,0) ", copies[i]);
+        snprintf(want, sizeof want, "fcntl(700,%d,10) copied(700,0) ", copies[i]);
         EXPECT_CALLS("a copy", want);
         plan("fcntl", 9, 0);
         assert_int_equal(ours_fcntl64(OTHER, copies[i], 10L), 9);
-        snprintf(want, sizeof want, "fcntl(5,%d,10) port_copied(5,9) time_copied(5,9) ", copies[i]);
+        snprintf(want, sizeof want, "fcntl(5,%d,10) copied(5,9) ", copies[i]);
         EXPECT_CALLS("a copy of another", want);
         plan("fcntl", -1, EMFILE);
         assert_int_equal(ours_fcntl64(PORT, copies[i], 10L), -1);
