@@ -12,9 +12,8 @@
 #include "master.h"
 
 enum { CYCLE_US = 2000, STATE_TIMEOUT_US = 5000000, REPLY_TIMEOUT_US = 20000 };
-enum {
-    MISSED_MOST = 10
-}; /* cycles in succession: a busy PC may stop each program for longer than a reply is waited for */
+/* Cycles in succession: a busy PC may stop each program for longer than REPLY_TIMEOUT_US. */
+enum { MISSED_MOST = 10 };
 enum { PCO_CYCLES = 125, LINES = 12, COMMAND_CYCLE = 500, CYCLES_A_SECOND = 500, SECONDS = 3, LONGEST = 86400 };
 /* TS-0007 chapters 8 and 9. */
 enum { PCI = 0, CAI = 3, PCO = 0, CCO = 1, COMMAND = 6, COMMAND_BYTES = 16 };
@@ -81,6 +80,18 @@ static int cycle(void)
     return wkc;
 }
 
+/* Exchanges process data, again after a late reply. @return whether the working counter is the expected one */
+static bool complete(int expected)
+{
+    for (int missed = 0; missed < MISSED_MOST; missed++) {
+        int wkc = cycle();
+        if (wkc == expected)
+            return true;
+        printf("working counter %d instead of %d\n", wkc, expected);
+    }
+    return false;
+}
+
 static void show_counters(int n, int wkc)
 {
     printf("  cycle %4d  working counter %d", n, wkc);
@@ -101,20 +112,16 @@ static void send_commands(void)
 /* @return the number of slaves that acknowledged the command; -1: process data were lost */
 static int exchange(int expected, int cycles)
 {
-    int acknowledged = 0, missed = 0;
+    int acknowledged = 0;
     for (int n = 1; n <= cycles; n++) {
         if (n == COMMAND_CYCLE)
             send_commands();
         for (int i = 1; i <= ec_slavecount; i++)
             ec_slave[i].outputs[PCO] = (uint8)(n / PCO_CYCLES);
-        int wkc = cycle();
-        missed = wkc == expected ? 0 : missed + 1;
-        if (missed > 0)
-            printf("cycle %d: working counter %d instead of %d\n", n, wkc, expected);
-        if (missed == MISSED_MOST)
+        if (!complete(expected))
             return -1;
         if (n % (cycles / LINES) == 0)
-            show_counters(n, wkc);
+            show_counters(n, expected);
     }
     for (int i = 1; i <= ec_slavecount; i++)
         acknowledged += ec_slave[i].inputs[CAI] == ec_slave[i].outputs[CCO];
@@ -131,10 +138,7 @@ static int to_operational(int expected)
         cycle();
         ec_statecheck(0, EC_STATE_OPERATIONAL, 1000);
     }
-    int missed = 0;
-    while (missed < MISSED_MOST && cycle() != expected)
-        missed++;
-    return reached(EC_STATE_OPERATIONAL) && missed < MISSED_MOST;
+    return reached(EC_STATE_OPERATIONAL) && complete(expected);
 }
 
 static int request(uint16 state)

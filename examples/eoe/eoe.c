@@ -27,7 +27,7 @@
 
 enum { FRAME = 1518, HEADERS = 10, FRAGMENT_HEADER = 4, UNIT = 32, TRIES = 20 };
 enum { MAILBOX_FULL = 8, QUIET_US = 200, SDO_PAUSE_NS = 10000000 };
-enum { SM1_ACTIVATION = 0x080E, REPEAT = 2, READS_MOST = 10000 };
+enum { SM1_ACTIVATION = 0x080E, REPEAT = 2, ACCESSES_MOST = 1000 };
 enum { SDO_REQUEST = 2, UPLOAD = 0x40, SDO_BYTES = 10 };
 
 typedef struct settings {
@@ -180,25 +180,42 @@ static bool is_repeated(bridge_t *b, const ec_mbxheadert *header)
     return b->counter != 0 && b->counter == before;
 }
 
-/* Requests the last mail again, which a lost frame has taken with it. The request is a changed bit: the same value is
- * written until a reply confirms it. ec_mbxreceive() writes it once, and loses the mail with this frame. @return
- * whether the slave has a mail; false: it does not repeat mails */
+typedef int access_t(uint16 slave, uint16 address, uint16 length, void *data, int timeout);
+
+/* Accesses a byte of SyncManager 1 until a reply confirms it. */
+static bool access_byte(const bridge_t *b, access_t *access, uint16 address, uint8 *value)
+{
+    int left = ACCESSES_MOST;
+    while (left > 0 && !master_ended && access(ec_slave[b->slave].configadr, address, 1, value, EC_TIMEOUTRET) <= 0)
+        left--;
+    return left > 0 && !master_ended;
+}
+
+/* Requests the last mail again, because a frame that contained it was lost. ec_mbxreceive() writes the request, a
+ * changed bit, only once: if this frame is lost, so is the mail. @return whether the slave has a mail; false: it
+ * repeats none */
 static bool request_again(const bridge_t *b)
 {
-    const uint16 slave = ec_slave[b->slave].configadr;
-    uint8 activation = 0, control = 0;
-    int left = READS_MOST;
-    while (left > 0 && ec_FPRD(slave, SM1_ACTIVATION, 1, &activation, EC_TIMEOUTRET) <= 0)
-        left--;
-    activation ^= REPEAT;
-    while (left > 0 && ec_FPWR(slave, SM1_ACTIVATION, 1, &activation, EC_TIMEOUTRET) <= 0)
-        left--;
-    while (left > 0 && (ec_FPRD(slave, ECT_REG_SM1CONTR, 1, &control, EC_TIMEOUTRET) <= 0 ||
-                        ((control ^ activation) & REPEAT) != 0))
-        left--;
+    uint8 request, reply;
+    int left = ACCESSES_MOST;
+    if (!access_byte(b, ec_FPRD, SM1_ACTIVATION, &request))
+        return false;
+    request ^= REPEAT;
+    if (!access_byte(b, ec_FPWR, SM1_ACTIVATION, &request))
+        return false;
+    do {
+        if (left-- == 0 || !access_byte(b, ec_FPRD, ECT_REG_SM1CONTR, &reply))
+            return false;
+    } while (((reply ^ request) & REPEAT) != 0);
     while (left > 0 && !mail_waits(b))
         left--;
     return left > 0;
+}
+
+/* @return whether a mail of CoE is an emergency, which is no reply */
+static bool is_emergency(const ec_mbxbuft *mail)
+{
+    return (*mail)[sizeof(ec_mbxheadert) + 1] >> 4 == ECT_COES_EMERGENCY;
 }
 
 /* @return whether a mail was received */
@@ -219,7 +236,7 @@ static bool fetch(bridge_t *b)
     b->mails++;
     if (type == ECT_MBXT_EOE)
         take_fragment(b, &mail);
-    if (type != ECT_MBXT_COE || !b->waits)
+    if (type != ECT_MBXT_COE || !b->waits || is_emergency(&mail))
         return true;
     b->waits = false;
     b->sdos++;

@@ -176,9 +176,10 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 # --- a failing test ----------------------------------------------------------------------------------------------------
 
 
-def _describe(twin: Twin) -> str:
-    """The present signals, faults and counters of the twins."""
+def _describe(twin: Twin) -> Tuple[str, int]:
+    """The present signals, faults and counters of the twins; the number of frames in their capture."""
     lines = []
+    captured = 0
     try:
         shown = [f"{slave}:{name}={value}" for (slave, name), value in twin._values("*", 0).items() if value not in (0, "")]
         lines += textwrap.wrap("  ".join(shown), 110, break_long_words=False, break_on_hyphens=False)
@@ -187,27 +188,19 @@ def _describe(twin: Twin) -> str:
         counters = twin.stats()
         numbers = {name: value for name, value in counters.items() if not isinstance(value, (list, dict))}
         lines.append(", ".join(f"{name} {value}" for name, value in numbers.items()))
+        captured = int(counters.get("captured", 0))
     except Error as error:
         lines.append(str(error))
     messages = twin.messages()
-    return "\n".join(lines + ([messages.rstrip()] if messages else []))
+    return "\n".join(lines + ([messages.rstrip()] if messages else [])), captured
 
 
-def _captured(twin: Twin) -> int:
-    """The number of frames in the capture of running twins."""
-    try:
-        return int(twin.stats().get("captured", 0))
-    except Error:
-        return 0
-
-
-def _describe_captures(folder: str, number: int, twin: Twin) -> List[str]:
-    """The captures of the twins with this number: one, or with in_process one for each program."""
+def _describe_captures(folder: str, number: int, frames: int) -> List[str]:
+    """The captures of the twins with this number: one, of so many frames, or with in_process one for each program."""
     names = sorted(name for name in os.listdir(folder) if name.startswith(f"{number}.pcapng"))
-    frames = _captured(twin) if len(names) == 1 else 0
     lines = []
     for name in names:
-        lines += _captures.events(os.path.join(folder, name), _EVENTS, frames)
+        lines += _captures.events(os.path.join(folder, name), _EVENTS, frames if len(names) == 1 else 0)
     return lines
 
 
@@ -219,7 +212,8 @@ def pytest_runtest_makereport(item: pytest.Item) -> Iterator[None]:
     factory = getattr(item, "funcargs", {}).get("ectwin")
     if report.failed and isinstance(factory, Factory):
         for number, twin in enumerate(factory.twins, 1):
-            text = "\n".join([_describe(twin), *_describe_captures(factory.folder, number, twin)])
+            present, frames = _describe(twin)
+            text = "\n".join([present, *_describe_captures(factory.folder, number, frames)])
             report.sections.append((f"ectwin: twins {number} at '{twin.path}'", text))
         factory.failed = True
 

@@ -267,18 +267,18 @@ static void locks_time_out(void **state)
     each_of_the_locked(times_out);
 }
 
-static const struct timespec no_times[] = {{.tv_sec = 1, .tv_nsec = -1}, {.tv_sec = 1, .tv_nsec = S}};
+static const struct timespec invalid_times[] = {{.tv_sec = 1, .tv_nsec = -1}, {.tv_sec = 1, .tv_nsec = S}};
 
 static void is_refused(const timed_t *its)
 {
     for (size_t i = 0; i < 2; i++) {
-        int error = its->wait(&no_times[i]);
+        int error = its->wait(&invalid_times[i]);
         if (error != EINVAL)
-            fail_msg("%s, %ld ns: %d, expected EINVAL", its->name, no_times[i].tv_nsec, error);
+            fail_msg("%s, %ld ns: %d, expected EINVAL", its->name, invalid_times[i].tv_nsec, error);
     }
 }
 
-static void times_that_are_none(void **state)
+static void refuses_invalid_points(void **state)
 {
     (void)state;
     each_of_the_locked(is_refused);
@@ -296,7 +296,7 @@ static void free_locks_need_no_time(void **state)
     for (size_t i = 0; i < sizeof timed / sizeof *timed; i++) {
         sem_init(&semaphore, 0, 1);
         for (size_t n = 0; n < 2; n++) {
-            assert_int_equal(timed[i].wait(&no_times[n]), i < 2 ? 0 : EINVAL);
+            assert_int_equal(timed[i].wait(&invalid_times[n]), i < 2 ? 0 : EINVAL);
             assert_int_equal(i < 2 ? pthread_mutex_unlock(&mutex) : 0, 0);
         }
         assert_int_equal(timed[i].wait(&past), 0);
@@ -334,7 +334,7 @@ static void *unlock_later(void *arg)
     return NULL;
 }
 
-/* Each lock is locked for 5 ms; the time is the last that there is. */
+/* Each lock is locked for 5 ms; the time is the latest of the type. */
 static void times_after_the_clock(void **state)
 {
     static const struct timespec last = {.tv_sec = INT64_MAX, .tv_nsec = S - 1};
@@ -443,7 +443,7 @@ typedef struct spanned {
     timed_t call;
     int over;     /* error of a span of 0; -1: no limit */
     int negative; /* of -1 s; -1: on the virtual clock as no limit */
-    int fraction; /* of nanoseconds that are none */
+    int fraction; /* of invalid nanoseconds */
 } spanned_t;
 
 static const spanned_t spanned[] = {{{"nanosleep", sleep_for}, 0, EINVAL, EINVAL},
@@ -465,7 +465,7 @@ static void check_span(const spanned_t *its, struct timespec span, int expected)
                  expected);
 }
 
-static void spans_that_are_none(void **state)
+static void refuses_invalid_spans(void **state)
 {
     (void)state;
     for (size_t i = 0; i < sizeof spanned / sizeof *spanned; i++) {
@@ -539,7 +539,7 @@ static void the_longest_timers(void **state)
     close(fd);
 }
 
-static void intervals_that_are_none(void **state)
+static void refuses_invalid_intervals(void **state)
 {
     static const struct itimerval rows[] = {{.it_value = {-1, 0}},
                                             {.it_value = {0, 1000000}},
@@ -575,19 +575,20 @@ int main(int argc, char **argv)
         {"C11: conditions wake threads in turn", conditions_wake_threads, NULL, NULL, NULL},
         {"C11: waits end at a time of timespec_get", times_of_c11, NULL, NULL, NULL},
         {"POSIX: each timed lock ends with ETIMEDOUT", locks_time_out, NULL, NULL, NULL},
-        {"POSIX: a time with no valid nanoseconds is refused with EINVAL", times_that_are_none, NULL, NULL, NULL},
-        {"POSIX: a lock that is free needs no time", free_locks_need_no_time, NULL, NULL, NULL},
+        {"POSIX: a time with invalid nanoseconds is refused with EINVAL", refuses_invalid_points, NULL, NULL, NULL},
+        {"POSIX: a free lock is locked at any time, and a free mutex at an invalid one", free_locks_need_no_time, NULL,
+         NULL, NULL},
         {"POSIX: a time before the beginning of the clock ends with ETIMEDOUT", times_before_the_clock, NULL, NULL,
          NULL},
-        {"POSIX: the last time that there is does not come", times_after_the_clock, NULL, NULL, NULL},
+        {"POSIX: a lock with the latest time of the type is waited for", times_after_the_clock, NULL, NULL, NULL},
         {"POSIX: a read-write lock that the thread has locked to write is refused with EDEADLK",
          a_thread_locks_a_lock_twice, NULL, NULL, NULL},
-        {"POSIX: a time span that is none is refused", spans_that_are_none, NULL, NULL, NULL},
-        {"POSIX: the longest time span ends with a signal alone", the_longest_span, NULL, NULL, NULL},
+        {"POSIX: an invalid time span is refused", refuses_invalid_spans, NULL, NULL, NULL},
+        {"POSIX: only a signal ends the longest time span", the_longest_span, NULL, NULL, NULL},
         {"signal(7): a read ends with EINTR after a handler without SA_RESTART, and continues otherwise",
          reads_and_handlers, NULL, NULL, NULL},
-        {"POSIX: the longest times and intervals of a timer", the_longest_timers, NULL, NULL, NULL},
-        {"setitimer(2): a time that is none is refused with EINVAL", intervals_that_are_none, NULL, NULL, NULL},
+        {"POSIX: a timer keeps the longest times and intervals", the_longest_timers, NULL, NULL, NULL},
+        {"setitimer(2): an invalid time is refused with EINVAL", refuses_invalid_intervals, NULL, NULL, NULL},
     };
     return is_started(argc, argv) ? cmocka_run_group_tests(tests, open_bus, close_bus) : 1;
 }

@@ -975,7 +975,7 @@ int main(int argc, char **argv)
         {"dup(2): each copy of a timer descriptor is the timer", copies_of_a_timer_descriptor, NULL, NULL, NULL},
         {"close(2), close_range(2), dup2(2): a file with the number of a closed timer gets no expiry",
          the_end_of_a_timer_descriptor, NULL, NULL, NULL},
-        {"timerfd_create(2): clocks, flags and times that do not exist are refused with EINVAL",
+        {"timerfd_create(2): unknown clocks and flags, and invalid times, are refused with EINVAL",
          calls_of_timer_descriptors_that_are_refused, NULL, NULL, NULL},
         {"vfork(2): a child that closes a timer descriptor leaves the timer of its parent",
          a_child_of_vfork_and_a_timer_descriptor, NULL, NULL, NULL},

@@ -22,12 +22,13 @@ static inline uint64_t ect_ns_of(const struct timespec *time)
     return seconds < UINT64_MAX / ECT_NS_PER_S ? seconds * ECT_NS_PER_S + (uint64_t)time->tv_nsec : UINT64_MAX;
 }
 
+/** As ::ect_ns_of; the microseconds may be more than a second, as those of select(2). */
 static inline uint64_t ect_ns_of_timeval(const struct timeval *time)
 {
-    if (time->tv_sec < 0)
-        return 0;
-    uint64_t seconds = (uint64_t)time->tv_sec;
-    return seconds < UINT64_MAX / ECT_NS_PER_S ? seconds * ECT_NS_PER_S + (uint64_t)time->tv_usec * 1000u : UINT64_MAX;
+    const time_t whole = time->tv_usec / 1000000;
+    const struct timespec its = {.tv_sec = time->tv_sec < INT64_MAX - whole ? time->tv_sec + whole : INT64_MAX,
+                                 .tv_nsec = time->tv_usec % 1000000 * 1000};
+    return ect_ns_of(&its);
 }
 
 /** @return whether a point in time is valid: the kernel and the C library refuse others with EINVAL */

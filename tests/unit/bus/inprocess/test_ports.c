@@ -1099,7 +1099,7 @@ int main(void)
          NULL, NULL},
         {"Options have values, rings are refused", has_options, begin, NULL, NULL},
         {"SO_RCVTIMEO limits a wait", has_a_timeout, begin, NULL, NULL},
-        {"SO_RCVTIMEO: a negative time ends a wait, the longest is none, and a fraction that is none is refused",
+        {"SO_RCVTIMEO: a negative time ends a wait, the longest is no limit, an invalid fraction is refused",
          has_timeouts_at_their_limits, begin, NULL, NULL},
         {"A socket has a name, cut to its room", has_a_name, begin, NULL, NULL},
         {"A frame has 14 to 1518 bytes in pieces", sends, begin, NULL, NULL},
