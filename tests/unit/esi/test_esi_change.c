@@ -139,6 +139,21 @@ static void without_another_request(void **state)
     close_rig(&r);
 }
 
+/* Pulls the module of slot 1 in a state, with a reaction of `modules.on_change`, and checks the AL status. */
+static void pull_in(rig_t *r, uint8_t state, const char *reaction, uint8_t want_al, uint16_t want_code)
+{
+    uint16_t code;
+    open_rig(r, RACK(DOWNLOAD, ""), PREOP);
+    configure(r);
+    wire_go(&r->wire, 0, state);
+    set(r, "modules.on_change", reaction);
+    assert_true(plug(r, 1, 0));
+    wire_advance(&r->wire, 10000000);
+    const uint8_t status = al(r, &code);
+    if (status != want_al || code != want_code)
+        fail_msg("on_change=%s: AL status %02X, code %04X", reaction, status, code);
+}
+
 static void pulled_in_op(void **state)
 {
     static const struct {
@@ -150,15 +165,7 @@ static void pulled_in_op(void **state)
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         rig_t r;
         uint16_t code;
-        open_rig(&r, RACK(DOWNLOAD, ""), PREOP);
-        configure(&r);
-        wire_go(&r.wire, 0, OP);
-        set(&r, "modules.on_change", rows[i].reaction);
-        assert_true(plug(&r, 1, 0));
-        wire_advance(&r.wire, 10000000);
-        const uint8_t status = al(&r, &code);
-        if (status != rows[i].al || code != rows[i].code)
-            fail_msg("on_change=%s: AL status %02X, code %04X", rows[i].reaction, status, code);
+        pull_in(&r, OP, rows[i].reaction, rows[i].al, rows[i].code);
         assert_int_equal(read_number(&r, 0xF050, 1), 0);
         assert_int_equal(abort_of(&r, 0x6000, 1), i == 0 ? NO_OBJECT : 0); /* the mapping of SAFEOP and OP stays */
         assert_int_equal(wire_al(&r.wire, 0, PREOP | 0x10, &code), PREOP);
@@ -179,16 +186,7 @@ static void pulled_in_safeop(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         rig_t r;
-        uint16_t code;
-        open_rig(&r, RACK(DOWNLOAD, ""), PREOP);
-        configure(&r);
-        wire_go(&r.wire, 0, SAFEOP);
-        set(&r, "modules.on_change", rows[i].reaction);
-        assert_true(plug(&r, 1, 0));
-        wire_advance(&r.wire, 10000000);
-        const uint8_t status = al(&r, &code);
-        if (status != rows[i].al || code != rows[i].code)
-            fail_msg("on_change=%s: AL status %02X, code %04X", rows[i].reaction, status, code);
+        pull_in(&r, SAFEOP, rows[i].reaction, rows[i].al, rows[i].code);
         assert_int_equal(abort_of(&r, 0x6000, 1), i == 0 ? NO_OBJECT : 0);
         close_rig(&r);
     }

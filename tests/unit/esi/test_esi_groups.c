@@ -33,6 +33,17 @@ static uint32_t element(const made_t *m, uint16_t index, unsigned int n)
     return object != NULL ? ect_od_element(object, n) : 0;
 }
 
+/* Compares the PDOs of an assignment, 1C12h or 1C13h. */
+static void expect_pdos(const made_t *m, const char *what, uint16_t assignment, const uint16_t *pdos,
+                        unsigned int count)
+{
+    for (unsigned int n = 0; n < count; n++) {
+        const uint32_t pdo = element(m, assignment, n + 1);
+        if (pdo != pdos[n])
+            fail_msg("%s: PDO %u is %04X, expected %04X", what, n + 1, (unsigned int)pdo, pdos[n]);
+    }
+}
+
 static void order(void **state)
 {
     static const struct {
@@ -82,11 +93,7 @@ static void order(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         made_t m = make_text(rows[i].what, rows[i].text);
-        for (unsigned int n = 0; n < 5; n++) {
-            if (element(&m, 0x1C13, n + 1) != rows[i].pdos[n])
-                fail_msg("%s: PDO %u is %04X, expected %04X", rows[i].what, n + 1,
-                         (unsigned int)element(&m, 0x1C13, n + 1), rows[i].pdos[n]);
-        }
+        expect_pdos(&m, rows[i].what, 0x1C13, rows[i].pdos, 5);
         if (element(&m, rows[i].padding, 1) != rows[i].entry)
             fail_msg("%s: the padding is %08X", rows[i].what, (unsigned int)element(&m, rows[i].padding, 1));
         free_made(&m);
@@ -125,11 +132,7 @@ static void outputs(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         made_t m = make_text(rows[i].what, rows[i].text);
-        for (unsigned int n = 0; n < 4; n++) {
-            if (element(&m, 0x1C12, n + 1) != rows[i].pdos[n])
-                fail_msg("%s: PDO %u is %04X, expected %04X", rows[i].what, n + 1,
-                         (unsigned int)element(&m, 0x1C12, n + 1), rows[i].pdos[n]);
-        }
+        expect_pdos(&m, rows[i].what, 0x1C12, rows[i].pdos, 4);
         if (element(&m, 0x17FF, 1) != rows[i].padding)
             fail_msg("%s: the padding is %08X", rows[i].what, (unsigned int)element(&m, 0x17FF, 1));
         free_made(&m);

@@ -76,6 +76,16 @@ static void end(image_t *image)
     image->size += 2; /* FFFFh: no further category */
 }
 
+/* Ends an image and reads it. @param[out] device  its device @return for ect_esi_close */
+static ect_esi_t *read_back(image_t *image, const ect_esi_device_t **device)
+{
+    char why[TEXT];
+    end(image);
+    ect_esi_t *esi = ect_esi_of_image("image", image->bytes, image->size, why, sizeof why);
+    *device = ect_esi_select(esi, "", why, sizeof why);
+    return esi;
+}
+
 #define SM(start, length, control, type)                                                                               \
     (start) & 0xFF, (start) >> 8, (length) & 0xFF, (length) >> 8, (control), 0, 1, (type)
 #define PDO(index, entries, sm)            (index) & 0xFF, (index) >> 8, (entries), (sm), 0, 0, 0, 0
@@ -179,13 +189,11 @@ static void each_field_of_general_is_read(void **state)
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         uint8_t general[20] = {[18] = 0x34, [19] = 0x12};
         image_t image;
-        char why[TEXT];
         general[rows[i].at] = rows[i].value;
         begin(&image, ECT_MAILBOX_COE);
         add(&image, ECT_SII_GENERAL, general, sizeof general);
-        end(&image);
-        ect_esi_t *esi = ect_esi_of_image("image", image.bytes, image.size, why, sizeof why);
-        const ect_esi_device_t *d = ect_esi_select(esi, "", why, sizeof why);
+        const ect_esi_device_t *d;
+        ect_esi_t *esi = read_back(&image, &d);
         const int64_t got[] = {d->lrd_lwr,
                                d->mailbox.data_link_layer,
                                d->identification_134,
@@ -219,13 +227,12 @@ static void each_text_of_general_is_read(void **state)
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         const uint8_t general[20] = {rows[i].group_type, [2] = rows[i].type, rows[i].name, [14] = rows[i].group_name};
         image_t image;
-        char why[TEXT], got[TEXT];
+        char got[TEXT];
         begin(&image, 0);
         add(&image, ECT_SII_STRINGS, strings, sizeof strings);
         add(&image, ECT_SII_GENERAL, general, sizeof general);
-        end(&image);
-        ect_esi_t *esi = ect_esi_of_image("image", image.bytes, image.size, why, sizeof why);
-        const ect_esi_device_t *d = ect_esi_select(esi, "", why, sizeof why);
+        const ect_esi_device_t *d;
+        ect_esi_t *esi = read_back(&image, &d);
         snprintf(got, sizeof got, "%s,%s,%s,%s", d->group_type, d->type, d->name, d->group_name);
         if (strcmp(got, rows[i].texts) != 0)
             fail_msg("row %zu: expected %s, got %s", i, rows[i].texts, got);
@@ -240,15 +247,13 @@ static void texts_of_modes_and_pdos_are_read(void **state)
     const uint8_t modes[24] = {[18] = 1, [19] = 2};
     const uint8_t pdos[16] = {0x00, 0x1A, 1, 0xFF, 0, 3, 0, 0, 0x00, 0x60, 1, 4, ECT_TYPE_UNSIGNED8, 8};
     image_t image;
-    char why[TEXT];
     (void)state;
     begin(&image, 0);
     add(&image, ECT_SII_STRINGS, strings, sizeof strings);
     add(&image, ECT_SII_TXPDO, pdos, sizeof pdos);
     add(&image, ECT_SII_DC, modes, sizeof modes);
-    end(&image);
-    ect_esi_t *esi = ect_esi_of_image("image", image.bytes, image.size, why, sizeof why);
-    const ect_esi_device_t *d = ect_esi_select(esi, "", why, sizeof why);
+    const ect_esi_device_t *d;
+    ect_esi_t *esi = read_back(&image, &d);
     assert_string_equal(d->dcs[0].name, "M");
     assert_string_equal(d->dcs[0].description, "D");
     assert_string_equal(d->pdos[0].name, "P");
@@ -263,12 +268,11 @@ static void each_flag_of_a_pdo_is_read(void **state)
     for (unsigned int bit = 0; bit < 16; bit++) {
         const uint8_t pdo[] = {0x00, 0x1A, 0, 0xFF, 0, 0, (uint8_t)(1u << bit), (uint8_t)(1u << bit >> 8)};
         image_t image;
-        char why[TEXT];
         begin(&image, 0);
         add(&image, ECT_SII_TXPDO, pdo, sizeof pdo);
-        end(&image);
-        ect_esi_t *esi = ect_esi_of_image("image", image.bytes, image.size, why, sizeof why);
-        const ect_esi_pdo_t *p = &ect_esi_select(esi, "", why, sizeof why)->pdos[0];
+        const ect_esi_device_t *device;
+        ect_esi_t *esi = read_back(&image, &device);
+        const ect_esi_pdo_t *p = &device->pdos[0];
         assert_int_equal(p->mandatory, bit == 0);
         assert_int_equal(p->fixed, bit == 4);
         assert_int_equal(p->virtual_pdo, bit == 5);
@@ -283,12 +287,11 @@ static void each_flag_of_a_sync_manager_is_read(void **state)
     for (unsigned int flags = 0; flags < 16; flags++) {
         const uint8_t sms[] = {0x00, 0x10, 4, 0, 0x20, 0, (uint8_t)flags, ECT_SM_INPUTS};
         image_t image;
-        char why[TEXT];
         begin(&image, 0);
         add(&image, ECT_SII_SYNCM, sms, sizeof sms);
-        end(&image);
-        ect_esi_t *esi = ect_esi_of_image("image", image.bytes, image.size, why, sizeof why);
-        const ect_esi_sm_t *sm = &ect_esi_select(esi, "", why, sizeof why)->sms[0];
+        const ect_esi_device_t *device;
+        ect_esi_t *esi = read_back(&image, &device);
+        const ect_esi_sm_t *sm = &device->sms[0];
         assert_int_equal(sm->flags, flags & 14);
         assert_int_equal(sm->virtual_sm, (flags & 4) != 0);
         ect_esi_close(esi);
@@ -306,12 +309,10 @@ static void each_type_of_a_sync_manager_has_its_name(void **state)
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         const uint8_t sms[] = {SM(0x1000, 128, 0x26, rows[i].type)};
         image_t image;
-        char why[TEXT];
         begin(&image, 0);
         add(&image, ECT_SII_SYNCM, sms, sizeof sms);
-        end(&image);
-        ect_esi_t *esi = ect_esi_of_image("image", image.bytes, image.size, why, sizeof why);
-        const ect_esi_device_t *model = ect_esi_select(esi, "", why, sizeof why);
+        const ect_esi_device_t *model;
+        ect_esi_t *esi = read_back(&image, &model);
         assert_int_equal(model->sm_count, 1);
         assert_string_equal(model->sms[0].type, rows[i].name);
         ect_esi_close(esi);
@@ -324,13 +325,11 @@ static void each_type_of_an_fmmu_has_its_name(void **state)
     static const uint8_t types[] = {0, 1, 2, 3, 4, 5, 254, 255, 2, 255};
     static const char *const names[] = {"", "Outputs", "Inputs", "MBoxState", "", "", "", "", "Inputs"};
     image_t image;
-    char why[TEXT];
     (void)state;
     begin(&image, 0);
     add(&image, ECT_SII_FMMU, types, sizeof types);
-    end(&image);
-    ect_esi_t *esi = ect_esi_of_image("image", image.bytes, image.size, why, sizeof why);
-    const ect_esi_device_t *model = ect_esi_select(esi, "", why, sizeof why);
+    const ect_esi_device_t *model;
+    ect_esi_t *esi = read_back(&image, &model);
     assert_int_equal(model->fmmu_count, sizeof names / sizeof names[0]);
     for (size_t i = 0; i < model->fmmu_count; i++)
         assert_string_equal(model->fmmus[i], names[i]);
