@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Threads, mutexes and conditions of C11 on the virtual clock. glibc's are those of POSIX under other names, without a
- * call of the functions that locks.c replaces. */
+/* Threads, mutexes and conditions of C11 on the virtual clock. In glibc these are the objects of POSIX under other
+ * names, and their functions do not call those that locks.c replaces. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <pthread.h>
