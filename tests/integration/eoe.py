@@ -23,6 +23,7 @@ import urllib.request
 ADDRESS, OURS, NET = "192.168.10.20", "192.168.10.1", "192.168.10.0/24"
 SKIPPED = 77
 TYPE = 0x88B5  # for local experiments
+WINDOW = 65536  # bytes, of the sockets of iperf3
 failed = False
 
 
@@ -223,7 +224,7 @@ def inside_lossy(ectwin, program, _):
 
 def iperf3_client(*options):
     """@return the report's end: sent and received bytes, retransmitted segments"""
-    done = subprocess.run(["iperf3", "-J", "-c", ADDRESS, *options], stdout=subprocess.PIPE, check=True, text=True)
+    done = subprocess.run(["iperf3", "-J", "-c", ADDRESS, "-w", str(WINDOW), *options], stdout=subprocess.PIPE, check=True, text=True)
     return json.loads(done.stdout)["end"]
 
 
@@ -237,8 +238,9 @@ def inside_iperf3(ectwin, program, size):
     for title, options in (("to the twin", []), ("from the twin", ["-R"])):
         end = iperf3_client(*amount, *options)
         sent, received = end["sum_sent"], end["sum_received"]
-        check(f"iperf3 {title}: all bytes are sent, and most have arrived at its end", (True, True),
-              (sent["bytes"] >= least, received["bytes"] >= sent["bytes"] // 2))
+        # The receiver counts until the sender's end. Linux doubles WINDOW for the buffer at each side.
+        check(f"iperf3 {title}: all bytes are sent, and all have arrived but those in the two buffers", (True, True),
+              (sent["bytes"] >= least, received["bytes"] + 4 * WINDOW >= sent["bytes"]))
         check(f"iperf3 {title}: at most one segment of ten is sent again, which a stopped machine may cause", True,
               sent["retransmits"] * 1448 * 10 <= sent["bytes"] + 10 * 40000)
         print(f"iperf3 {title}: {sent['bytes']} bytes, {received['bits_per_second'] / 8e6:.2f} MB/s, {sent['retransmits']} sent again",
