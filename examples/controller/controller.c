@@ -8,7 +8,8 @@
  * Prints one line of JSON for each event; commands from remotes are acknowledged by CAO only. --commands sends numbered
  * commands to all remotes; --restart-every closes the bus at random, every N seconds on average, and starts the bus
  * again with the same counters. A controller whose process may end stores the counters in a file (--counters): without
- * them it is unknown whether the last command was executed. SIGINT ends the program.
+ * them it is unknown whether the last command was executed. A process killed between a command and the storing of its
+ * counters executes this command again. SIGINT ends the program.
  *
  * This file is MIT; the program is linked with SOEM and thereby covered by SOEM's licence.
  */

@@ -102,6 +102,16 @@ the_way_to_op() {
     "$controller" '{}' --seconds 3 >/dev/null 2>"$work/err"; echo $?)"
 }
 
+stop_between_commands() { # PID: stops the controller when it has stored the counters of all commands that it has executed
+  kill -STOP "$1"
+  until [ "$(grep -c "\"command\"" "$work/log")" = "$(awk '{ print $2 }' "$work/counters")" ]; do
+    kill -CONT "$1"
+    sleep 0.01
+    kill -STOP "$1"
+  done
+}
+export -f stop_between_commands
+
 # ECL-023, ECL-050: the controller ends and restarts with its counters: no command is lost or repeated
 killed_and_back() {
   "$ectwin" with vr-bu-ect-map7 -- bash -c '
@@ -113,6 +123,7 @@ killed_and_back() {
       "$ectwin" command ru1 "$(printf "%032x" $((2 * n - 1)))"
       "$ectwin" command ru1 "$(printf "%032x" $((2 * n)))"
       sleep "0.$((n * 7 % 4))"
+      stop_between_commands $pid
       kill -KILL $pid; wait $pid
     done
     "$controller" "$ECTWIN_IFACE" --seconds 600 --counters "$work/counters" >>"$work/log" & pid=$!
