@@ -478,6 +478,7 @@ static void poll_buses(server_t *server)
         bool needed = bus->link.unsent > 0 || (wanted && (open || !bus->watched));
         if (!needed) {
             lws_set_timeout(bus->socket, PENDING_TIMEOUT_USER_OK, LWS_TO_KILL_ASYNC);
+            server->ticks = 0; /* a page may open the bus again soon: connect at the next tick */
             continue;
         }
         bus_poll(bus, open);

@@ -473,7 +473,6 @@ def patience():
         time.sleep(1.5)
         with contextlib.suppress(ConnectionError):
             check("SEC: a page that does not read is closed", None, deaf.wait("never"))
-        good.send({"open": 0})
         check("the others stay", {"ok": True}, good.request(bus, {"op": "set", "name": "data1", "value": 4}, 6))
 
 
