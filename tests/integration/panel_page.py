@@ -35,8 +35,15 @@ def check(title, expected, actual):
 
 def becomes(browser, title, expected, script, *arguments):
     """Checks the value of a script when it is the expected one, at the latest after the limit of `Browser.wait`: a page follows its bus."""
-    until(lambda: browser.run(script, *arguments) == expected)
-    check(title, expected, browser.run(script, *arguments))
+    actual = None
+
+    def as_expected():
+        nonlocal actual
+        actual = browser.run(script, *arguments)
+        return actual == expected
+
+    until(as_expected)
+    check(title, expected, actual)
 
 
 class Refused(Exception):

@@ -82,9 +82,9 @@ def tree(browser, url):
         cut = "return [...document.querySelectorAll('.cable.cut')].length"
         browser.picture("tree.png", "light", "section.wide", 1000)
         browser.click('.plug[data-slave="1"][data-port="port 3"]')
-        check("a click on the plug of the junction cuts off the branch alone", "OP,OP", browser.wait(
-            "const s = [...document.querySelectorAll('.module')].filter((m) => !['left', 'tip'].includes(m.querySelector('.title').textContent));"
-            "return document.querySelectorAll('.cable.cut').length === 1 && s.map((m) => m.dataset.state).join()", seconds=120))
+        becomes(browser, "a click on the plug of the junction cuts off the branch alone", "1: OP,OP",  # lost frames end OP for a while
+                "const s = [...document.querySelectorAll('.module')].filter((m) => !['left', 'tip'].includes(m.querySelector('.title').textContent));"
+                "return document.querySelectorAll('.cable.cut').length + ': ' + s.map((m) => m.dataset.state).join()")
         check("the lamp of that port is off", "link at the port 3: off", browser.wait(
             "const label = document.querySelector('.plug[data-slave=\"1\"][data-port=\"port 3\"] .lamp').ariaLabel; return label.endsWith('off') && label", seconds=120))
         browser.click('.plug[data-slave="1"][data-port="port 3"]')
