@@ -18,7 +18,7 @@ The tests of a program are those of CTest named in PROGRAMS: unit tests of its l
 of them reach the changed line; only those are run. A script notices a mutant when it fails with the mutant, passes without it, and fails
 with it again: on a busy machine, a script that is late notices nothing.
 
-Needs the packages of tools/test.sh. Works below build/mutate and build/mutate-programs; the tree is unchanged.
+Needs the packages of tools/test.sh. Works below build/mutate, build/mutate-in-process and build/mutate-programs; the tree is unchanged.
 """
 import argparse
 import concurrent.futures
@@ -42,7 +42,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build/mutate"
 EQUIVALENT = ROOT / "tests/budget/equivalent"
-LINK = ["--coverage", "-fsanitize=undefined", "-fsanitize=leak"]
+LEAKS = "-fsanitize=leak"  # where AddressSanitizer does not fit: a block that is not freed is detected
 CONFORM = ROOT / "programs/ectwin-conform"
 LONGEST = 300  # seconds; limit of a test
 MARKS = 1 << 24  # bytes of a file of reached.c
@@ -178,14 +178,14 @@ class Program:
     Sources that a test's target compiles for itself, as a device with ECT_SMALL, precede those of the library. A test that wraps
     calls (-Wl,--wrap) is linked as CMake links it, because a shared library would call past the wrappers."""
 
-    LEAKS = "-fsanitize=leak"  # a block that is not freed is detected, as with asan
+    SANITIZERS = "address,undefined"  # as in tools/test.sh: a mutant that reads past the end of an array fails
     FLAGS = "-fPIC -O0 -w --coverage"
     VISIBILITY = "default"  # a test is linked with the library that has the mutant
     PATIENCE = (2, 10)  # a test ends in so many seconds, and times what it takes without a mutant
 
     def configure(self):
-        run("cmake", "--preset", "dev", "-B", str(BUILD), "-DECTWIN_SANITIZE=undefined", f"-DCMAKE_C_FLAGS={self.FLAGS}",
-            "-DCMAKE_C_FLAGS_DEBUG=", f"-DCMAKE_EXE_LINKER_FLAGS={self.LEAKS}", f"-DCMAKE_C_VISIBILITY_PRESET={self.VISIBILITY}", cwd=ROOT)
+        run("cmake", "--preset", "dev", "-B", str(BUILD), f"-DECTWIN_SANITIZE={self.SANITIZERS}", f"-DCMAKE_C_FLAGS={self.FLAGS}",
+            "-DCMAKE_C_FLAGS_DEBUG=", f"-DCMAKE_C_VISIBILITY_PRESET={self.VISIBILITY}", cwd=ROOT)
 
     def build(self, *targets):
         """Builds targets, or all. Returns target -> source -> Compiled."""
@@ -208,7 +208,7 @@ class Program:
                     if subprocess.run(["pkg-config", "--exists", optional], check=False).returncode == 0]
         self.libraries = run_for_text("pkg-config", "--libs", *modules).split() + ["-lm"]
         self.link(BUILD / "libcore.so", {})
-        self.support = targets["test_support"]
+        self.support, self.options = targets["test_support"], targets["ectwin_sanitize"]
         unit = ROOT / "tests/unit"
         self.own = {name: sources for name, sources in sorted(targets.items())
                     if any(unit in s.parents for s in sources) and (not tests or name in tests)}
@@ -227,12 +227,15 @@ class Program:
             library.symlink_to(BUILD / library.name)
             return
         objects = [str(instead.get(s, c.object)) for s, c in sorted(self.library.items())]
-        run("cc", *LINK, "-shared", "-o", str(library), *objects, *self.libraries)
+        run("cc", *self.link_flags(), "-shared", "-o", str(library), *objects, *self.libraries)
+
+    def link_flags(self):
+        return ["--coverage", f"-fsanitize={self.SANITIZERS}"]
 
     def link_test(self, name, program, instead):
-        sources = {**self.support, **self.own[name]}
+        sources = {**self.support, **self.options, **self.own[name]}
         objects = [str(instead.get(s, c.object)) for s, c in sources.items()]
-        return subprocess.run(["cc", *LINK, "-o", str(program), *objects, f"-L{BUILD}", "-lcore",
+        return subprocess.run(["cc", *self.link_flags(), "-o", str(program), *objects, f"-L{BUILD}", "-lcore",
                                "-Wl,--allow-shlib-undefined", *self.libraries], capture_output=True, check=False)
 
     def with_mutant(self, name, source, changed, work):
@@ -366,7 +369,7 @@ class InProcess(Program):
     integration tests on both clocks: masters that call the C library, and, if the processor supports them, masters that make direct
     system calls."""
 
-    LEAKS = ""  # that library also replaces functions of threads; its unit tests do not
+    SANITIZERS = "undefined"  # that library also replaces functions of threads; its unit tests do not
     PARTS = ["calls", "sockets", "waits", "addresses"]  # lists needs a folder of `ectwin with`
     MASTERS = [f"inprocess_{part}" for part in PARTS]
     if platform.machine() == "x86_64":
@@ -377,6 +380,8 @@ class InProcess(Program):
              and (platform.machine() in ("x86_64", "aarch64") or path.stem != "test_user")]
 
     def __init__(self):
+        global BUILD
+        BUILD = ROOT / "build/mutate-in-process"
         modules = {name: f"ectwin_inprocess_{clock}" for name, (_, clock) in self.RUNS.items()}
         targets = self.build(*self.MASTERS, *self.UNITS, "ectwin_chain", *sorted(set(modules.values())))
         self.own = {name: targets[module] for name, module in modules.items()}
@@ -396,7 +401,7 @@ class InProcess(Program):
             own = self.own[name][source]
             if not own.compile(changed, work / "own.o"):
                 raise RuntimeError(f"{source} as {name} has it")
-            return link_as_built(f"tests/{name}", work / name, work / "own.o", own, Program.LEAKS)
+            return link_as_built(f"tests/{name}", work / name, work / "own.o", own, LEAKS)
         library = self.tests[name].name
         for twins in BUILD.glob("libectwin.so*"):  # searched next to the library
             if not (work / twins.name).exists():
@@ -418,7 +423,7 @@ class Installed(Program):
     """A program, with the tests of CTest that run it. A mutant is linked into a folder that also has the other programs and
     libraries of the build, because programs search for each other there; the folder replaces the build in the command of a test."""
 
-    LEAKS = ""  # --in-process also replaces functions of threads; see with_mutant
+    SANITIZERS = "undefined"  # --in-process also replaces functions of threads; see with_mutant
     VISIBILITY = "hidden"
     FLAGS = "-fPIC -O0 -w"  # gcov loses what a process in a sandbox, or one that a signal ends, has reached: see measure
     PATIENCE = (10, 3)
@@ -453,7 +458,7 @@ class Installed(Program):
             if is_own or self.archive(source) in command:
                 (work / name).unlink(missing_ok=True)
                 (work / name).parent.mkdir(parents=True, exist_ok=True)
-                leaks = [Program.LEAKS] if name.startswith("tests/test_") else []
+                leaks = [LEAKS] if name.startswith("tests/test_") else []
                 link_as_built(name, work / name, mutant, own if is_own else None, *leaks)
 
     def with_mutant(self, name, source, changed, work):
@@ -468,7 +473,7 @@ class Installed(Program):
             add_programs(self.beside - new, work, folder)
             for program in new:
                 is_own = any((BUILD / word) == own.object for word in self.links[program])
-                link_as_built(program, folder / program, work / "mutant.o", own if is_own else None, Program.LEAKS, str(self.sandbox))
+                link_as_built(program, folder / program, work / "mutant.o", own if is_own else None, LEAKS, str(self.sandbox))
         return folder
 
     def tests_beside(self, source):
