@@ -38,8 +38,21 @@ void bus_connected(buses_t *buses, bus_t *bus, long process)
     bus_poll(bus, false);
 }
 
+/* A page sends a few requests at a time: each one without a reply would be missing for ever. */
+static void refuse_waiting(const buses_t *buses, const bus_t *bus)
+{
+    const link_t *link = &bus->link;
+    for (size_t i = 0; i < link->count; i++) {
+        const link_request_t *request = &link->waiting[(link->first + i) % LINK_WAITING];
+        if (request->kind == LINK_PAGE)
+            buses->reply(buses->ctx, bus, request,
+                         "{\"ok\":false,\"message\":\"the connection to the bus has ended\"}");
+    }
+}
+
 void bus_disconnected(buses_t *buses, bus_t *bus)
 {
+    refuse_waiting(buses, bus);
     table_clear(&bus->table);
     memset(&bus->link, 0, sizeof bus->link);
     bus->next_faults.length = 0;

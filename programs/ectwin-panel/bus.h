@@ -62,7 +62,7 @@ typedef struct buses {
 /** Begins a connection to the bus. */
 void bus_connected(buses_t *buses, bus_t *bus, long process);
 
-/** Forgets the state of the last connection. */
+/** Forgets the state of the last connection, and refuses the requests of pages that have no reply. */
 void bus_disconnected(buses_t *buses, bus_t *bus);
 
 /** Sends the requests that are repeated, once a second. @param open  a page shows the bus */

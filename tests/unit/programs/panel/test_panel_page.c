@@ -600,6 +600,8 @@ static void too_many_signals(void **state)
     expect("{\"event\":\"signals\",\"bus\":1,\"of\":1,\"from\":0,\"signals\":[" SIGNAL_A "]}");
 }
 
+#define ENDED "{\"ok\":false,\"message\":\"the connection to the bus has ended\"}"
+
 /* Half a reply of a connection is no part of a reply of the next one. */
 static void half_a_reply(void **state)
 {
@@ -611,8 +613,29 @@ static void half_a_reply(void **state)
     from_bus(OK);
     assert_int_equal(from_page("{\"id\":10,\"bus\":1,\"request\":{\"op\":\"objects\"}}"), PAGE_PASS_ON);
     from_bus("{\"index\":2}\n" OK);
-    assert_int_equal(page->replies, 1);
-    assert_string_equal(page->reply[page->first].text, "{\"ok\":true,\"lines\":[{\"index\":2}]}");
+    assert_int_equal(page->replies, 2);
+    assert_string_equal(page->reply[page->first].text, ENDED);
+    assert_string_equal(page->reply[(page->first + 1) % PAGE_REPLIES].text, "{\"ok\":true,\"lines\":[{\"index\":2}]}");
+}
+
+/* The twin has replied to the first request of the panel only, and the connection ends again and again: requests of the
+ * panel itself get no reply, those of the page one each. */
+static void requests_of_an_ended_connection(void **state)
+{
+    (void)state;
+    open_bus();
+    for (int i = 0; i < 3 * PAGE_REPLIES; i++) {
+        bus_poll(bus, true);
+        assert_int_equal(from_page("{\"id\":8,\"bus\":1,\"request\":{\"op\":\"objects\"}}"), PAGE_PASS_ON);
+        assert_int_equal(from_page("{\"id\":9,\"bus\":1,\"request\":{\"op\":\"waves\"}}"), PAGE_PASS_ON);
+        from_bus(OK);
+        bus_disconnected(&buses, bus);
+        expect("{\"event\":\"reply\",\"id\":8,\"reply\":" ENDED "}");
+        expect("{\"event\":\"reply\",\"id\":9,\"reply\":" ENDED "}");
+        assert_int_equal(page->replies, 0);
+        bus_connected(&buses, bus, 78);
+        from_bus(OK);
+    }
 }
 
 /* The same of lists of faults, and of events, which a request for more follows. */
@@ -979,6 +1002,8 @@ int main(int argc, char **argv)
         {"The list of faults fits to its last byte", faults_that_just_fit, begin, finish, NULL},
         {"Each reply has all faults, and a line without one adds none", faults_of_each_reply, begin, finish, NULL},
         {"Half a reply ends with its connection", half_a_reply, begin, finish, NULL},
+        {"Requests without a reply are refused when their connection ends", requests_of_an_ended_connection, begin,
+         finish, NULL},
         {"Half a list ends with its connection", half_a_list, begin, finish, NULL},
         {"The reply of several lines fits to its last byte", lines_that_just_fit, begin, finish, NULL},
         {"A bus is found by its number", buses_by_their_number, begin, finish, NULL},
