@@ -132,20 +132,28 @@ def waves(browser, url):
             "return document.querySelector('.waves > .label').textContent.includes('surface1.distance')", seconds=120))
 
 
+def captured(browser, url):
+    """Captures for 0.3 s. @return whether the file can be downloaded; False: the page has lost its connection and starts again"""
+    renewed = "const b = document.querySelector('.capture'); const renewed = !b?.marked; return "
+    browser.open("about:blank")
+    browser.open(url)
+    check("the slaves are in OP", True, reaches(browser, "OP,OP", seconds=120))
+    browser.wait("const b = document.querySelector('.capture'); if (b) b.marked = true; return b !== null")
+    browser.click(".capture")
+    browser.wait(renewed + "renewed || b.ariaPressed === 'true'", seconds=120)
+    browser.wait("const t = performance.now(); window.since ??= t; const n = document.querySelector('[data-datagram=LRW] td:nth-child(3)');"
+                 "return n && Number(n.textContent) > 0 && t - window.since > 300", seconds=120)
+    browser.click(".capture")
+    browser.wait(renewed + "renewed || !document.querySelector('a.download[download=\"capture.pcapng\"]').hidden", seconds=200)
+    return browser.run("return document.querySelector('a.download[download=\"capture.pcapng\"]')?.hidden === false")
+
+
 def capture(browser, url, folder):
     """A capture is downloaded as pcapng, and has requests and replies."""
     saved = pathlib.Path(folder, "capture.pcapng")
     browser.command("Browser.setDownloadBehavior", behavior="allow", downloadPath=folder)
     with bus("fzm1,fzm1", [MASTER, "{}"]):
-        browser.open("about:blank")
-        browser.open(url)
-        check("the slaves are in OP", True, reaches(browser, "OP,OP", seconds=120))
-        browser.click(".capture")
-        browser.wait("return document.querySelector('.capture').ariaPressed === 'true'", seconds=120)
-        browser.wait("const t = performance.now(); window.since ??= t; const n = document.querySelector('[data-datagram=LRW] td:nth-child(3)');"
-                     "return n && Number(n.textContent) > 0 && t - window.since > 300", seconds=120)
-        browser.click(".capture")
-        check("it can be downloaded", True, browser.wait("return document.querySelector('a.download[download=\"capture.pcapng\"]').hidden === false", seconds=200))
+        check("it can be downloaded", True, any(captured(browser, url) for _ in range(5)))
         browser.run("document.querySelector('a.download[download=\"capture.pcapng\"]').click()")
         check("the file is there", True, until(saved.exists, 120))
         blocks = pcapng(saved.read_bytes())
