@@ -38,7 +38,7 @@ void bus_connected(buses_t *buses, bus_t *bus, long process)
     bus_poll(bus, false);
 }
 
-/* A page sends a few requests at a time: each one without a reply would be missing for ever. */
+/* A page has at most eight requests without a reply: one that never gets a reply takes a place for ever. */
 static void refuse_waiting(const buses_t *buses, const bus_t *bus)
 {
     const link_t *link = &bus->link;
