@@ -103,12 +103,13 @@ the_way_to_op() {
 }
 
 stop_between_commands() { # PID: stops the controller when it has stored the counters of all commands that it has executed
-  kill -STOP "$1"
-  until [ "$(grep -c "\"command\"" "$work/log")" = "$(awk '{ print $2 }' "$work/counters")" ]; do
-    kill -CONT "$1"
-    sleep 0.01
+  for _ in $(seq 1200); do
     kill -STOP "$1"
+    [ "$(grep -c "\"command\"" "$work/log")" = "$(awk '{ print $2 }' "$work/counters")" ] && return 0
+    kill -CONT "$1"
+    sleep 0.05
   done
+  return 1
 }
 export -f stop_between_commands
 

@@ -133,19 +133,20 @@ def waves(browser, url):
 
 
 def captured(browser, url):
-    """Captures for 0.3 s. @return whether the file can be downloaded; False: the page has lost its connection and starts again"""
-    renewed = "const b = document.querySelector('.capture'); const renewed = !b?.marked; return "
+    """Captures for 0.3 s. @return whether the file can be downloaded; None: the page has lost its connection, and with it the capture"""
+    state = ("const button = document.querySelector('.capture'); const lost = !button?.marked;"
+             "const link = document.querySelector('a.download[download=\"capture.pcapng\"]'); return ")
     browser.open("about:blank")
     browser.open(url)
     check("the slaves are in OP", True, reaches(browser, "OP,OP", seconds=120))
-    browser.wait("const b = document.querySelector('.capture'); if (b) b.marked = true; return b !== null")
+    browser.wait("const button = document.querySelector('.capture'); if (button) button.marked = true; return button !== null")
     browser.click(".capture")
-    browser.wait(renewed + "renewed || b.ariaPressed === 'true'", seconds=120)
+    browser.wait(state + "lost || button.ariaPressed === 'true'", seconds=120)
     browser.wait("const t = performance.now(); window.since ??= t; const n = document.querySelector('[data-datagram=LRW] td:nth-child(3)');"
                  "return n && Number(n.textContent) > 0 && t - window.since > 300", seconds=120)
     browser.click(".capture")
-    browser.wait(renewed + "renewed || !document.querySelector('a.download[download=\"capture.pcapng\"]').hidden", seconds=200)
-    return browser.run("return document.querySelector('a.download[download=\"capture.pcapng\"]')?.hidden === false")
+    browser.wait(state + "lost || link.hidden === false", seconds=200)
+    return browser.run(state + "lost ? null : link.hidden === false")
 
 
 def capture(browser, url, folder):
@@ -153,7 +154,8 @@ def capture(browser, url, folder):
     saved = pathlib.Path(folder, "capture.pcapng")
     browser.command("Browser.setDownloadBehavior", behavior="allow", downloadPath=folder)
     with bus("fzm1,fzm1", [MASTER, "{}"]):
-        check("it can be downloaded", True, any(captured(browser, url) for _ in range(5)))
+        results = (captured(browser, url) for _ in range(5))
+        check("it can be downloaded", True, next((result for result in results if result is not None), None))
         browser.run("document.querySelector('a.download[download=\"capture.pcapng\"]').click()")
         check("the file is there", True, until(saved.exists, 120))
         blocks = pcapng(saved.read_bytes())
