@@ -8,14 +8,14 @@
 
 #include "bus/inprocess/eventfds.h"
 #include "bus/inprocess/time.h"
+#include "fake_eventfds.h"
+#include "fake_process.h"
 #include "fakes.h"
 
 /* Descriptors that are numbers only. */
 enum { FD = 20, OTHER = 5, DESCRIPTORS = 65536 };
 
 static int locked;
-static pid_t process = 50; /* that the program is */
-static void (*in_child)(void);
 
 /* --- fakes -------------------------------------------------------------------------------------------------------- */
 
@@ -41,31 +41,6 @@ static int fake_close(int fd)
 }
 
 FAKES(FAKE(fcntl), FAKE(dup3), FAKE(close))
-
-int fake_eventfd(unsigned int value, int flags);
-int fake_eventfd(unsigned int value, int flags)
-{
-    return (int)CALLED(eventfd, value, flags);
-}
-
-void *fake_calloc(size_t count, size_t size);
-void *fake_calloc(size_t count, size_t size)
-{
-    return planned("calloc") != 0 ? NULL : calloc(count, size);
-}
-
-pid_t fake_getpid(void);
-pid_t fake_getpid(void)
-{
-    return process;
-}
-
-int fake_pthread_atfork(void (*prepare)(void), void (*parent)(void), void (*child)(void));
-int fake_pthread_atfork(void (*prepare)(void), void (*parent)(void), void (*child)(void))
-{
-    in_child = !prepare && !parent ? child : NULL;
-    return 0;
-}
 
 void ect_time_lock(void)
 {

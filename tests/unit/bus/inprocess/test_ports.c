@@ -16,6 +16,7 @@
 #include "bus/inprocess/eventfds.h"
 #include "bus/inprocess/ports.h"
 #include "bus/library.h"
+#include "fake_process.h"
 #include "fakes.h"
 
 /* Of bus/inprocess/time.h, where it is constant: this test runs on both clocks. */
@@ -93,20 +94,6 @@ int fake_munmap(void *memory, size_t size)
     assert_true(size > 0);
     free(memory);
     mapped--;
-    return 0;
-}
-
-static pid_t process = 50; /* that the program is */
-static void (*in_child)(void);
-
-pid_t fake_getpid(void)
-{
-    return process;
-}
-
-int fake_pthread_atfork(void (*prepare)(void), void (*parent)(void), void (*child)(void))
-{
-    in_child = !prepare && !parent ? child : NULL;
     return 0;
 }
 

@@ -11,6 +11,8 @@
 #include "bus/inprocess/eventfds.h"
 #include "bus/inprocess/threads.h"
 #include "bus/inprocess/time.h"
+#include "fake_eventfds.h"
+#include "fake_process.h"
 #include "fakes.h"
 
 /* Descriptors that are numbers only. */
@@ -24,7 +26,6 @@ static uint64_t now_ns;
 enum { TIMERS = 64 };
 static ect_timer_t *timers[TIMERS]; /* in the list of the virtual clock */
 static size_t timer_count;
-static void (*in_child)(void);
 
 static int fake_poll(struct pollfd *fds, nfds_t count, int timeout_ms)
 {
@@ -81,31 +82,6 @@ static int fake_timerfd_settime(int fd, int flags, const struct itimerspec *valu
 
 FAKES(FAKE(poll), FAKE(write), FAKE(read), FAKE(close), FAKE(fcntl), FAKE(dup3), FAKE(timerfd_create),
       FAKE(timerfd_gettime), FAKE(timerfd_settime))
-
-int fake_eventfd(unsigned int value, int flags);
-int fake_eventfd(unsigned int value, int flags)
-{
-    return (int)CALLED(eventfd, value, flags);
-}
-
-void *fake_calloc(size_t count, size_t size);
-void *fake_calloc(size_t count, size_t size)
-{
-    return planned("calloc") != 0 ? NULL : calloc(count, size);
-}
-
-pid_t fake_getpid(void);
-pid_t fake_getpid(void)
-{
-    return 50;
-}
-
-int fake_pthread_atfork(void (*prepare)(void), void (*parent)(void), void (*child)(void));
-int fake_pthread_atfork(void (*prepare)(void), void (*parent)(void), void (*child)(void))
-{
-    in_child = !prepare && !parent ? child : NULL;
-    return 0;
-}
 
 uint64_t ect_virtual_now(void)
 {
