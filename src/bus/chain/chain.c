@@ -183,9 +183,6 @@ void ect_chain_free(ect_chain_t *chain)
 
 void ect_chain_memory(const ect_chain_t *chain, void (*block)(void *ctx, void *at, size_t size), void *ctx)
 {
-    size_t size;
-    void *routes = ect_fast_memory(chain->fast, &size);
-    block(ctx, routes, size);
     block(ctx, chain->twins, chain->cabling.count * sizeof *chain->twins);
     block(ctx, chain->pool, chain->pool_size);
 }

@@ -64,8 +64,8 @@ size_t ect_chain_check_wires(const ect_twin_config_t *twins, size_t count);
 size_t ect_chain_wire(const ect_chain_t *chain, size_t position, unsigned int *port);
 
 /**
- * Calls `block` for each large block of memory that every frame and every run of the devices use: the twins, the RAM of
- * their ESCs, the routes of frames. A caller can advise the system about these; their content must not change.
+ * Calls `block` for each large block of memory that every frame and every run of the devices use: the twins, and the
+ * RAM of their ESCs. A caller can advise the system about these; their content must not change.
  */
 void ect_chain_memory(const ect_chain_t *chain, void (*block)(void *ctx, void *at, size_t size), void *ctx);
 

@@ -19,12 +19,12 @@
 
 enum { SOURCE = 6, LOCAL = 0x02, TIMES = 8 };
 
+/* Half a line of cache, because each frame reads it. The routes are apart, because frames do not read most of them. */
 typedef struct controller {
     ect_esc_t *esc;
     uint64_t frame;   /* number of the last frame in which the controller took part */
     uint64_t times;   /* recorded system times that the controller has taken */
-    uint32_t routing; /* ect_esc_routing() at the time of `route` */
-    ect_esc_route_t route;
+    uint32_t routing; /* ect_esc_routing() at the time of its route */
 } controller_t;
 
 /* A system time for all controllers: controllers before the source get the master's value, those behind the source's.
@@ -81,18 +81,14 @@ struct ect_fast {
     size_t window_count;
     uint32_t *touched;
     size_t touched_count;
+    ect_esc_route_t *routes; /* of the controllers */
     controller_t controllers[];
 };
-
-static size_t size_of(size_t count)
-{
-    return sizeof(ect_fast_t) + count * sizeof(controller_t);
-}
 
 ect_fast_t *ect_fast_new(size_t count)
 {
     ECT_ASSERT(count >= 1 && count <= UINT16_MAX);
-    ect_fast_t *f = calloc(1, size_of(count));
+    ect_fast_t *f = calloc(1, sizeof *f + count * sizeof f->controllers[0]);
     if (!f)
         return NULL;
     f->count = count;
@@ -100,7 +96,8 @@ ect_fast_t *ect_fast_new(size_t count)
     f->stations = calloc(count, 2 * sizeof *f->stations);
     f->windows = calloc(count, ECT_ESC_MAX_FMMU * sizeof *f->windows);
     f->touched = calloc(count, sizeof *f->touched);
-    if (f->chosen && f->stations && f->windows && f->touched)
+    f->routes = calloc(count, sizeof *f->routes);
+    if (f->chosen && f->stations && f->windows && f->touched && f->routes)
         return f;
     ect_fast_free(f);
     return NULL;
@@ -114,13 +111,8 @@ void ect_fast_free(ect_fast_t *fast)
     free(fast->stations);
     free(fast->windows);
     free(fast->touched);
+    free(fast->routes);
     free(fast);
-}
-
-void *ect_fast_memory(ect_fast_t *fast, size_t *size)
-{
-    *size = size_of(fast->count);
-    return fast;
 }
 
 /* --- tables of the controllers' routes -----------------------------------------------------------------------------
@@ -133,12 +125,13 @@ static bool same_sums(const ect_esc_route_t *a, const ect_esc_route_t *b)
            a->guards_writes == b->guards_writes && a->takes_time == b->takes_time;
 }
 
-static void read_route(ect_fast_t *f, controller_t *c)
+static void read_route(ect_fast_t *f, size_t position)
 {
-    const ect_esc_route_t before = c->route;
-    const ect_esc_route_t *now = &c->route;
+    controller_t *c = &f->controllers[position];
+    ect_esc_route_t *now = &f->routes[position];
+    const ect_esc_route_t before = *now;
     c->routing = ect_esc_routing(c->esc);
-    ect_esc_route(c->esc, &c->route);
+    ect_esc_route(c->esc, now);
     ECT_ASSERT(now->window_count <= ECT_ESC_MAX_FMMU);
     f->line_known &= now->open == before.open && now->leaves_line == before.leaves_line;
     f->sums_known &= f->line_known && same_sums(now, &before);
@@ -154,27 +147,27 @@ void ect_fast_put(ect_fast_t *fast, size_t position, ect_esc_t *esc)
     c->esc = esc;
     c->times = fast->times;
     fast->version++;
-    read_route(fast, c);
+    read_route(fast, position);
 }
 
 void ect_fast_refresh(ect_fast_t *fast, size_t position)
 {
     ECT_ASSERT(position < fast->count && fast->controllers[position].esc != NULL);
-    controller_t *c = &fast->controllers[position];
+    const controller_t *c = &fast->controllers[position];
     if (c->routing != ect_esc_routing(c->esc))
-        read_route(fast, c);
+        read_route(fast, position);
 }
 
 /* Finds the end of the line, the first closed port. A controller that may send frames another way rules out a line. */
 static void update_line(ect_fast_t *f)
 {
     size_t i = 0;
-    bool line = !f->controllers[0].route.leaves_line;
-    while (line && f->controllers[i].route.open && i + 1 < f->count)
-        line = !f->controllers[++i].route.leaves_line;
+    bool line = !f->routes[0].leaves_line;
+    while (line && f->routes[i].open && i + 1 < f->count)
+        line = !f->routes[++i].leaves_line;
     f->reach = line ? i + 1 : 0;
     ECT_ASSERT(f->reach <= f->count);
-    f->out = f->controllers[i].route.open;
+    f->out = f->routes[i].open;
     f->line_known = true;
     f->sums_known = false;
 }
@@ -192,7 +185,7 @@ static void update_sums(ect_fast_t *f)
     if (f->sums_known)
         return;
     for (size_t i = 0; i < f->reach; i++) {
-        const ect_esc_route_t *route = &f->controllers[i].route;
+        const ect_esc_route_t *route = &f->routes[i];
         sums.events |= route->events;
         sums.al_status |= route->al_status;
         sums.al_status_new |= route->al_status_new;
@@ -219,7 +212,7 @@ static void update_stations(ect_fast_t *f)
     if (f->stations_known)
         return;
     for (size_t i = 0; i < f->count; i++) {
-        const ect_esc_route_t *route = &f->controllers[i].route;
+        const ect_esc_route_t *route = &f->routes[i];
         f->stations[n++] = (station_t){.address = route->station, .position = (uint16_t)i};
         if (route->alias != route->station)
             f->stations[n++] = (station_t){.address = route->alias, .position = (uint16_t)i};
@@ -245,7 +238,7 @@ static void update_windows(ect_fast_t *f)
     if (f->windows_known)
         return;
     for (size_t i = 0; i < f->count; i++) {
-        const ect_esc_route_t *route = &f->controllers[i].route;
+        const ect_esc_route_t *route = &f->routes[i];
         for (unsigned int k = 0; k < route->window_count; k++) {
             const ect_esc_window_t *w = &route->windows[k];
             f->windows[n++] = (window_t){.first = w->first,
@@ -279,7 +272,7 @@ static void take_times(ect_fast_t *f, size_t i, uint64_t until)
     ECT_ASSERT(f->times - c->times <= TIMES);
     for (; c->times < until; c->times++) {
         const time_update_t *t = &f->time_updates[c->times % TIMES];
-        if (c->route.takes_time && i < t->reach && i != t->source)
+        if (f->routes[i].takes_time && i < t->reach && i != t->source)
             ect_esc_take_time(c->esc, time_for(t, i), t->at_ns);
     }
 }
@@ -291,7 +284,7 @@ static void postpone_times(ect_fast_t *f, size_t i)
     ECT_ASSERT(c->times >= f->times_before && c->frame == f->frame);
     for (; c->times < f->times; c->times++) {
         const time_update_t *t = &f->time_updates[c->times % TIMES];
-        if (c->route.takes_time && i < t->reach && i != t->source)
+        if (f->routes[i].takes_time && i < t->reach && i != t->source)
             ect_esc_postpone_time(c->esc, time_for(t, i));
     }
 }
@@ -386,7 +379,7 @@ static unsigned int to_all(ect_fast_t *f, uint8_t *d, unsigned int part)
 
 static bool answers(const ect_fast_t *f, const uint8_t *d, size_t i)
 {
-    const ect_esc_route_t *route = &f->controllers[i].route;
+    const ect_esc_route_t *route = &f->routes[i];
     uint16_t address = ect_load_le16(d + ECT_DATAGRAM_ADP);
     if (d[ECT_DATAGRAM_COMMAND] == ECT_ARMW)
         return i == (uint16_t)(0u - address);
@@ -426,8 +419,8 @@ static unsigned int record_time(ect_fast_t *f, uint8_t *d, size_t source)
     unsigned int gain = f->sums.time_takers;
     time_update_t update = {.at_ns = f->now_ns, .source = source, .reach = f->reach, .before = ect_load_le32(time)};
     if (source < f->reach) {
-        ECT_ASSERT(gain >= f->controllers[source].route.takes_time);
-        gain -= f->controllers[source].route.takes_time;
+        ECT_ASSERT(gain >= f->routes[source].takes_time);
+        gain -= f->routes[source].takes_time;
         gain += take_part(f, source, d, ECT_PART_READ);
     }
     update.behind = ect_load_le32(time);
@@ -636,6 +629,6 @@ const ect_esc_t *ect_fast_time_source(ect_fast_t *fast, const uint8_t *datagram,
     size_t source;
     if (!find_source(fast, datagram, &source) || source >= fast->reach)
         return NULL;
-    *takes = fast->controllers[source].route.takes_time;
+    *takes = fast->routes[source].takes_time;
     return fast->controllers[source].esc;
 }

@@ -40,9 +40,6 @@ typedef struct ect_fast ect_fast_t;
 ect_fast_t *ect_fast_new(size_t count);
 void ect_fast_free(ect_fast_t *fast);
 
-/** @return the memory with the state of all controllers */
-void *ect_fast_memory(ect_fast_t *fast, size_t *size);
-
 /** Sets the controller at a position, from 0, for the first time or after a reset. It must outlive the line. */
 void ect_fast_put(ect_fast_t *fast, size_t position, ect_esc_t *esc);
 

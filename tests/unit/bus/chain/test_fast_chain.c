@@ -1194,7 +1194,7 @@ static void each_block_fails(void)
         callocs_left = UINT_MAX;
         failed += fast == NULL;
     }
-    assert_int_equal(failed, 5);
+    assert_int_equal(failed, 6);
     ect_fast_free(fast);
     ect_fast_free(NULL);
     ect_deadlines_t *deadlines = NULL;
