@@ -107,14 +107,34 @@ typedef struct ect_esc_arrival {
     uint32_t port_ns[4]; /**< at each port, on the way back; unchanged for a port that the frame does not reach */
 } ect_esc_arrival_t;
 
-/** One controller. Allocate it anywhere, initialise with ::ect_esc_init; the members are private. */
+/**
+ * One controller. Allocate it anywhere, initialise with ::ect_esc_init; the members are private. The members from
+ * `memory` to `config` are those that each frame and each access of the PDI use: together, so that many controllers
+ * have few lines in a processor's cache.
+ */
 typedef struct ect_esc {
-    ect_esc_config_t config;
     uint8_t *memory;
     uint32_t memory_size;
-    ect_esc_sm_t sm[ECT_ESC_MAX_SM];
+    uint8_t fmmu_reads;  /* bit n: FMMU n is active and maps reads */
+    uint8_t fmmu_writes; /* bit n: FMMU n is active and maps writes */
+    bool fmmus_plain;    /* all FMMUs map whole bytes, and no byte belongs to two FMMUs */
+    bool sms_overlap;    /* two enabled SyncManagers share a byte: the lower number decides */
     uint64_t now_ns;
     uint64_t next_ns; /**< earliest time at which something happens without an access */
+    uint32_t activity;
+    uint32_t routing; /* changes with each state that affects the path of frames or data added to frames, except the
+                         images of SyncManagers (route.h, cyclic.h) */
+    uint32_t port_changes;
+    uint32_t sii_writes;
+    uint32_t resets;
+    uint8_t per_frame; /**< work that is due at the end of this frame or the beginning of the next one */
+    uint8_t closing; /* bit n: the present frame has left the buffer of SyncManager n, which is exchanged at its end */
+    uint8_t listed;  /* bit n: SyncManager n is in the list of postponed effects */
+    uint8_t sm_changed; /* bit n: the PDI has yet to read the changed activate register of SyncManager n */
+    uint16_t postponed_length;
+    uint8_t reset_step[2]; /**< by side: progress of its reset sequence */
+    ect_esc_sm_t sm[ECT_ESC_MAX_SM];
+    ect_esc_config_t config;
     ect_esc_clock_t clock;
     ect_esc_loop_t loop;
     ect_esc_sync_t sync[2];
@@ -137,29 +157,13 @@ typedef struct ect_esc {
     bool al_control_locked;
     bool al_control_written; /**< by the present frame */
     bool sii_valid;
-    bool pdi_late;         /**< the watchdog of the PDI has expired */
-    uint8_t per_frame;     /**< work that is due at the end of this frame or the beginning of the next one */
-    uint8_t reset_step[2]; /**< by side: progress of its reset sequence */
-    bool reset_moved[2];   /**< by side: this frame or access has advanced the reset sequence */
-    uint8_t held_ports;    /**< bit n: auto-close port n has lost its link, and stays closed until it is opened */
-    uint8_t next_port[4];  /**< by port of arrival: the port by which a frame leaves */
-    uint32_t port_changes;
-    uint8_t kept_loops;  /**< loop settings that apply again after temporary ones */
-    uint8_t err_code;    /**< code of the ERR LED, unless the register overrides it */
-    uint8_t fmmu_reads;  /* bit n: FMMU n is active and maps reads */
-    uint8_t fmmu_writes; /* bit n: FMMU n is active and maps writes */
-    bool fmmus_plain;    /* all FMMUs map whole bytes, and no byte belongs to two FMMUs */
-    bool fmmus_whole;    /* all FMMUs map whole bytes, and no byte belongs to two FMMUs of one direction */
-    bool sms_overlap;    /* two enabled SyncManagers share a byte: the lower number decides */
-    uint8_t sm_changed;  /* bit n: the PDI has yet to read the changed activate register of SyncManager n */
-    uint32_t activity;
-    uint32_t routing; /* changes with each state that affects the path of frames or data added to frames, except the
-                         images of SyncManagers (route.h, cyclic.h) */
-    uint32_t sii_writes;
-    uint32_t resets;
-    uint8_t closing; /* bit n: the present frame has left the buffer of SyncManager n, which is exchanged at its end */
-    uint8_t listed;  /* bit n: SyncManager n is in the list of postponed effects */
-    uint16_t postponed_length;
+    bool pdi_late;        /**< the watchdog of the PDI has expired */
+    bool reset_moved[2];  /**< by side: this frame or access has advanced the reset sequence */
+    uint8_t held_ports;   /**< bit n: auto-close port n has lost its link, and stays closed until it is opened */
+    uint8_t next_port[4]; /**< by port of arrival: the port by which a frame leaves */
+    uint8_t kept_loops;   /**< loop settings that apply again after temporary ones */
+    uint8_t err_code;     /**< code of the ERR LED, unless the register overrides it */
+    bool fmmus_whole;     /* all FMMUs map whole bytes, and no byte belongs to two FMMUs of one direction */
     uint8_t scratch[ECT_ESC_MAX_FRAME];   /* data of the present datagram, in or out: one user at a time */
     uint8_t postponed[ECT_ESC_MAX_FRAME]; /* register writes of the present frame in order, and buffers left before */
 } ect_esc_t;

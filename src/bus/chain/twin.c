@@ -37,9 +37,13 @@ static size_t esc_size(const ect_twin_config_t *config)
     return chip ? ECT_ESC_MEMORY_SIZE(chip->ram_kb) : 0;
 }
 
+/* An odd number of lines of a processor's cache puts the same register of many twins into different sets of it: sizes
+ * of ESCs are multiples of 1 KB, which would leave that register a sixteenth of the sets or fewer. */
 size_t ect_twin_pool_size(const ect_twin_config_t *config)
 {
-    return esc_size(config) + config->device->buffer_size;
+    enum { LINE = 64 };
+    const size_t size = esc_size(config) + config->device->buffer_size;
+    return ((size + LINE - 1) / LINE | 1) * LINE;
 }
 
 static bool make_esc(ect_twin_t *twin)

@@ -29,25 +29,26 @@ ECT_C_BEGIN
 /** Limit of memory blocks of a twin. */
 enum { ECT_TWIN_BLOCKS = 10 };
 
+/** A twin. The members up to `hung` are those that each frame and each run use: together, for the processor's cache. */
 typedef struct ect_twin {
-    ect_twin_config_t config;
     ect_esc_t esc;
     ect_pdi_t pdi;
     ect_slave_t slave;
-    ect_slow_t *slow;   /* NULL: no delays */
-    ect_above_t *above; /* faults above the wire; NULL: none yet */
-    ect_wiring_t *wiring;
-    ect_lamps_t *lamps;
-    bool link[ECT_TOPOLOGY_PORTS]; /* link state of the ports, as set in the ESC */
-    bool hung;                     /* the microcontroller does not run */
+    ect_slow_t *slow;              /* NULL: no delays */
+    uint64_t esc_ns;               /* deadline that the ESC returned at its last tick */
+    uint64_t slave_ns;             /* deadline of the slave stack */
     uint32_t ports_seen;           /* ect_esc_port_changes() that the propagation delays include */
     uint32_t seen;                 /* ect_esc_activity() that the slave stack has handled */
     uint32_t sii_seen;             /* ect_esc_sii_writes() that config.sii_written has reported */
-    uint64_t esc_ns;               /* deadline that the ESC returned at its last tick */
-    uint64_t slave_ns;             /* deadline of the slave stack */
-    uint64_t last_frame_ns;        /* time of the last frame, except those of the fast path */
-    uint8_t *esc_memory;           /* in the pool */
-    uint8_t *buffer;               /* in the pool; NULL: the device needs none */
+    bool hung;                     /* the microcontroller does not run */
+    bool link[ECT_TOPOLOGY_PORTS]; /* link state of the ports, as set in the ESC */
+    ect_above_t *above;            /* faults above the wire; NULL: none yet */
+    ect_wiring_t *wiring;
+    ect_lamps_t *lamps;
+    uint64_t last_frame_ns; /* time of the last frame, except those of the fast path */
+    uint8_t *esc_memory;    /* in the pool */
+    uint8_t *buffer;        /* in the pool; NULL: the device needs none */
+    ect_twin_config_t config;
     void *memory[ECT_TWIN_BLOCKS]; /* every block allocated for this twin */
     size_t blocks;
 } ect_twin_t;

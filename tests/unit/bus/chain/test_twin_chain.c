@@ -535,7 +535,7 @@ static void take_block(void *ctx, void *at, size_t size)
 
 static void large_blocks(void **state)
 {
-    enum { TWINS = 50 };
+    enum { TWINS = 50, LINE = 64 };
     ect_twin_config_t twins[TWINS];
     wire_t w;
     blocks_t blocks = {0};
@@ -545,7 +545,7 @@ static void large_blocks(void **state)
         twins[n] = ect_twin_default(&testdev, NULL);
     wire_open_twins(&w, twins, TWINS);
     ect_chain_memory(w.chain, take_block, &blocks);
-    assert_int_equal(blocks.count, 3);
+    assert_int_equal(blocks.count, 2);
     for (size_t b = 0; b < blocks.count; b++) {
         uint8_t sum = 0;
         for (size_t i = 0; i < blocks.all[b].size; i++)
@@ -554,10 +554,13 @@ static void large_blocks(void **state)
         for (size_t n = 0; n < TWINS; n++)
             of_twins += (const uint8_t *)ect_chain_esc(w.chain, n) >= blocks.all[b].at &&
                         (const uint8_t *)(ect_chain_esc(w.chain, n) + 1) <= blocks.all[b].at + blocks.all[b].size;
-        if (b == 2)
+        if (b == 1)
             assert_true(ect_chain_esc(w.chain, 0)->config.memory == blocks.all[b].at);
     }
     assert_int_equal(of_twins, TWINS);
+    const uint8_t *memory = ect_chain_esc(w.chain, 0)->config.memory;
+    ptrdiff_t apart = ect_chain_esc(w.chain, 1)->config.memory - memory;
+    assert_int_equal(apart % (2 * LINE), LINE); /* no register of all twins in a few sets of a cache */
     wire_close(&w);
 }
 
@@ -866,7 +869,7 @@ int main(int argc, char **argv)
          NULL},
         {"CF-001: a twin that is powered on has no station address for the next frame", reset_between_polls, NULL, NULL,
          NULL},
-        {"the large blocks of a chain contain each ESC, its RAM, and the routes", large_blocks, NULL, NULL, NULL},
+        {"the large blocks of a chain contain each ESC and its RAM", large_blocks, NULL, NULL, NULL},
         {"CF-057: every device has a name and a product code of its own", catalogue_names, NULL, NULL, NULL},
         {"a program's own devices follow those of this tree in the catalogue", catalogue_grows, NULL, NULL, NULL},
     };
