@@ -281,12 +281,22 @@ static void make_huge(void *ctx, void *at, size_t size)
     ect_pages_make_huge(at, size);
 }
 
+/* @param heap  end of the heap before the twins: malloc() has taken their smaller blocks behind it */
+static void make_twins_huge(const ect_chain_t *chain, const uint8_t *heap)
+{
+    const uint8_t *end = sbrk(0);
+    ect_chain_memory(chain, make_huge, NULL);
+    if (end > heap)
+        ect_pages_make_huge((void *)(uintptr_t)heap, (size_t)(end - heap));
+}
+
 int session_power_on(session_t *s)
 {
+    const uint8_t *heap = sbrk(0);
     int status = twin_args_power_on(s->twins, s->who, ect_packet_now(), &s->runner.exchange.chain);
     if (status != EXIT_CLEAN)
         return status;
-    ect_chain_memory(s->runner.exchange.chain, make_huge, NULL);
+    make_twins_huge(s->runner.exchange.chain, heap);
     status = twin_args_trace(s->twins, s->who, &s->runner.exchange.trace);
     if (status == EXIT_CLEAN)
         status = load_into_kernel(s);

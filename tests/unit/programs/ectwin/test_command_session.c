@@ -44,7 +44,9 @@ typedef struct machine {
 
 static machine_t machine;
 static int program;
-static size_t huge; /* blocks of memory */
+static size_t huge;      /* blocks of memory */
+static bool huge_heap;   /* the growth of the heap is one of them */
+static char heap[2][40]; /* before and after the twins */
 
 /* --- functions of other rooms ------------------------------------------------------------------------------------- */
 
@@ -76,6 +78,7 @@ const char *__wrap_ect_control_path(const ect_control_t *control);
 void __wrap_ect_control_close(ect_control_t *control);
 int __wrap_ect_runner_run(ect_runner_t *runner);
 void __wrap_ect_pages_make_huge(void *block, size_t size);
+void *__wrap_sbrk(intptr_t increment);
 int __wrap_getifaddrs(struct ifaddrs **all);
 void __wrap_freeifaddrs(struct ifaddrs *all);
 int __wrap_sched_setscheduler(pid_t process, int policy, const struct sched_param *parameters);
@@ -256,6 +259,13 @@ static const char *port_of(const ect_runner_t *runner, ect_end_t end)
 void __wrap_ect_pages_make_huge(void *block, size_t size)
 {
     huge += block && size > 0;
+    huge_heap |= block == heap[0] && size == sizeof heap[0];
+}
+
+void *__wrap_sbrk(intptr_t increment)
+{
+    static unsigned int calls;
+    return increment == 0 ? heap[calls++ % 2] : (void *)-1;
 }
 
 int __wrap_ect_runner_run(ect_runner_t *runner)
@@ -264,7 +274,7 @@ int __wrap_ect_runner_run(ect_runner_t *runner)
             port_of(runner, ECT_END_OUT), runner->udp ? ", UDP" : "", runner->modbus == server ? ", Modbus" : "",
             runner->kernel == kernel ? ", kernel" : "", runner->busy_poll ? ", polls" : "", runner->client_pause_ns,
             runner->link_fd, runner->exchange.stats.hook ? runner->exchange.stats.hook : "-");
-    if (huge == 0 || !runner->exchange.chain || runner->signal_fd < 0 ||
+    if (huge == 0 || !huge_heap || !runner->exchange.chain || runner->signal_fd < 0 ||
         runner->exchange.control != (machine.no_control ? NULL : control))
         fputs("incomplete\n", stderr);
     if (machine.circulates)
