@@ -302,15 +302,13 @@ static void give_turn(ect_runner_t *r)
  * run before the next frame, which may replace the outputs of the last one. */
 static void take_turn(ect_runner_t *r)
 {
-    const ect_held_t *held;
+    ect_held_t *held;
     bool any = false;
     if (!r->kernel)
         return;
     ect_kernel_take(r->kernel);
     while ((held = ect_kernel_next(r->kernel)) != NULL) {
-        uint8_t frame[ECT_HELD_ROOM];
-        memcpy(frame, held->frame, held->length);
-        ect_exchange_replied(&r->exchange, frame, held->length, held->time_ns, held->took_ns);
+        ect_exchange_replied(&r->exchange, held->frame, held->length, held->time_ns, held->took_ns);
         any = true;
     }
     if (any)

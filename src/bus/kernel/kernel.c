@@ -249,12 +249,12 @@ void ect_kernel_take(ect_kernel_t *k)
     ect_planner_void(&k->planner);
 }
 
-const ect_held_t *ect_kernel_next(ect_kernel_t *k)
+ect_held_t *ect_kernel_next(ect_kernel_t *k)
 {
     if (k->given)
         return NULL;
     if (k->next < k->shared->held) {
-        const ect_held_t *held = &k->held[k->next++];
+        ect_held_t *held = &k->held[k->next++];
         ect_planner_see(&k->planner, held->frame, held->length);
         return held;
     }

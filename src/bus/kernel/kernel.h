@@ -71,8 +71,12 @@ unsigned int ect_kernel_give(ect_kernel_t *kernel, ect_chain_t *chain, uint64_t 
 /** Takes the turn and makes plans void. Due before the chain is called. No effect with the turn. */
 void ect_kernel_take(ect_kernel_t *kernel);
 
-/** Called with the turn. @return the next frame that the kernel holds, in the order of arrival; NULL: none. */
-const ect_held_t *ect_kernel_next(ect_kernel_t *kernel);
+/**
+ * Called with the turn.
+ * @return the next frame that the kernel holds, in the order of arrival, which the caller may change until the next
+ * call; NULL: none
+ */
+ect_held_t *ect_kernel_next(ect_kernel_t *kernel);
 
 /**
  * Runs the program for a frame without an interface (BPF_PROG_TEST_RUN): for tests.

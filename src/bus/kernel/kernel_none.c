@@ -63,7 +63,7 @@ void ect_kernel_take(ect_kernel_t *kernel)
     (void)kernel;
 }
 
-const ect_held_t *ect_kernel_next(ect_kernel_t *kernel)
+ect_held_t *ect_kernel_next(ect_kernel_t *kernel)
 {
     (void)kernel;
     return NULL;

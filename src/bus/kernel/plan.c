@@ -282,6 +282,8 @@ void ect_planner_see(ect_planner_t *planner, const uint8_t *frame, size_t length
         planner->table->plans[place].key = key;
     } else if (outputs_differ(sample, frame)) {
         planner->outputs_changed = true;
+    } else {
+        return; /* a plan depends on no other data */
     }
     sample->length = (uint16_t)length;
     memcpy(sample->frame, frame, length);

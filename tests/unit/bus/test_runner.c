@@ -644,7 +644,7 @@ static struct {
 int __wrap_ect_kernel_fd(const ect_kernel_t *k);
 unsigned int __wrap_ect_kernel_give(ect_kernel_t *k, ect_chain_t *chain, uint64_t now_ns);
 void __wrap_ect_kernel_take(ect_kernel_t *k);
-const ect_held_t *__wrap_ect_kernel_next(ect_kernel_t *k);
+ect_held_t *__wrap_ect_kernel_next(ect_kernel_t *k);
 void __wrap_ect_kernel_got(ect_kernel_t *k);
 void __wrap_ect_kernel_see(ect_kernel_t *k, const uint8_t *frame, size_t length);
 
@@ -673,7 +673,7 @@ void __wrap_ect_kernel_take(ect_kernel_t *k)
     note('T');
 }
 
-const ect_held_t *__wrap_ect_kernel_next(ect_kernel_t *k)
+ect_held_t *__wrap_ect_kernel_next(ect_kernel_t *k)
 {
     (void)k;
     assert_false(kernel.given);
