@@ -36,8 +36,9 @@ struct ect_chain {
     uint64_t frame_ns;          /* time of the last frame; 0: none yet */
     uint64_t fast_frame_ns;     /* time of the last frame on the fast path, through the first `fast_reach` twins */
     size_t fast_reach;
-    uint8_t *pool; /* memory of all ESCs and buffers in one block: the system allocates pages at the first write */
-    size_t pool_size;
+    uint8_t *ram; /* memory of all ESCs */
+    size_t ram_size;
+    uint8_t *buffers; /* of all devices in one block, because the system allocates its pages at the first write */
     ect_twin_snapshot_t *kept; /* one for each twin; NULL: none yet */
     const ect_names_t *names;  /* NULL: none */
     const ect_plant_t *shown;  /* signals of the bus; NULL: none */
@@ -48,13 +49,16 @@ struct ect_chain {
     void *ran_ctx;
 };
 
-static bool make_pool(ect_chain_t *chain, const ect_twin_config_t *twins)
+static bool make_memory(ect_chain_t *chain, const ect_twin_config_t *twins)
 {
-    chain->pool_size = 1;
-    for (size_t i = 0; i < chain->cabling.count; i++)
-        chain->pool_size += ect_twin_pool_size(&twins[i]);
-    chain->pool = calloc(1, chain->pool_size);
-    return chain->pool != NULL;
+    size_t buffers = 1;
+    for (size_t i = 0; i < chain->cabling.count; i++) {
+        chain->ram_size += ect_twin_ram_size(&twins[i]);
+        buffers += ect_twin_buffer_size(&twins[i]);
+    }
+    chain->ram = calloc(1, chain->ram_size);
+    chain->buffers = calloc(1, buffers);
+    return chain->ram && chain->buffers;
 }
 
 static void make_ready(ect_chain_t *chain, size_t i)
@@ -105,11 +109,13 @@ static bool make_lists(ect_chain_t *chain, size_t count)
 
 static bool make_twins(ect_chain_t *chain, const ect_twin_config_t *twins, uint64_t now_ns)
 {
-    uint8_t *pool = chain->pool;
+    uint8_t *ram = chain->ram;
+    uint8_t *buffer = chain->buffers;
     for (size_t i = 0; i < chain->cabling.count; i++) {
-        if (!ect_twin_make(&chain->twins[i], &twins[i], pool, now_ns))
+        if (!ect_twin_make(&chain->twins[i], &twins[i], ram, buffer, now_ns))
             return false;
-        pool += ect_twin_pool_size(&twins[i]);
+        ram += ect_twin_ram_size(&twins[i]);
+        buffer += ect_twin_buffer_size(&twins[i]);
         powered_on(chain, i);
     }
     return true;
@@ -152,7 +158,7 @@ ect_chain_t *ect_chain_new(const ect_twin_config_t *twins, size_t count, uint64_
         return NULL;
     chain->links_due = true;
     chain->now_ns = now_ns;
-    if (make_lists(chain, count) && make_pool(chain, twins) && ect_cabling_lay(&chain->cabling, twins) &&
+    if (make_lists(chain, count) && make_memory(chain, twins) && ect_cabling_lay(&chain->cabling, twins) &&
         make_twins(chain, twins, now_ns)) {
         update_delays(chain);
         return chain;
@@ -176,7 +182,8 @@ void ect_chain_free(ect_chain_t *chain)
     ect_connections_free(chain->connections);
     free(chain->ready);
     free(chain->owing);
-    free(chain->pool);
+    free(chain->ram);
+    free(chain->buffers);
     free(chain->twins);
     free(chain);
 }
@@ -184,7 +191,7 @@ void ect_chain_free(ect_chain_t *chain)
 void ect_chain_memory(const ect_chain_t *chain, void (*block)(void *ctx, void *at, size_t size), void *ctx)
 {
     block(ctx, chain->twins, chain->cabling.count * sizeof *chain->twins);
-    block(ctx, chain->pool, chain->pool_size);
+    block(ctx, chain->ram, chain->ram_size);
 }
 
 static void restarted(ect_chain_t *chain, size_t i)

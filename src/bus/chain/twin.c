@@ -37,13 +37,18 @@ static size_t esc_size(const ect_twin_config_t *config)
     return chip ? ECT_ESC_MEMORY_SIZE(chip->ram_kb) : 0;
 }
 
-/* An odd number of lines of a processor's cache puts the same register of many twins into different sets of it: sizes
- * of ESCs are multiples of 1 KB, which would leave that register a sixteenth of the sets or fewer. */
-size_t ect_twin_pool_size(const ect_twin_config_t *config)
+enum { LINE = 64 }; /* of a processor's cache, bytes */
+
+/* An odd number of lines puts the same register of many twins into different sets of the cache: sizes of ESCs are
+ * multiples of 1 KB, which would leave that register a sixteenth of the sets or fewer. */
+size_t ect_twin_ram_size(const ect_twin_config_t *config)
 {
-    enum { LINE = 64 };
-    const size_t size = esc_size(config) + config->device->buffer_size;
-    return ((size + LINE - 1) / LINE | 1) * LINE;
+    return esc_size(config) + LINE;
+}
+
+size_t ect_twin_buffer_size(const ect_twin_config_t *config)
+{
+    return (config->device->buffer_size + LINE - 1) / LINE * LINE;
 }
 
 static bool make_esc(ect_twin_t *twin)
@@ -123,12 +128,12 @@ static bool power_on_first(ect_twin_t *twin, uint64_t now_ns)
     return done;
 }
 
-bool ect_twin_make(ect_twin_t *twin, const ect_twin_config_t *config, uint8_t *pool, uint64_t now_ns)
+bool ect_twin_make(ect_twin_t *twin, const ect_twin_config_t *config, uint8_t *ram, uint8_t *buffer, uint64_t now_ns)
 {
     ECT_ASSERT(config->beside.size <= ECT_BESIDE_MOST);
     twin->config = *config;
-    twin->esc_memory = pool;
-    twin->buffer = config->device->buffer_size > 0 ? pool + esc_size(config) : NULL;
+    twin->esc_memory = ram;
+    twin->buffer = config->device->buffer_size > 0 ? buffer : NULL;
     twin->lamps = allocate(twin, sizeof *twin->lamps);
     twin->wiring = allocate(twin, sizeof *twin->wiring);
     bool slow = ect_slow_needed(&config->slow);

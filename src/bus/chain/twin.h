@@ -46,8 +46,8 @@ typedef struct ect_twin {
     ect_wiring_t *wiring;
     ect_lamps_t *lamps;
     uint64_t last_frame_ns; /* time of the last frame, except those of the fast path */
-    uint8_t *esc_memory;    /* in the pool */
-    uint8_t *buffer;        /* in the pool; NULL: the device needs none */
+    uint8_t *esc_memory;
+    uint8_t *buffer; /* NULL: the device needs none */
     ect_twin_config_t config;
     void *memory[ECT_TWIN_BLOCKS]; /* every block allocated for this twin */
     size_t blocks;
@@ -56,16 +56,20 @@ typedef struct ect_twin {
 /** Finds the chip of a twin. @return NULL: no such chip */
 const ect_esc_personality_t *ect_twin_chip(const ect_twin_config_t *config);
 
-/** @return bytes of the pool that a twin needs: memory of the ESC and buffer of the device. */
-size_t ect_twin_pool_size(const ect_twin_config_t *config);
+/** @return bytes that a twin needs for the memory of its ESC. */
+size_t ect_twin_ram_size(const ect_twin_config_t *config);
+
+/** @return bytes that a twin needs for the buffer of its device; 0: none. */
+size_t ect_twin_buffer_size(const ect_twin_config_t *config);
 
 /**
  * Builds a twin and powers it on.
- * @param twin  zeroed, except `link`
- * @param pool  ::ect_twin_pool_size zeroed bytes that outlive the twin
+ * @param twin    zeroed, except `link`
+ * @param ram     ::ect_twin_ram_size zeroed bytes that outlive the twin
+ * @param buffer  ::ect_twin_buffer_size zeroed bytes that outlive the twin; not accessed if this is 0
  * @return false: out of memory, or no such chip; ::ect_twin_free frees the rest
  */
-bool ect_twin_make(ect_twin_t *twin, const ect_twin_config_t *config, uint8_t *pool, uint64_t now_ns);
+bool ect_twin_make(ect_twin_t *twin, const ect_twin_config_t *config, uint8_t *ram, uint8_t *buffer, uint64_t now_ns);
 
 void ect_twin_free(ect_twin_t *twin);
 

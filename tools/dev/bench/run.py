@@ -307,7 +307,8 @@ class Hook:
     def seconds(self):
         if not self.used:
             return 0
-        return sum(program.get("run_time_ns", 0) for program in json.loads(run("bpftool", "-j", "prog", "show", "name", "answer"))) / 1e9
+        shown = json.loads(run("bpftool", "-j", "prog", "show", "name", "answer"))  # a single program is not in a list
+        return sum(program.get("run_time_ns", 0) for program in (shown if isinstance(shown, list) else [shown])) / 1e9
 
 
 def cycles_of(args, chain, hook, present, touched):

@@ -564,6 +564,30 @@ static void large_blocks(void **state)
     wire_close(&w);
 }
 
+/* Huge pages for these blocks would use all of a buffer, of which a device may never write most. */
+static void buffers_are_in_no_large_block(void **state)
+{
+    enum { TWINS = 3 };
+    const ect_device_t *device = &ect_eclink_map7;
+    ect_twin_config_t twins[TWINS];
+    wire_t w;
+    blocks_t blocks = {0};
+    (void)state;
+    assert_true(device->buffer_size > 0);
+    for (size_t n = 0; n < TWINS; n++)
+        twins[n] = ect_twin_default(device, &ect_eclink_plant);
+    wire_open_twins(&w, twins, TWINS);
+    ect_chain_memory(w.chain, take_block, &blocks);
+    for (size_t n = 0; n < TWINS; n++) {
+        const uint8_t *buffer = ect_chain_slave(w.chain, n)->config.buffer;
+        assert_non_null(buffer);
+        for (size_t b = 0; b < blocks.count; b++)
+            assert_true(buffer + device->buffer_size <= blocks.all[b].at ||
+                        buffer >= blocks.all[b].at + blocks.all[b].size);
+    }
+    wire_close(&w);
+}
+
 /* --- services of a twin ------------------------------------------------------------------------------------------- */
 
 static ect_bulk_t bulk_of(const void *instance)
@@ -870,6 +894,7 @@ int main(int argc, char **argv)
         {"CF-001: a twin that is powered on has no station address for the next frame", reset_between_polls, NULL, NULL,
          NULL},
         {"the large blocks of a chain contain each ESC and its RAM", large_blocks, NULL, NULL, NULL},
+        {"the large blocks of a chain contain no buffer of a device", buffers_are_in_no_large_block, NULL, NULL, NULL},
         {"CF-057: every device has a name and a product code of its own", catalogue_names, NULL, NULL, NULL},
         {"a program's own devices follow those of this tree in the catalogue", catalogue_grows, NULL, NULL, NULL},
     };
