@@ -254,7 +254,8 @@ static void poll_devices(ect_exchange_t *x, uint64_t now_ns, uint64_t (*poll)(ec
 void ect_exchange_replied(ect_exchange_t *x, uint8_t *frame, size_t length, uint64_t now_ns, uint32_t took_ns)
 {
     const uint64_t came_ns = ect_later(now_ns, x->polled_ns);
-    if (ect_earlier(x->deadline_ns, x->touched_ns) < came_ns)
+    const bool touched = x->touched_ns < came_ns && ect_chain_awaits_poll(x->chain, frame, length);
+    if (x->deadline_ns < came_ns || touched)
         poll_devices(x, came_ns, ect_chain_catch_up);
     touch(x, came_ns);
     (void)ect_chain_pass(x->chain, ECT_END_IN, frame, length, came_ns);

@@ -97,8 +97,9 @@ bool ect_exchange_is_plain(const ect_exchange_t *x);
 
 /**
  * Passes a frame through the chain whose reply has already been sent by the kernel. The devices run before at each of
- * their deadlines, so they receive the outputs of each frame; their inputs leave with the next ::ect_exchange_run
- * (::ect_chain_catch_up). A time before the last one that the chain has received counts as that one.
+ * their deadlines, and when one that takes part in the frame has yet to run since an earlier frame
+ * (::ect_chain_awaits_poll), so they receive the outputs of each frame; their inputs leave with the next
+ * ::ect_exchange_run (::ect_chain_catch_up). A time before the last one that the chain has received counts as that one.
  * @param took_ns  time that the reply took, for `stats`
  */
 void ect_exchange_replied(ect_exchange_t *x, uint8_t *frame, size_t length, uint64_t now_ns, uint32_t took_ns);

@@ -136,6 +136,13 @@ uint64_t ect_chain_fault_seen(const ect_chain_t *chain, uint32_t tag);
 uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns);
 
 /**
+ * @return whether ::ect_chain_poll is due before a frame: a slave that takes part in it has yet to run since an earlier
+ * frame. True, too, for a frame with other datagrams than LRD, LWR, LRW, and BRD of AL status. Cost: as
+ * ::ect_chain_pass, without the slaves.
+ */
+bool ect_chain_awaits_poll(ect_chain_t *chain, const uint8_t *frame, size_t length);
+
+/**
  * As ::ect_chain_poll, before a past frame whose reply has already left passes the chain: slaves take outputs and the
  * time advances; input images are unchanged until the next ::ect_chain_poll, because the master has read these.
  */

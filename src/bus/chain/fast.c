@@ -491,6 +491,37 @@ static unsigned int to_windows(ect_fast_t *f, uint8_t *d, unsigned int direction
     return gain;
 }
 
+/* @return whether a controller in `set` takes part in a datagram with a logical address */
+static bool meets_logical(ect_fast_t *f, const uint8_t *d, const uint64_t *set)
+{
+    const unsigned int direction = (d[ECT_DATAGRAM_COMMAND] != ECT_LWR ? ECT_PART_READ : 0u) |
+                                   (d[ECT_DATAGRAM_COMMAND] != ECT_LRD ? ECT_PART_WRITE : 0u);
+    uint64_t met = 0;
+    for (chosen_t c = choose(f, ect_load_le32(d + ECT_DATAGRAM_ADP), ect_datagram_length(d), direction); c.low < c.high;
+         c.low++) {
+        met |= f->chosen[c.low] & set[c.low];
+        f->chosen[c.low] = 0;
+    }
+    return met != 0;
+}
+
+bool ect_fast_meets(ect_fast_t *fast, const uint8_t *frame, size_t length, const uint64_t *set)
+{
+    const size_t at = ect_frame_datagrams(frame, length);
+    if (at == 0 || ect_fast_reach(fast) == 0)
+        return true;
+    update_sums(fast);
+    const uint8_t *d = frame + at;
+    for (bool more = true; more; d += ect_datagram_size(d)) {
+        const uint8_t command = d[ECT_DATAGRAM_COMMAND];
+        const bool logical = command == ECT_LRD || command == ECT_LWR || command == ECT_LRW;
+        if (logical ? meets_logical(fast, d, set) : command != ECT_BRD || !is_known_status(fast, d))
+            return true;
+        more = ect_datagram_follows(d);
+    }
+    return false;
+}
+
 /* --- a frame ------------------------------------------------------------------------------------------------------ */
 
 static unsigned int dispatch(ect_fast_t *f, uint8_t *d)

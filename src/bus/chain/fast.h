@@ -60,6 +60,13 @@ typedef enum ect_fast_result {
 ect_fast_result_t ect_fast_pass(ect_fast_t *fast, uint8_t *frame, size_t length, uint64_t now_ns);
 
 /**
+ * @param set  one bit for each controller (bus/chain/bits.h)
+ * @return whether a controller of the set takes part in a frame; true, too, for a frame with other datagrams than LRD,
+ * LWR, LRW, and BRD of an AL status that is not new
+ */
+bool ect_fast_meets(ect_fast_t *fast, const uint8_t *frame, size_t length, const uint64_t *set);
+
+/**
  * Delivers recorded system times to all controllers. Due before any access to a controller other than ::ect_fast_pass,
  * and before its time advances; when eight times are recorded, the line delivers them itself. ::ect_fast_touched then
  * lists the controllers whose deadline may have changed. Cost: none without recorded times, else each controller with

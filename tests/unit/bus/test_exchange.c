@@ -760,15 +760,21 @@ static void build_cycle(rig_t *r, uint16_t outputs)
     wire_build(&r->w, LRW, 0x100, 0, data, sizeof data);
 }
 
+/* Maps the process data of a twin: 3 bytes out from a logical address on, and 3 in behind them. */
+static void operate_at(rig_t *r, size_t position, uint16_t logical)
+{
+    wire_go(&r->w, position, 8);
+    wire_set_fmmu(&r->w, position, 0, logical, 3, 0, 7, 0x1200, 0, 2);
+    wire_set_fmmu(&r->w, position, 1, logical + 3u, 3, 0, 7, 0x1300, 0, 1);
+    (void)wire_outputs(&r->w, position, 0);
+    wire_go(&r->w, position, 8);
+    assert_int_equal(wire_al(&r->w, position, 8, NULL), 8);
+    run_at(r, r->w.now_ns);
+}
+
 static void operate(rig_t *r)
 {
-    wire_go(&r->w, 0, 8);
-    wire_set_fmmu(&r->w, 0, 0, 0x100, 3, 0, 7, 0x1200, 0, 2);
-    wire_set_fmmu(&r->w, 0, 1, 0x103, 3, 0, 7, 0x1300, 0, 1);
-    (void)wire_outputs(&r->w, 0, 0);
-    wire_go(&r->w, 0, 8);
-    assert_int_equal(wire_al(&r->w, 0, 8, NULL), 8);
-    run_at(r, r->w.now_ns);
+    operate_at(r, 0, 0x100);
 }
 
 static void held_up(void **state)
@@ -796,6 +802,90 @@ static void held_up(void **state)
     assert_int_equal(wire_logical(&r->w, LRD, 0x103, inputs, 3), 1);
     assert_int_equal(ect_load_le16(inputs), 299);
     assert_int_equal(wire_al(&r->w, 0, 8, NULL), 8);
+}
+
+/* An LRW of the process data of a twin, whose reply the kernel has sent some nanoseconds after the last one. */
+static void replied_cycle(rig_t *r, uint16_t logical, uint16_t outputs)
+{
+    uint8_t data[6] = {1};
+    ect_store_le16(data + 1, outputs);
+    wire_build(&r->w, LRW, logical, 0, data, sizeof data);
+    r->clock_ns += 100;
+    ect_exchange_replied(&r->x, r->w.frame, r->w.frame_length, r->clock_ns, 1500);
+}
+
+/* A cycle of several frames: no device misses outputs, and none runs twice. */
+static void run_together(void **state)
+{
+    rig_t *r = *state;
+    operate_at(r, 0, 0x100);
+    operate_at(r, 1, 0x200);
+    const testdev_t *d[TWINS] = {testdev_of(&r->w, 0), testdev_of(&r->w, 1)};
+    const unsigned int outputs[TWINS] = {d[0]->outputs_calls, d[1]->outputs_calls};
+    const struct {
+        uint16_t logical, value;
+        unsigned int calls[TWINS]; /* of the devices' outputs since the beginning, before the frame passes */
+    } rows[] = {
+        {0x100, 1, {0, 0}}, {0x200, 2, {0, 0}}, {0x100, 3, {1, 1}},
+        {0x200, 4, {1, 1}}, {0x200, 5, {2, 2}}, {0x100, 6, {2, 2}},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        replied_cycle(r, rows[i].logical, rows[i].value);
+        for (size_t n = 0; n < TWINS; n++)
+            if (d[n]->outputs_calls - outputs[n] != rows[i].calls[n])
+                fail_msg("frame %zu: the device of twin %zu got %u outputs, %u expected", i + 1, n + 1,
+                         d[n]->outputs_calls - outputs[n], rows[i].calls[n]);
+    }
+    (void)ect_exchange_run(&r->x);
+    assert_int_equal(d[0]->out_u16, 6);
+    assert_int_equal(d[0]->outputs_calls - outputs[0], 3);
+    assert_int_equal(d[1]->out_u16, 5);
+    assert_int_equal(d[1]->outputs_calls - outputs[1], 3);
+}
+
+static void frames_that_wait(void **state)
+{
+    static const struct {
+        const char *title;
+        uint8_t command;
+        uint16_t adp, ado, length;
+        bool pending, polled; /* whether a poll is due: the first twin has yet to run; it has run */
+    } rows[] = {
+        {"LRW of outputs and inputs", LRW, 0x100, 0, 6, true, false},
+        {"LRW of the last byte", LRW, 0x105, 0, 1, true, false},
+        {"LRW up to the first byte", LRW, 0x0FB, 0, 6, true, false},
+        {"LRW that ends before", LRW, 0x0FA, 0, 6, false, false},
+        {"LRW that begins behind", LRW, 0x106, 0, 6, false, false},
+        {"LRW of another twin", LRW, 0x200, 0, 6, false, false},
+        {"LWR of outputs", LWR, 0x100, 0, 3, true, false},
+        {"LWR of inputs alone", LWR, 0x103, 0, 3, false, false},
+        {"LRD of inputs", LRD, 0x103, 0, 3, true, false},
+        {"LRD of outputs alone", LRD, 0x100, 0, 3, false, false},
+        {"BRD of AL status", BRD, 0, 0x0130, 2, false, false},
+        {"BRD of another register", BRD, 0, 0x0110, 2, true, true},
+        {"FPRD", FPRD, 0x1001, 0x0130, 2, true, true},
+        {"FRMW of the system time", FRMW, 0x1001, 0x0910, 4, true, true},
+    };
+    static const uint8_t zeros[8];
+    rig_t *r = *state;
+    operate_at(r, 0, 0x100);
+    operate_at(r, 1, 0x200);
+    for (size_t i = 0; i < 2 * sizeof rows / sizeof rows[0]; i++) {
+        const size_t n = i / 2;
+        const bool polled = i % 2 != 0;
+        build_cycle(r, 1);
+        (void)ect_chain_pass(r->w.chain, ECT_END_IN, r->w.frame, r->w.frame_length, r->w.now_ns);
+        if (polled)
+            (void)ect_chain_poll(r->w.chain, r->w.now_ns);
+        wire_build(&r->w, rows[n].command, rows[n].adp, rows[n].ado, zeros, rows[n].length);
+        const bool awaits = ect_chain_awaits_poll(r->w.chain, r->w.frame, r->w.frame_length);
+        if (awaits != (polled ? rows[n].polled : rows[n].pending))
+            fail_msg("%s, the first twin %s: a poll is %s, the opposite expected", rows[n].title,
+                     polled ? "has run" : "has yet to run", awaits ? "due" : "not due");
+        (void)ect_chain_poll(r->w.chain, r->w.now_ns);
+    }
+    r->w.frame[12] = 0; /* not EtherCAT */
+    assert_true(ect_chain_awaits_poll(r->w.chain, r->w.frame, r->w.frame_length));
 }
 
 /* Inputs that were held leave although the last frame of the past was not for their twin. */
@@ -1033,6 +1123,9 @@ int main(int argc, char **argv)
         TEST("CF-042: a twin that was delayed by 300 ms gets the outputs of each reply from the kernel, at its time",
              held_up),
         TEST("its inputs leave with the next run of the devices", held_inputs),
+        TEST("devices of several frames from the kernel run together, before the next frame for one of them",
+             run_together),
+        TEST("a poll is due before a frame for a twin that has yet to run", frames_that_wait),
         TEST("a reply from the kernel before the cable was pulled has no effect on the devices", left_meanwhile),
         TEST("with a filter, a fault or a late reply frames do not pass the chain alone", plain),
         TEST("a capture has each request as it came, and each reply that leaves", captured),
