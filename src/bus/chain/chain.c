@@ -30,7 +30,7 @@ struct ect_chain {
     ect_deadlines_t *deadlines; /* of twins, not later than the deadline of the twin or of its ESC */
     uint64_t *ready;            /* one bit for each twin: to be served by the next poll */
     uint64_t *owing;            /* one bit for each twin: its inputs are held since ect_chain_catch_up() */
-    bool owes, catching_up;     /* a bit is set in `held`; the present poll is that of ect_chain_catch_up() */
+    bool owes, catching_up;     /* a bit is set in `owing`; the present poll is that of ect_chain_catch_up() */
     uint64_t now_ns;            /* time of the last call with a time */
     uint64_t rests_ns;          /* no wake-up before */
     uint64_t frame_ns;          /* time of the last frame; 0: none yet */
