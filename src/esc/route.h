@@ -117,6 +117,12 @@ static inline uint8_t *ect_datagram_next(uint8_t *datagram)
     return ect_datagram_follows(datagram) ? datagram + ect_datagram_size(datagram) : NULL;
 }
 
+/** ::ect_datagram_next for reading. */
+static inline const uint8_t *ect_datagram_after(const uint8_t *datagram)
+{
+    return ect_datagram_follows(datagram) ? datagram + ect_datagram_size(datagram) : NULL;
+}
+
 /** Whether each controller that a datagram passes adds one to its address: auto increment and broadcast commands. */
 static inline bool ect_command_counts(uint8_t command)
 {

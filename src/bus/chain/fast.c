@@ -491,11 +491,24 @@ static unsigned int to_windows(ect_fast_t *f, uint8_t *d, unsigned int direction
     return gain;
 }
 
-/* @return whether a controller in `set` takes part in a datagram with a logical address */
-static bool meets_logical(ect_fast_t *f, const uint8_t *d, const uint64_t *set)
+/* @return the parts of a command with a logical address; 0: the command has none */
+static unsigned int direction_of(uint8_t command)
 {
-    const unsigned int direction = (d[ECT_DATAGRAM_COMMAND] != ECT_LWR ? ECT_PART_READ : 0u) |
-                                   (d[ECT_DATAGRAM_COMMAND] != ECT_LRD ? ECT_PART_WRITE : 0u);
+    switch (command) {
+    case ECT_LRD:
+        return ECT_PART_READ;
+    case ECT_LWR:
+        return ECT_PART_WRITE;
+    case ECT_LRW:
+        return ECT_PART_READ | ECT_PART_WRITE;
+    default:
+        return 0;
+    }
+}
+
+/* @return whether a controller in `set` takes part in a datagram with a logical address */
+static bool meets_logical(ect_fast_t *f, const uint8_t *d, unsigned int direction, const uint64_t *set)
+{
     uint64_t met = 0;
     for (chosen_t c = choose(f, ect_load_le32(d + ECT_DATAGRAM_ADP), ect_datagram_length(d), direction); c.low < c.high;
          c.low++) {
@@ -511,13 +524,11 @@ bool ect_fast_meets(ect_fast_t *fast, const uint8_t *frame, size_t length, const
     if (at == 0 || ect_fast_reach(fast) == 0)
         return true;
     update_sums(fast);
-    const uint8_t *d = frame + at;
-    for (bool more = true; more; d += ect_datagram_size(d)) {
+    for (const uint8_t *d = frame + at; d; d = ect_datagram_after(d)) {
         const uint8_t command = d[ECT_DATAGRAM_COMMAND];
-        const bool logical = command == ECT_LRD || command == ECT_LWR || command == ECT_LRW;
-        if (logical ? meets_logical(fast, d, set) : command != ECT_BRD || !is_known_status(fast, d))
+        const unsigned int direction = direction_of(command);
+        if (direction != 0 ? meets_logical(fast, d, direction, set) : command != ECT_BRD || !is_known_status(fast, d))
             return true;
-        more = ect_datagram_follows(d);
     }
     return false;
 }
@@ -542,11 +553,9 @@ static unsigned int dispatch(ect_fast_t *f, uint8_t *d)
     case ECT_BWR:
         return to_all(f, d, ECT_PART_WRITE | ECT_PART_OR);
     case ECT_LRD:
-        return to_windows(f, d, ECT_PART_READ);
     case ECT_LWR:
-        return to_windows(f, d, ECT_PART_WRITE);
     case ECT_LRW:
-        return to_windows(f, d, ECT_PART_READ | ECT_PART_WRITE);
+        return to_windows(f, d, direction_of(d[ECT_DATAGRAM_COMMAND]));
     case ECT_ARMW:
     case ECT_FRMW:
         return to_one_and_all(f, d);

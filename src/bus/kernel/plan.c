@@ -176,7 +176,7 @@ static bool plan_frame(maker_t *m, ect_plan_sample_t *sample)
     sample->clock = NULL;
     m->plan->source_bits = m->steady.marks_source ? 0x02 : 0;
     memcpy(m->plan->type, sample->frame + ECT_PLAN_TYPE, sizeof m->plan->type);
-    for (const uint8_t *d = first; d; d = ect_datagram_next((uint8_t *)(uintptr_t)d)) {
+    for (const uint8_t *d = first; d; d = ect_datagram_after(d)) {
         const ect_plan_step_t header = {
             .kind = ECT_PLAN_DO_HEADER, .at = (uint16_t)(d - m->frame), .wide = ect_step_header(d)};
         if (!add_step(m, header))
@@ -196,11 +196,6 @@ static bool plan_frame(maker_t *m, ect_plan_sample_t *sample)
 static const uint8_t *in_sample(const ect_plan_sample_t *sample, const uint8_t *frame, const uint8_t *d)
 {
     return sample->frame + (d - frame);
-}
-
-static const uint8_t *next_of(const uint8_t *d)
-{
-    return ect_datagram_next((uint8_t *)(uintptr_t)d);
 }
 
 static bool may_have_plan(const uint8_t *d)
@@ -227,7 +222,7 @@ static const uint8_t *first_datagram(const uint8_t *frame, size_t length)
 {
     if (length > ECT_PLAN_FRAME || ect_frame_datagrams(frame, length) != ECT_PLAN_FIRST)
         return NULL;
-    for (const uint8_t *d = frame + ECT_PLAN_FIRST; d; d = next_of(d)) {
+    for (const uint8_t *d = frame + ECT_PLAN_FIRST; d; d = ect_datagram_after(d)) {
         if (!may_have_plan(d))
             return NULL;
     }
@@ -238,7 +233,7 @@ static bool same_layout(const ect_plan_sample_t *sample, const uint8_t *frame, s
 {
     if (sample->length != length || memcmp(sample->frame + ECT_PLAN_TYPE, frame + ECT_PLAN_TYPE, 4) != 0)
         return false;
-    for (const uint8_t *d = frame + ECT_PLAN_FIRST; d; d = next_of(d)) {
+    for (const uint8_t *d = frame + ECT_PLAN_FIRST; d; d = ect_datagram_after(d)) {
         if (ect_step_header(d) != ect_step_header(in_sample(sample, frame, d)))
             return false;
     }
@@ -248,7 +243,7 @@ static bool same_layout(const ect_plan_sample_t *sample, const uint8_t *frame, s
 /* @return whether the outputs of a datagram differ from the sample's, which has the same layout */
 static bool outputs_differ(const ect_plan_sample_t *sample, const uint8_t *frame)
 {
-    for (const uint8_t *d = frame + ECT_PLAN_FIRST; d; d = next_of(d)) {
+    for (const uint8_t *d = frame + ECT_PLAN_FIRST; d; d = ect_datagram_after(d)) {
         const uint8_t *data = d + ECT_DATAGRAM_DATA;
         bool writes = d[ECT_DATAGRAM_COMMAND] == ECT_LWR || d[ECT_DATAGRAM_COMMAND] == ECT_LRW;
         if (writes && memcmp(data, in_sample(sample, frame, data), ect_datagram_length(d)) != 0)
