@@ -120,6 +120,7 @@ typedef struct ect_slave {
     uint16_t pending_result;
     uint16_t drop_code;
     uint32_t due; /* AL events whose registers must be read */
+    ect_sdo_t sdo; /* here short instructions of a Cortex-M reach it: 64 bytes of text less */
     ect_slave_config_t config;
     uint64_t now_ns;
     uint64_t tick_ns;
@@ -127,7 +128,6 @@ typedef struct ect_slave {
     void (*later)(struct ect_slave *s); /* action of a service at the end of a poll; NULL: none */
     uint64_t pending_until_ns;
     ect_od_t od;
-    ect_sdo_t sdo;
     ect_sdo_info_t info;
     ect_host_t host;
     uint32_t pdi_errors;                            /**< public, read only: failed PDI accesses */
