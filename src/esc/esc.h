@@ -109,7 +109,7 @@ typedef struct ect_esc_arrival {
 
 /**
  * One controller. Allocate it anywhere, initialise with ::ect_esc_init; the members are private. The members from
- * `memory` to `config` are those that each frame and each access of the PDI use: together, so that many controllers
+ * `memory` to `sm` are those that each frame and each access of the PDI use: together, so that many controllers
  * have few lines in a processor's cache.
  */
 typedef struct ect_esc {
@@ -132,38 +132,38 @@ typedef struct ect_esc {
     uint8_t listed;  /* bit n: SyncManager n is in the list of postponed effects */
     uint8_t sm_changed; /* bit n: the PDI has yet to read the changed activate register of SyncManager n */
     uint16_t postponed_length;
+    bool sii_valid;
+    bool latch_level[2];
+    uint8_t sii_command;
     uint8_t reset_step[2]; /**< by side: progress of its reset sequence */
-    ect_esc_sm_t sm[ECT_ESC_MAX_SM];
     ect_esc_config_t config;
+    uint64_t pdi_ns;          /**< last access of the PDI; UINT64_MAX: its watchdog does not run */
+    uint64_t loops_revert_ns; /**< end of temporary loop settings; UINT64_MAX: none */
+    ect_esc_sm_t sm[ECT_ESC_MAX_SM];
     ect_esc_clock_t clock;
     ect_esc_loop_t loop;
     ect_esc_sync_t sync[2];
     ect_esc_arrival_t arrival;
-    uint64_t sync_ns; /**< next event of a pulse of SYNC0 or SYNC1; UINT64_MAX: none */
-    bool latch_level[2];
+    uint64_t sync_ns;        /**< next event of a pulse of SYNC0 or SYNC1; UINT64_MAX: none */
     uint64_t watchdog_ns;    /**< expiry of the process-data watchdog; UINT64_MAX: not running */
     uint64_t mii_done_ns;    /**< end of the pending command to a PHY; UINT64_MAX: none */
     uint64_t sii_done_ns;    /**< end of the pending SII command */
     uint64_t sii_rest_ns;    /**< end of the EEPROM's own work after a write: until then it acknowledges nothing */
     bool sii_unacknowledged; /**< the pending command has started before that */
-    uint8_t sii_command;
-    uint8_t sii_fault; /**< ect_sii_fault_t */
+    uint8_t sii_fault;       /**< ect_sii_fault_t */
     uint8_t sii_fault_bit;
     bool lose_al_event;
     uint8_t reloaded[16]; /**< words that a PDI that emulates the EEPROM has delivered so far */
     bool alias_loaded;
-    uint64_t pdi_ns;          /**< last access of the PDI; UINT64_MAX: its watchdog does not run */
-    uint64_t loops_revert_ns; /**< end of temporary loop settings; UINT64_MAX: none */
     bool al_control_locked;
     bool al_control_written; /**< by the present frame */
-    bool sii_valid;
-    bool pdi_late;        /**< the watchdog of the PDI has expired */
-    bool reset_moved[2];  /**< by side: this frame or access has advanced the reset sequence */
-    uint8_t held_ports;   /**< bit n: auto-close port n has lost its link, and stays closed until it is opened */
-    uint8_t next_port[4]; /**< by port of arrival: the port by which a frame leaves */
-    uint8_t kept_loops;   /**< loop settings that apply again after temporary ones */
-    uint8_t err_code;     /**< code of the ERR LED, unless the register overrides it */
-    bool fmmus_whole;     /* all FMMUs map whole bytes, and no byte belongs to two FMMUs of one direction */
+    bool pdi_late;           /**< the watchdog of the PDI has expired */
+    bool reset_moved[2];     /**< by side: this frame or access has advanced the reset sequence */
+    uint8_t held_ports;      /**< bit n: auto-close port n has lost its link, and stays closed until it is opened */
+    uint8_t next_port[4];    /**< by port of arrival: the port by which a frame leaves */
+    uint8_t kept_loops;      /**< loop settings that apply again after temporary ones */
+    uint8_t err_code;        /**< code of the ERR LED, unless the register overrides it */
+    bool fmmus_whole;        /* all FMMUs map whole bytes, and no byte belongs to two FMMUs of one direction */
     uint8_t scratch[ECT_ESC_MAX_FRAME];   /* data of the present datagram, in or out: one user at a time */
     uint8_t postponed[ECT_ESC_MAX_FRAME]; /* register writes of the present frame in order, and buffers left before */
 } ect_esc_t;

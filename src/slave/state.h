@@ -119,13 +119,13 @@ typedef struct ect_slave {
     uint16_t request;       /* AL control as read last */
     uint16_t pending_result;
     uint16_t drop_code;
-    uint32_t due; /* AL events whose registers must be read */
+    uint32_t due;  /* AL events whose registers must be read */
     ect_sdo_t sdo; /* here short instructions of a Cortex-M reach it: 64 bytes of text less */
     ect_slave_config_t config;
     uint64_t now_ns;
     uint64_t tick_ns;
-    ect_sm_image_t image[ECT_SMS];
     void (*later)(struct ect_slave *s); /* action of a service at the end of a poll; NULL: none */
+    ect_sm_image_t image[ECT_SMS];
     uint64_t pending_until_ns;
     ect_od_t od;
     ect_sdo_info_t info;

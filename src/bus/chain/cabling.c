@@ -62,7 +62,7 @@ void ect_cabling_free(ect_cabling_t *cabling)
 static bool plugged(const ect_cabling_t *cabling, ect_topology_place_t at)
 {
     const ect_twin_t *twin = &cabling->twins[at.slave];
-    return ect_twin_on_bus(twin) && twin->wiring->plug[at.port] != 0;
+    return ect_twin_on_bus(twin) && twin->wiring.plug[at.port] != 0;
 }
 
 /* Whether the wire at a port is plugged in at both ends. */

@@ -102,7 +102,9 @@ static bool make_lists(ect_chain_t *chain, size_t count)
     chain->deadlines = ect_deadlines_new(count);
     chain->ready = calloc(ect_bits_words(count), sizeof *chain->ready);
     chain->owing = calloc(ect_bits_words(count), sizeof *chain->owing);
-    chain->twins = chain->cabling.twins = calloc(count, sizeof *chain->twins);
+    chain->twins = chain->cabling.twins = aligned_alloc(ECT_TWIN_LINE, count * sizeof *chain->twins);
+    if (chain->twins)
+        memset(chain->twins, 0, count * sizeof *chain->twins);
     chain->cabling.count = count;
     return chain->fast && chain->deadlines && chain->ready && chain->owing && chain->twins;
 }
@@ -558,7 +560,7 @@ bool ect_chain_next_signal(const ect_chain_t *chain, size_t position, ect_chain_
     bool found = ect_signals_next(ect_twin_plant(twin), twin->slave.config.instance, &cursor->device, ref) ||
                  ect_signals_next(twin->config.beside.plant, twin->config.beside.instance, &cursor->beside, ref) ||
                  ect_signals_next(&ect_lamps_plant, twin->lamps, &cursor->lamps, ref) ||
-                 ect_signals_next(&ect_wiring_plant, twin->wiring, &cursor->wiring, ref) ||
+                 ect_signals_next(&ect_wiring_plant, (void *)&twin->wiring, &cursor->wiring, ref) ||
                  (position == 0 && ect_signals_next(chain->shown, chain->shown_instance, &cursor->shown, ref));
     if (found)
         ref->twin = ect_names_at(chain->names, position);
@@ -642,7 +644,7 @@ const ect_modbus_t *ect_chain_modbus(const ect_chain_t *chain, size_t position, 
 {
     const ect_twin_t *twin = twin_at(chain, position);
     *instance = twin->slave.config.instance;
-    return twin->config.plant && !twin->hung && ect_twin_on_bus(twin) ? twin->config.plant->modbus : NULL;
+    return twin->config.plant && !ect_twin_hangs(twin) && ect_twin_on_bus(twin) ? twin->config.plant->modbus : NULL;
 }
 
 ect_slave_t *ect_chain_sdo(ect_chain_t *chain, size_t position, const char **why)
@@ -654,7 +656,7 @@ ect_slave_t *ect_chain_sdo(ect_chain_t *chain, size_t position, const char **why
         protocol++;
     *why = !protocol || !*protocol  ? "its device has no object dictionary"
            : !ect_twin_on_bus(twin) ? "it is switched off"
-           : twin->hung             ? "its microcontroller hangs: 'resume' continues it"
+           : ect_twin_hangs(twin)   ? "its microcontroller hangs: 'resume' continues it"
                                     : NULL;
     return *why ? NULL : &twin->slave;
 }

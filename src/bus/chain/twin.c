@@ -36,19 +36,16 @@ static size_t esc_size(const ect_twin_config_t *config)
     const ect_esc_personality_t *chip = ect_twin_chip(config);
     return chip ? ECT_ESC_MEMORY_SIZE(chip->ram_kb) : 0;
 }
-
-enum { LINE = 64 }; /* of a processor's cache, bytes */
-
 /* An odd number of lines puts the same register of many twins into different sets of the cache: sizes of ESCs are
  * multiples of 1 KB, which would leave that register a sixteenth of the sets or fewer. */
 size_t ect_twin_ram_size(const ect_twin_config_t *config)
 {
-    return esc_size(config) + LINE;
+    return esc_size(config) + ECT_TWIN_LINE;
 }
 
 size_t ect_twin_buffer_size(const ect_twin_config_t *config)
 {
-    return (config->device->buffer_size + LINE - 1) / LINE * LINE;
+    return (config->device->buffer_size + ECT_TWIN_LINE - 1) / ECT_TWIN_LINE * ECT_TWIN_LINE;
 }
 
 static bool make_esc(ect_twin_t *twin)
@@ -97,7 +94,7 @@ static bool power_on(ect_twin_t *twin, const ect_slave_config_t *config, uint64_
     ect_esc_config_t esc = twin->esc.config;
     ect_slave_config_t slave = *config;
     const ect_esc_arrival_t arrival = twin->esc.arrival;
-    twin->hung = esc.pdi_watched = false;
+    esc.pdi_watched = false;
     slave.device_id = twin->config.alias;
     if (!slave.instance || ect_esc_init(&twin->esc, &esc, now_ns) != 0)
         return false;
@@ -135,12 +132,11 @@ bool ect_twin_make(ect_twin_t *twin, const ect_twin_config_t *config, uint8_t *r
     twin->esc_memory = ram;
     twin->buffer = config->device->buffer_size > 0 ? buffer : NULL;
     twin->lamps = allocate(twin, sizeof *twin->lamps);
-    twin->wiring = allocate(twin, sizeof *twin->wiring);
     bool slow = ect_slow_needed(&config->slow);
     twin->slow = slow ? allocate(twin, sizeof *twin->slow) : NULL;
-    if (!twin->lamps || !twin->wiring || (slow && !twin->slow) || !make_esc(twin) || !make_slave(twin))
+    if (!twin->lamps || (slow && !twin->slow) || !make_esc(twin) || !make_slave(twin))
         return false;
-    *twin->wiring = (ect_wiring_t){.plug = {1, 1, 1, 1}, .drift_ppb = config->drift_ppb};
+    twin->wiring = (ect_wiring_t){.plug = {1, 1, 1, 1}, .drift_ppb = config->drift_ppb};
     return power_on_first(twin, now_ns);
 }
 
@@ -166,12 +162,6 @@ static void change_identity(ect_twin_t *twin)
     ect_esc_config_t *esc = &twin->esc.config;
     twin->config.identity.product_code++;
     (void)ect_sii_write(twin->config.device, &twin->config.identity, twin->config.alias, esc->sii, esc->sii_size);
-}
-
-static void hang(ect_twin_t *twin, bool hung)
-{
-    twin->hung = hung;
-    ect_esc_watch_pdi(&twin->esc, hung);
 }
 
 static ect_sii_fault_t sii_fault_of(ect_fault_kind_t kind)
@@ -252,7 +242,7 @@ bool ect_twin_fault(ect_twin_t *twin, const ect_fault_t *fault, uint64_t now_ns,
         return false;
     case ECT_FAULT_HANG:
     case ECT_FAULT_RESUME:
-        hang(twin, fault->kind == ECT_FAULT_HANG);
+        ect_esc_watch_pdi(&twin->esc, fault->kind == ECT_FAULT_HANG);
         return false;
     case ECT_FAULT_IDENTITY:
         change_identity(twin);
@@ -279,7 +269,7 @@ bool ect_twin_fault(ect_twin_t *twin, const ect_fault_t *fault, uint64_t now_ns,
 /* Signals of the surroundings that act on the chip. */
 static void apply_wiring(ect_twin_t *twin)
 {
-    const ect_wiring_t *wiring = twin->wiring;
+    const ect_wiring_t *wiring = &twin->wiring;
     for (unsigned int n = 0; n < 2; n++)
         ect_esc_latch_input(&twin->esc, n, wiring->latch[n] != 0);
     if (twin->esc.config.drift_ppb != wiring->drift_ppb)
@@ -299,7 +289,7 @@ bool ect_twin_poll(ect_twin_t *twin, uint64_t now_ns)
 {
     apply_wiring(twin);
     twin->seen = ect_esc_activity(&twin->esc);
-    twin->slave_ns = twin->hung ? ECT_NEVER : run_slave(twin, now_ns);
+    twin->slave_ns = ect_twin_hangs(twin) ? ECT_NEVER : run_slave(twin, now_ns);
     if (twin->slow)
         twin->slave_ns = ect_slow_end(twin->slow, twin->slave_ns);
     bool restarts = twin->slave.restart || ect_esc_resets(&twin->esc) != 0;
@@ -328,7 +318,7 @@ bool ect_twin_signal(const ect_twin_t *twin, const char *name, ect_signal_ref_t 
     return ect_signal_find(ect_twin_plant(twin), twin->slave.config.instance, name, ref) ||
            ect_signal_find(twin->config.beside.plant, twin->config.beside.instance, name, ref) ||
            ect_signal_find(&ect_lamps_plant, twin->lamps, name, ref) ||
-           ect_signal_find(&ect_wiring_plant, twin->wiring, name, ref);
+           ect_signal_find(&ect_wiring_plant, (void *)&twin->wiring, name, ref);
 }
 
 bool ect_twin_save(const ect_twin_t *twin, ect_twin_snapshot_t *snapshot)
@@ -342,7 +332,7 @@ bool ect_twin_save(const ect_twin_t *twin, ect_twin_snapshot_t *snapshot)
         snapshot->room = size;
     }
     memcpy(snapshot->instance, twin->slave.config.instance, size);
-    snapshot->wiring = *twin->wiring;
+    snapshot->wiring = twin->wiring;
     if (twin->config.beside.size > 0)
         memcpy(snapshot->beside, twin->config.beside.instance, twin->config.beside.size);
     snapshot->off_bus = twin->slave.off_bus;
@@ -354,7 +344,7 @@ void ect_twin_restore(ect_twin_t *twin, const ect_twin_snapshot_t *snapshot)
 {
     ECT_ASSERT(snapshot->room >= twin->config.device->instance_size);
     memcpy(twin->slave.config.instance, snapshot->instance, twin->config.device->instance_size);
-    *twin->wiring = snapshot->wiring;
+    twin->wiring = snapshot->wiring;
     if (twin->config.beside.size > 0)
         memcpy(twin->config.beside.instance, snapshot->beside, twin->config.beside.size);
     twin->slave.off_bus = snapshot->off_bus;

@@ -8,6 +8,7 @@
 #ifndef ECT_BUS_CHAIN_TWIN_H
 #define ECT_BUS_CHAIN_TWIN_H
 
+#include <stdalign.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -29,21 +30,26 @@ ECT_C_BEGIN
 /** Limit of memory blocks of a twin. */
 enum { ECT_TWIN_BLOCKS = 10 };
 
-/** A twin. The members up to `hung` are those that each frame and each run use: together, for the processor's cache. */
+/** Bytes of a line of most processors' caches. */
+enum { ECT_TWIN_LINE = 64 };
+
+/**
+ * A twin. The members from `pdi` to `slave_ns` are those that each run uses: they fill a line of the cache, and place
+ * the configuration of the slave at the beginning of one.
+ */
 typedef struct ect_twin {
-    ect_esc_t esc;
-    ect_pdi_t pdi;
+    alignas(ECT_TWIN_LINE) ect_esc_t esc;
+    alignas(ECT_TWIN_LINE) ect_pdi_t pdi;
+    ect_above_t *above; /* faults above the wire; NULL: none yet */
+    ect_wiring_t wiring;
+    uint32_t ports_seen; /* ect_esc_port_changes() that the propagation delays include */
+    uint32_t seen;       /* ect_esc_activity() that the slave stack has handled */
+    uint32_t sii_seen;   /* ect_esc_sii_writes() that config.sii_written has reported */
+    ect_slow_t *slow;    /* NULL: no delays */
+    uint64_t esc_ns;     /* deadline that the ESC returned at its last tick */
+    uint64_t slave_ns;   /* deadline of the slave stack */
     ect_slave_t slave;
-    ect_slow_t *slow;              /* NULL: no delays */
-    uint64_t esc_ns;               /* deadline that the ESC returned at its last tick */
-    uint64_t slave_ns;             /* deadline of the slave stack */
-    uint32_t ports_seen;           /* ect_esc_port_changes() that the propagation delays include */
-    uint32_t seen;                 /* ect_esc_activity() that the slave stack has handled */
-    uint32_t sii_seen;             /* ect_esc_sii_writes() that config.sii_written has reported */
-    bool hung;                     /* the microcontroller does not run */
     bool link[ECT_TOPOLOGY_PORTS]; /* link state of the ports, as set in the ESC */
-    ect_above_t *above;            /* faults above the wire; NULL: none yet */
-    ect_wiring_t *wiring;
     ect_lamps_t *lamps;
     uint64_t last_frame_ns; /* time of the last frame, except those of the fast path */
     uint8_t *esc_memory;
@@ -100,6 +106,12 @@ bool ect_twin_poll(ect_twin_t *twin, uint64_t now_ns);
 
 /** Reports the content of the EEPROM to `config.sii_written` if the master has written to it. */
 void ect_twin_report_sii(ect_twin_t *twin);
+
+/** @return whether the microcontroller hangs: the watchdog of the PDI observes it then. */
+static inline bool ect_twin_hangs(const ect_twin_t *twin)
+{
+    return twin->esc.config.pdi_watched;
+}
 
 /** @return false: the twin is switched off and has no link at any port */
 static inline bool ect_twin_on_bus(const ect_twin_t *twin)

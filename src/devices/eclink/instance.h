@@ -260,19 +260,8 @@ typedef struct eclink_list {
 
 typedef struct eclink {
     ect_standard_t standard;
-    uint8_t inputs[ECLINK_INPUT_BYTES];
-    uint8_t outputs[ECLINK_OUTPUT_BYTES];
-    uint8_t input_numbers[ECLINK_INPUT_BYTES]; /* 3001h: the same fields in the host's byte order */
-    uint8_t output_numbers[ECLINK_OUT_PERIODIC];
     const ect_host_t *host;
     uint8_t fmap;
-    eclink_bu_t bu; /* with `ru`: the operator's side; its surroundings outlast a power cycle */
-    eclink_ru_t ru[ECLINK_RUS];
-    eclink_list_t armed; /* together with `lost` at most as many as may be armed */
-    eclink_list_t lost;  /* lost while armed: a remote keeps its place until it is rearmed or replaced */
-
-    bool remotes_due;   /* a signal was set or a remote disarmed since the last update of the remotes: nothing else
-                           changes them */
     bool in_op;         /* an EtherCAT master has the unit */
     bool exchanging;    /* process data flow */
     bool good_once;     /* a good exchange has occurred since power-on */
@@ -282,16 +271,28 @@ typedef struct eclink {
     uint8_t refused_in;
     uint8_t locked; /* with lock_errors: the remaining fault of the EC-Link */
     uint8_t last_pco, last_cco;
-    bool cci_waits;           /* the command in the input data is not acknowledged */
-    bool cao_late;            /* ... and its timeout has passed */
-    bool cco_waits;           /* a remote has no room yet for `waiting` */
-    eclink_command_t waiting; /* the command of last_cco */
+    bool cci_waits; /* the command in the input data is not acknowledged */
+    bool cao_late;  /* ... and its timeout has passed */
+    bool cco_waits; /* a remote has no room yet for `waiting` */
     uint64_t pco_deadline_ns;
     uint64_t cao_deadline_ns;
     uint64_t read_deadline_ns;   /* Input Only: deadline of the next read of the inputs */
     uint64_t modbus_deadline_ns; /* deadline of the controller's next required request; ECT_NEVER: no request so far */
     uint64_t hold_deadline_ns;   /* an EtherCAT master that has left OP keeps the outputs until this time */
     uint64_t update_ns;          /* next time at which PCI counts */
+
+    uint8_t inputs[ECLINK_INPUT_BYTES];
+    uint8_t outputs[ECLINK_OUTPUT_BYTES];
+    uint8_t input_numbers[ECLINK_INPUT_BYTES]; /* 3001h: the same fields in the host's byte order */
+    uint8_t output_numbers[ECLINK_OUT_PERIODIC];
+    eclink_bu_t bu; /* with `ru`: the operator's side; its surroundings outlast a power cycle */
+    eclink_ru_t ru[ECLINK_RUS];
+    eclink_list_t armed; /* together with `lost` at most as many as may be armed */
+    eclink_list_t lost;  /* lost while armed: a remote keeps its place until it is rearmed or replaced */
+
+    bool remotes_due; /* a signal was set or a remote disarmed since the last update of the remotes: nothing else
+                         changes them */
+    eclink_command_t waiting; /* the command of last_cco */
     eclink_queue_t from_ru;
     uint64_t sent_ns[ECLINK_QUEUE]; /* times at which they were sent */
     eclink_periodic_t periodic;
