@@ -258,7 +258,7 @@ void ect_exchange_replied(ect_exchange_t *x, uint8_t *frame, size_t length, uint
     if (x->deadline_ns < came_ns || touched)
         poll_devices(x, came_ns, ect_chain_catch_up);
     touch(x, came_ns);
-    (void)ect_chain_pass(x->chain, ECT_END_IN, frame, length, came_ns);
+    ect_chain_pass_replied(x->chain, frame, length, came_ns);
     if (x->datagrams.until_ns != 0)
         ect_datagrams_count(&x->datagrams, frame, length, came_ns);
     x->stats.frames++;

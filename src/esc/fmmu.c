@@ -150,7 +150,8 @@ static bool pass_bits(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t 
 }
 
 /* Reads come first, as bits 0 to 7 of a set, then writes. */
-unsigned int ect_esc_fmmu_bytes(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool read, bool write)
+unsigned int ect_esc_fmmu_bytes(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool read, bool write,
+                                bool unread)
 {
     unsigned int set = (read ? esc->fmmu_reads : 0u) | (write ? esc->fmmu_writes : 0u) << ECT_ESC_MAX_FMMU;
     uint64_t frame_end = (uint64_t)logical + length;
@@ -166,7 +167,8 @@ unsigned int ect_esc_fmmu_bytes(ect_esc_t *esc, uint32_t logical, uint8_t *data,
         end = end < frame_end ? end : frame_end;
         if (first >= end)
             continue;
-        ect_access_t access = {.side = ECT_SIDE_ECAT, .write = writes, .data = data + (first - logical)};
+        ect_access_t access = {
+            .side = ECT_SIDE_ECAT, .write = writes, .unread = unread && !writes, .data = data + (first - logical)};
         uint32_t physical = ect_load_le16(fmmu + ECT_FMMU_PHYSICAL) + (uint32_t)(first - start);
         if (ect_esc_access(esc, &access, (uint16_t)physical, (uint16_t)(end - first)))
             done |= writes ? WRITES : READS;

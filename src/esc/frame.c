@@ -118,7 +118,7 @@ static unsigned int access_physical(ect_esc_t *esc, uint8_t *d, unsigned int par
     return any ? 1 : 0;
 }
 
-static unsigned int access_logical(ect_esc_t *esc, uint8_t *d)
+static unsigned int access_logical(ect_esc_t *esc, uint8_t *d, bool unread)
 {
     uint8_t command = d[ECT_DATAGRAM_COMMAND];
     uint32_t logical = ect_load_le32(d + ECT_DATAGRAM_ADP);
@@ -126,7 +126,7 @@ static unsigned int access_logical(ect_esc_t *esc, uint8_t *d)
     bool reads = command != ECT_LWR;
     bool writes = command != ECT_LRD;
     unsigned int done = esc->fmmus_plain
-                            ? ect_esc_fmmu_bytes(esc, logical, d + ECT_DATAGRAM_DATA, length, reads, writes)
+                            ? ect_esc_fmmu_bytes(esc, logical, d + ECT_DATAGRAM_DATA, length, reads, writes, unread)
                             : ect_esc_fmmu_bits(esc, logical, d + ECT_DATAGRAM_DATA, length, reads, writes);
     if (command == ECT_LRW)
         return done; /* bit 0: +1 for the read, bit 1: +2 for the write */
@@ -147,7 +147,7 @@ static unsigned int execute(ect_esc_t *esc, uint8_t *d, unsigned int part)
         return 0;
     if (is_logical(d[ECT_DATAGRAM_COMMAND])) {
         bool refused = d[ECT_DATAGRAM_COMMAND] == ECT_LRW && (features & ECT_FEATURE_NO_LRW) != 0;
-        return refused ? 0 : access_logical(esc, d);
+        return refused ? 0 : access_logical(esc, d, (part & ECT_PART_UNREAD) != 0);
     }
     bool refused = (part & both) == both && (features & ECT_FEATURE_NO_RW) != 0;
     return part == 0 || refused ? 0 : access_physical(esc, d, part);

@@ -62,6 +62,7 @@ typedef struct ect_access {
     ect_side_t side;
     ect_stage_t stage;
     bool write;
+    bool unread;         /**< a read of a buffer may leave `data` unchanged */
     bool latches;        /**< a write by station address or broadcast, which latches the receive times at 0x0900 */
     uint8_t *data;       /**< read: destination; write: source, not changed */
     const uint8_t *mask; /**< bits that apply, one byte for each byte of data; NULL: all */
@@ -360,8 +361,8 @@ bool ect_esc_fmmu_write_register(ect_esc_t *esc, const ect_access_t *access, uin
 /* Bit 0 read succeeded, bit 1 write succeeded. */
 unsigned int ect_esc_fmmu_bits(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool read, bool write);
 /* The same for FMMUs as most masters configure them (ect_esc_t::fmmus_plain). */
-unsigned int ect_esc_fmmu_bytes(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool read,
-                                bool write);
+unsigned int ect_esc_fmmu_bytes(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool read, bool write,
+                                bool unread);
 static inline const uint8_t *ect_esc_fmmu_registers(const ect_esc_t *esc, unsigned int n)
 {
     return esc->memory + ECT_REG_FMMU + ECT_FMMU_SIZE * n;

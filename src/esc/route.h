@@ -46,11 +46,12 @@ enum {
     ECT_DATAGRAM_COUNTER = 2, /**< bytes of the working counter after the data */
 };
 
-/** Parts of a controller in a datagram with a physical address. */
+/** Parts of a controller in a datagram, of which only ECT_PART_UNREAD applies to commands with a logical address. */
 enum {
     ECT_PART_READ = 1,
     ECT_PART_WRITE = 2,
-    ECT_PART_OR = 4, /**< broadcast: the read data are OR'ed into the frame */
+    ECT_PART_OR = 4,     /**< broadcast: the read data are OR'ed into the frame */
+    ECT_PART_UNREAD = 8, /**< nobody reads the datagram afterwards: with a logical address, images may be left out */
 };
 
 /** Range of logical addresses that an active FMMU maps, at least in part. */
@@ -137,7 +138,7 @@ void ect_esc_begin_of_frame(ect_esc_t *esc, uint64_t now_ns);
  * Executes one datagram in a controller. The data of the datagram change; its header and working counter do not.
  * @param esc       the controller
  * @param datagram  from its header on
- * @param part      ECT_PART_...; ignored for commands with a logical address
+ * @param part      ECT_PART_...
  * @return increment of the working counter
  */
 unsigned int ect_esc_datagram(ect_esc_t *esc, uint8_t *datagram, unsigned int part);

@@ -363,6 +363,13 @@ ect_end_t ect_chain_pass(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_
     return result == ECT_FAST_OUT ? ECT_END_OUT : ECT_END_IN;
 }
 
+void ect_chain_pass_replied(ect_chain_t *chain, uint8_t *frame, size_t length, uint64_t now_ns)
+{
+    ect_fast_set_unread(chain->fast, true);
+    (void)ect_chain_pass(chain, ECT_END_IN, frame, length, now_ns);
+    ect_fast_set_unread(chain->fast, false);
+}
+
 bool ect_chain_awaits_poll(ect_chain_t *chain, const uint8_t *frame, size_t length)
 {
     return ect_fast_meets(chain->fast, frame, length, chain->ready);

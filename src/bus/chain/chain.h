@@ -95,6 +95,12 @@ void ect_chain_set_link(ect_chain_t *chain, ect_end_t end, bool link);
  */
 ect_end_t ect_chain_pass(ect_chain_t *chain, ect_end_t in, uint8_t *frame, size_t length, uint64_t now_ns);
 
+/**
+ * ::ect_chain_pass at ECT_END_IN for a frame whose reply has left already (bus/kernel): with all effects on the slaves.
+ * Afterwards the frame has the reply's headers and working counters; images may be missing.
+ */
+void ect_chain_pass_replied(ect_chain_t *chain, uint8_t *frame, size_t length, uint64_t now_ns);
+
 /** ::ect_chain_pass for a chain with one end. @return whether the frame returns */
 bool ect_chain_process(ect_chain_t *chain, uint8_t *frame, size_t length, uint64_t now_ns);
 

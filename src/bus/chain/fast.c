@@ -64,7 +64,9 @@ typedef struct sums {
 struct ect_fast {
     size_t count;
     size_t reach;
-    bool out; /* the output of the last controller is open */
+    bool out;         /* the output of the last controller is open */
+    bool unread;      /* ect_fast_set_unread() */
+    bool passes_data; /* the inputs of a controller may be the outputs of another one: they share a logical address */
     bool line_known, sums_known, stations_known, windows_known;
     uint64_t version; /* of the tables of stations and windows, and of the set of controllers */
     uint64_t now_ns;
@@ -234,9 +236,10 @@ static int by_first(const void *a, const void *b)
 static void update_windows(ect_fast_t *f)
 {
     size_t n = 0;
-    uint64_t furthest = 0;
+    uint64_t furthest = 0, read_end = 0, written_end = 0;
     if (f->windows_known)
         return;
+    f->passes_data = false;
     for (size_t i = 0; i < f->count; i++) {
         const ect_esc_route_t *route = &f->routes[i];
         for (unsigned int k = 0; k < route->window_count; k++) {
@@ -250,8 +253,13 @@ static void update_windows(ect_fast_t *f)
     ECT_ASSERT(n <= f->count * ECT_ESC_MAX_FMMU);
     qsort(f->windows, n, sizeof *f->windows, by_first);
     for (size_t k = 0; k < n; k++) {
-        furthest = f->windows[k].end > furthest ? f->windows[k].end : furthest;
-        f->windows[k].furthest = furthest;
+        window_t *w = &f->windows[k];
+        const bool reads = (w->direction & ECT_PART_READ) != 0, writes = (w->direction & ECT_PART_WRITE) != 0;
+        f->passes_data |= (reads && (writes || w->first < written_end)) || (writes && w->first < read_end);
+        read_end = reads && w->end > read_end ? w->end : read_end;
+        written_end = writes && w->end > written_end ? w->end : written_end;
+        furthest = w->end > furthest ? w->end : furthest;
+        w->furthest = furthest;
     }
     f->window_count = n;
     f->windows_known = true;
@@ -483,10 +491,11 @@ static unsigned int to_windows(ect_fast_t *f, uint8_t *d, unsigned int direction
     for (chosen_t c = choose(f, ect_load_le32(d + ECT_DATAGRAM_ADP), ect_datagram_length(d), direction); c.low < c.high;
          c.low++) {
         ECT_ASSERT(c.low < ect_bits_words(f->reach));
+        const unsigned int part = f->unread && !f->passes_data ? ECT_PART_UNREAD : 0;
         uint64_t left = f->chosen[c.low];
         f->chosen[c.low] = 0;
         while (left != 0)
-            gain += take_part(f, ect_bits_take(c.low, &left), d, 0);
+            gain += take_part(f, ect_bits_take(c.low, &left), d, part);
     }
     return gain;
 }
@@ -615,6 +624,11 @@ ect_fast_result_t ect_fast_pass(ect_fast_t *fast, uint8_t *frame, size_t length,
         ect_fast_refresh(fast, fast->touched[i]);
     }
     return out ? ECT_FAST_OUT : ECT_FAST_BACK;
+}
+
+void ect_fast_set_unread(ect_fast_t *fast, bool unread)
+{
+    fast->unread = unread;
 }
 
 const uint32_t *ect_fast_touched(const ect_fast_t *fast, size_t *count)

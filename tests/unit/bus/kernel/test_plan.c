@@ -6,6 +6,7 @@
 
 #include "bus/kernel/pace.h"
 #include "devices/eclink/eclink.h"
+#include "esc/route.h"
 #include "support/testdev.h"
 #include "support/wire.h"
 
@@ -84,6 +85,40 @@ static void replies_ahead_of_the_chain(void **state)
     }
     assert_false(ect_plan_reply(&table, frame, r.w.frame_length, r.w.now_ns));
     wire_close(&r.w);
+}
+
+/* The outputs of the second slave are those of the master, or the inputs of the first slave in the same frame. */
+static void frames_with_a_reply(void **state)
+{
+    enum { FIRST = 16 + ECT_DATAGRAM_DATA, BYTES = 6 * SLAVES };
+    static const uint8_t inputs[3] = {7, 8, 9};
+    const struct {
+        uint32_t logical; /* of the outputs of the second slave */
+        uint8_t outputs[3];
+        bool has_inputs; /* the frame, afterwards */
+    } rows[] = {{0x106, {4, 5, 6}, false}, {0x103, {7, 8, 9}, true}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        static rig_t r;
+        uint8_t reply[200], outputs[3], request[BYTES];
+        (void)state;
+        open_rig(&r);
+        wire_set_fmmu(&r.w, 1, FMMU_OUT, rows[i].logical, 3, 0, 7, OUTPUTS, 0, 2);
+        (void)ect_esc_pdi_write(ect_chain_esc(r.w.chain, 0), INPUTS, inputs, sizeof inputs);
+        build_cyclic(&r);
+        assert_true(gets_plan(&r));
+        memcpy(reply, r.w.frame, r.w.frame_length);
+        memcpy(request, r.w.frame + FIRST, BYTES);
+        assert_true(ect_plan_reply(&table, reply, r.w.frame_length, r.w.now_ns));
+        assert_memory_equal(reply + FIRST + 3, inputs, sizeof inputs);
+        ect_planner_void(&r.planner);
+        ect_chain_pass_replied(r.w.chain, r.w.frame, r.w.frame_length, r.w.now_ns);
+        assert_memory_equal(r.w.frame + FIRST, rows[i].has_inputs ? reply + FIRST : request, BYTES);
+        assert_memory_equal(r.w.frame, reply, FIRST);
+        assert_memory_equal(r.w.frame + FIRST + BYTES, reply + FIRST + BYTES, r.w.frame_length - FIRST - BYTES);
+        (void)ect_esc_pdi_read(ect_chain_esc(r.w.chain, 1), OUTPUTS, outputs, sizeof outputs);
+        assert_memory_equal(outputs, rows[i].outputs, sizeof outputs);
+        wire_close(&r.w);
+    }
 }
 
 /* The pace: the frames that the devices must process first. */
@@ -885,6 +920,8 @@ int main(void)
          changed_outputs, NULL, NULL, NULL},
         {"CF-002: a plan gives the replies of the chain, which gets the frames later", replies_ahead_of_the_chain, NULL,
          NULL, NULL},
+        {"CF-002: a frame that has its reply takes effect without images, unless outputs are inputs of another slave",
+         frames_with_a_reply, NULL, NULL, NULL},
         {"frames and changes of a chain without a plan", no_plan, NULL, NULL, NULL},
         {"plans that are renewed after a change equal plans that are made", renewed_plans, NULL, NULL, NULL},
         {"a thousand twins: a plan for each of 46 layouts, and new layouts when places are short", many_layouts, NULL,
