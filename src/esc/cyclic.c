@@ -15,8 +15,8 @@ typedef struct overlap {
 
 bool ect_esc_steady(const ect_esc_t *esc)
 {
-    return esc->loops_revert_ns == UINT64_MAX && esc->pdi_ns == UINT64_MAX && esc->sii_command == 0 &&
-           esc->per_frame == 0;
+    return esc->per_frame == 0 && esc->sii_command == 0 &&
+           (esc->next_ns == UINT64_MAX || (esc->loops_revert_ns == UINT64_MAX && esc->pdi_ns == UINT64_MAX));
 }
 
 static bool is_buffered(const ect_esc_t *esc, unsigned int n)

@@ -51,7 +51,7 @@ enum {
     ECT_PART_READ = 1,
     ECT_PART_WRITE = 2,
     ECT_PART_OR = 4,     /**< broadcast: the read data are OR'ed into the frame */
-    ECT_PART_UNREAD = 8, /**< nobody reads the datagram afterwards: with a logical address, images may be left out */
+    ECT_PART_UNREAD = 8, /**< the datagram has no reader: with a logical address, images may be left out */
 };
 
 /** Range of logical addresses that an active FMMU maps, at least in part. */

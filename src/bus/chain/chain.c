@@ -45,8 +45,10 @@ struct ect_chain {
     void *shown_instance;
     ect_connections_t *connections; /* NULL: none */
     size_t connection_count;
-    void (*ran)(void *ctx, size_t position, uint64_t now_ns); /* NULL: none */
-    void *ran_ctx;
+    struct {
+        void (*ran)(void *ctx, size_t position, uint64_t now_ns); /* NULL: none */
+        void *ctx;
+    } observers[ECT_CHAIN_OBSERVERS];
 };
 
 static bool make_memory(ect_chain_t *chain, const ect_twin_config_t *twins)
@@ -439,8 +441,10 @@ static void poll_twin(ect_chain_t *chain, size_t i, uint64_t now_ns)
     chain->delays_due |= twin->ports_seen != ect_esc_port_changes(&twin->esc);
     twin->ports_seen = ect_esc_port_changes(&twin->esc);
     ect_deadlines_set(chain->deadlines, i, ect_earlier(ect_twin_next(twin), ect_esc_due(&twin->esc)));
-    if (chain->ran)
-        chain->ran(chain->ran_ctx, i, now_ns);
+    for (unsigned int n = 0; n < ECT_CHAIN_OBSERVERS; n++) {
+        if (chain->observers[n].ran)
+            chain->observers[n].ran(chain->observers[n].ctx, i, now_ns);
+    }
 }
 
 static void poll_ready(ect_chain_t *chain, uint64_t now_ns)
@@ -526,10 +530,12 @@ uint64_t ect_chain_poll(ect_chain_t *chain, uint64_t now_ns)
     return chain->frame_ns != 0 && now_ns < quiet_ns ? ect_earlier(next_ns, quiet_ns) : next_ns;
 }
 
-void ect_chain_observe(ect_chain_t *chain, void (*ran)(void *ctx, size_t position, uint64_t now_ns), void *ctx)
+void ect_chain_observe(ect_chain_t *chain, ect_chain_observer_t observer,
+                       void (*ran)(void *ctx, size_t position, uint64_t now_ns), void *ctx)
 {
-    chain->ran = ran;
-    chain->ran_ctx = ctx;
+    ECT_ASSERT(observer < ECT_CHAIN_OBSERVERS);
+    chain->observers[observer].ran = ran;
+    chain->observers[observer].ctx = ctx;
 }
 
 static const ect_twin_t *twin_at(const ect_chain_t *chain, size_t position)

@@ -161,12 +161,16 @@ uint64_t ect_chain_catch_up(ect_chain_t *chain, uint64_t now_ns);
  */
 bool ect_chain_connect(ect_chain_t *chain, const ect_connection_t *list, size_t count);
 
+/** Observers of the runs of twins: clients of the control socket, and plans (bus/kernel). */
+typedef enum ect_chain_observer { ECT_CHAIN_CLIENTS, ECT_CHAIN_PLANS, ECT_CHAIN_OBSERVERS } ect_chain_observer_t;
+
 /**
- * Sets a function that ::ect_chain_poll calls for each twin after the twin's run. The function must not change the
- * chain.
+ * Sets the function of an observer, which ::ect_chain_poll calls for each twin after the twin's run. The function must
+ * not change the chain.
  * @param ran  NULL, the initial value: none
  */
-void ect_chain_observe(ect_chain_t *chain, void (*ran)(void *ctx, size_t position, uint64_t now_ns), void *ctx);
+void ect_chain_observe(ect_chain_t *chain, ect_chain_observer_t observer,
+                       void (*ran)(void *ctx, size_t position, uint64_t now_ns), void *ctx);
 
 /** @return whether a twin has work that must be completed (ect_plant_t::unfinished): poll until false before freeing */
 bool ect_chain_unfinished(const ect_chain_t *chain);

@@ -672,7 +672,7 @@ bool ect_fast_visit_mapped(ect_fast_t *fast, uint32_t first, uint16_t length, un
         fast->chosen[c.low] = 0;
         while (left != 0) {
             size_t i = ect_bits_take(c.low, &left);
-            going = going && visit(ctx, fast->controllers[i].esc);
+            going = going && visit(ctx, i, fast->controllers[i].esc);
         }
     }
     return going;

@@ -59,7 +59,7 @@ typedef enum ect_fast_result {
 /** Passes a frame that enters at port 0 of the first controller. */
 ect_fast_result_t ect_fast_pass(ect_fast_t *fast, uint8_t *frame, size_t length, uint64_t now_ns);
 
-/** Whether nobody reads the frames of the next calls of ::ect_fast_pass after them (::ect_chain_pass_replied). */
+/** Whether the frames of the next calls of ::ect_fast_pass have their replies already (::ect_chain_pass_replied). */
 void ect_fast_set_unread(ect_fast_t *fast, bool unread);
 
 /**

@@ -35,7 +35,7 @@ typedef struct ect_chain_steady {
 bool ect_chain_steady(ect_chain_t *chain, ect_chain_steady_t *steady);
 
 /** Called for an ESC. @return whether to continue */
-typedef bool (*ect_chain_visit_t)(void *ctx, const ect_esc_t *esc);
+typedef bool (*ect_chain_visit_t)(void *ctx, size_t position, const ect_esc_t *esc);
 
 /**
  * Visits the ESCs on the way that map a part of a range of logical addresses, in the order of the wire.

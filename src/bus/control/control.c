@@ -101,7 +101,7 @@ void ect_control_close(ect_control_t *c)
     ect_plans_clear(&c->plans);
     ect_recent_free(&c->recent);
     if (c->followed)
-        ect_chain_observe(c->followed, NULL, NULL);
+        ect_chain_observe(c->followed, ECT_CHAIN_CLIENTS, NULL, NULL);
     ect_events_free(c->events);
     if (c->fd >= 0)
         ect_endpoint_close(c->fd, c->path, c->identity);
@@ -162,7 +162,7 @@ void ect_control_follow(ect_control_t *c, ect_chain_t *chain)
     if (!c->events)
         return;
     c->followed = chain;
-    ect_chain_observe(chain, look, c);
+    ect_chain_observe(chain, ECT_CHAIN_CLIENTS, look, c);
 }
 
 const char *ect_control_path(const ect_control_t *c)

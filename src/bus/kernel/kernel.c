@@ -32,11 +32,12 @@ struct ect_kernel {
     ect_held_t *held;
     struct ring_buffer *bell;
     ect_planner_t planner;
-    uint64_t next;     /* of the held frames */
-    uint64_t got;      /* frames that the socket has returned */
-    uint64_t short_ns; /* frames have been on their way since this time; 0: none */
-    uint64_t still_ns; /* outputs count as changing until this time */
-    bool given;        /* the kernel has the turn */
+    ect_chain_t *chain; /* observed; NULL: none yet */
+    uint64_t next;      /* of the held frames */
+    uint64_t got;       /* frames that the socket has returned */
+    uint64_t short_ns;  /* frames have been on their way since this time; 0: none */
+    uint64_t still_ns;  /* outputs count as changing until this time */
+    bool given;         /* the kernel has the turn */
     unsigned int plans;
 };
 
@@ -170,6 +171,9 @@ void ect_kernel_close(ect_kernel_t *k)
 {
     if (!k)
         return;
+    if (k->chain)
+        ect_chain_observe(k->chain, ECT_CHAIN_PLANS, NULL, NULL);
+    free(k->planner.places);
     if (k->link_fd > 0)
         close(k->link_fd);
     if (k->index != 0)
@@ -224,6 +228,23 @@ static void set_pace(ect_kernel_t *k, uint64_t now_ns)
     k->shared->reacting = now_ns < k->still_ns;
 }
 
+static void slave_ran(void *kernel, size_t position, uint64_t now_ns)
+{
+    ect_kernel_t *k = kernel;
+    (void)now_ns;
+    ect_planner_ran(&k->planner, position);
+}
+
+/* Without memory, images are copied later. */
+static void observe(ect_kernel_t *k, ect_chain_t *chain)
+{
+    k->planner.places = calloc(ect_chain_count(chain), sizeof *k->planner.places);
+    if (!k->planner.places)
+        return;
+    k->chain = chain;
+    ect_chain_observe(chain, ECT_CHAIN_PLANS, slave_ran, k);
+}
+
 unsigned int ect_kernel_give(ect_kernel_t *k, ect_chain_t *chain, uint64_t now_ns)
 {
     if (k->given)
@@ -231,6 +252,8 @@ unsigned int ect_kernel_give(ect_kernel_t *k, ect_chain_t *chain, uint64_t now_n
     await_frames(k, now_ns);
     if (k->short_ns != 0)
         return k->plans;
+    if (!k->planner.places)
+        observe(k, chain);
     k->plans = ect_planner_make(&k->planner, chain);
     if (k->plans == 0)
         return 0;

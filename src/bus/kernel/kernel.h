@@ -48,7 +48,7 @@ int ect_kernel_attach(ect_kernel_t *kernel, unsigned int index, char *message);
 /** @return the hook that the program is attached to: "native", in the driver, or "generic"; NULL: not attached. */
 const char *ect_kernel_hook(const ect_kernel_t *kernel);
 
-/** Detaches and unloads the program. NULL: no effect */
+/** Detaches and unloads the program. Due before the chain is freed. NULL: no effect */
 void ect_kernel_close(ect_kernel_t *kernel);
 
 /** @return a descriptor, readable when the kernel has replied to a frame; valid until ::ect_kernel_close. */
@@ -61,9 +61,10 @@ void ect_kernel_see(ect_kernel_t *kernel, const uint8_t *frame, size_t length);
 void ect_kernel_got(ect_kernel_t *kernel);
 
 /**
- * Makes plans for the chain, the same in each call, and gives the turn to the kernel. Due before the process sleeps;
- * the chain must not be called until ::ect_kernel_take. The process keeps the turn if no plan exists, or while frames
- * are on their way to the socket; a frame that has not arrived after 20 ms counts as lost.
+ * Makes plans for the chain, the same in each call, and gives the turn to the kernel. Due before the process sleeps,
+ * after ::ect_chain_poll; the chain must not be called until ::ect_kernel_take. From the first call on, the kernel is
+ * an observer of the chain (ECT_CHAIN_PLANS). The process keeps the turn if no plan exists, or while frames are on
+ * their way to the socket; a frame that has not arrived after 20 ms counts as lost.
  * @return the number of plans
  */
 unsigned int ect_kernel_give(ect_kernel_t *kernel, ect_chain_t *chain, uint64_t now_ns);

@@ -28,6 +28,7 @@ static int store(const frame_t *frame, size_t at, const void *from, size_t lengt
 #define ECT_STEPS_LOAD  load
 #define ECT_STEPS_STORE store
 
+#include "bus/chain/bits.h"
 #include "bus/chain/steady.h"
 #include "bus/kernel/plan.h"
 #include "bus/kernel/steps.h"
@@ -42,14 +43,16 @@ typedef struct maker {
     ect_chain_steady_t steady;
     ect_plan_t *plan;
     ect_plan_sample_t *sample;
-    const uint8_t *frame;   /* of the sample */
-    const ect_esc_t *clock; /* the reference clock of all plans; NULL: none yet */
-    uint8_t command;        /* of the present datagram, */
-    uint32_t logical;       /* its address, */
-    uint16_t length;        /* the length of its data, */
-    uint16_t at;            /* and its offset */
-    uint32_t gain;          /* of its working counter */
-    uint32_t image;         /* bytes in use */
+    ect_plan_place_t *places; /* NULL: none */
+    uint8_t number;           /* of the plan */
+    const uint8_t *frame;     /* of the sample */
+    const ect_esc_t *clock;   /* the reference clock of all plans; NULL: none yet */
+    uint8_t command;          /* of the present datagram, */
+    uint32_t logical;         /* its address, */
+    uint16_t length;          /* the length of its data, */
+    uint16_t at;              /* and its offset */
+    uint32_t gain;            /* of its working counter */
+    uint32_t image;           /* bytes in use */
 } maker_t;
 
 static bool add_step(maker_t *m, ect_plan_step_t step)
@@ -61,16 +64,22 @@ static bool add_step(maker_t *m, ect_plan_step_t step)
 }
 
 /* @param image  place of an image of SyncManager `sm`; ECT_ESC_MAX_SM: none */
-static void add_base(maker_t *m, const ect_esc_t *esc, unsigned int sm, uint32_t image)
+static void add_base(maker_t *m, size_t position, const ect_esc_t *esc, unsigned int sm, uint32_t image)
 {
     ect_plan_sample_t *s = m->sample;
-    if (s->base_count < ECT_PLAN_BASES)
-        s->bases[s->base_count] =
-            (ect_plan_base_t){.esc = esc, .routing = ect_esc_routing(esc), .image = (uint16_t)image, .sm = (uint8_t)sm};
+    if (s->base_count < ECT_PLAN_BASES) {
+        s->bases[s->base_count] = (ect_plan_base_t){.esc = esc,
+                                                    .routing = ect_esc_routing(esc),
+                                                    .image = (uint16_t)image,
+                                                    .position = (uint16_t)position,
+                                                    .sm = (uint8_t)sm};
+        if (m->places && sm != ECT_ESC_MAX_SM)
+            m->places[position] = (ect_plan_place_t){.plan = m->number, .base = (uint8_t)s->base_count};
+    }
     s->base_count++;
 }
 
-static bool copy_pieces(void *ctx, const ect_esc_t *esc)
+static bool copy_pieces(void *ctx, size_t position, const ect_esc_t *esc)
 {
     maker_t *m = ctx;
     ect_esc_cyclic_t effect;
@@ -85,11 +94,11 @@ static bool copy_pieces(void *ctx, const ect_esc_t *esc)
         if (m->image + piece->length > ECT_PLAN_IMAGE - 2048u || !add_step(m, step))
             return false;
         memcpy(m->plan->image + m->image, piece->from, piece->length);
-        add_base(m, esc, piece->sm, m->image);
+        add_base(m, position, esc, piece->sm, m->image);
         m->image += piece->length;
     }
     if (effect.piece_count == 0)
-        add_base(m, esc, ECT_ESC_MAX_SM, 0);
+        add_base(m, position, esc, ECT_ESC_MAX_SM, 0);
     m->gain += effect.gain;
     return true;
 }
@@ -120,7 +129,7 @@ static bool plan_time(maker_t *m, const uint8_t *d, uint16_t address)
     if (!clock || (m->clock && clock != m->clock) || !ect_esc_even_clock(clock, &offset_ns))
         return false;
     m->clock = m->sample->clock = clock;
-    add_base(m, clock, ECT_ESC_MAX_SM, 0);
+    add_base(m, 0, clock, ECT_ESC_MAX_SM, 0);
     m->gain = m->steady.time_takers - (takes ? 1u : 0u) + 1u;
     return add_step(m,
                     (ect_plan_step_t){.kind = ECT_PLAN_DO_TIME, .at = m->at, .length = m->length, .wide = offset_ns});
@@ -280,6 +289,7 @@ void ect_planner_see(ect_planner_t *planner, const uint8_t *frame, size_t length
     } else {
         return; /* a plan depends on no other data */
     }
+    ect_bits_add(planner->known, place);
     sample->length = (uint16_t)length;
     memcpy(sample->frame, frame, length);
 }
@@ -289,16 +299,20 @@ void ect_planner_see(ect_planner_t *planner, const uint8_t *frame, size_t length
 
 void ect_planner_void(ect_planner_t *planner)
 {
-    for (unsigned int i = 0; i < ECT_PLANS; i++)
-        planner->table->plans[i].step_count = 0;
+    for (size_t word = 0; word < ect_bits_words(ECT_PLANS); word++) {
+        for (uint64_t left = planner->known[word]; left != 0;)
+            planner->table->plans[ect_bits_take(word, &left)].step_count = 0;
+    }
 }
 
 /* Copies the newest image. @return whether the part of the ESC in the frame is unchanged */
-static bool renew_base(const ect_plan_base_t *base, ect_plan_t *plan)
+static bool renew_base(ect_plan_base_t *base, ect_plan_t *plan)
 {
+    const bool copied = base->copied;
+    base->copied = false;
     if (ect_esc_routing(base->esc) != base->routing)
         return false;
-    if (base->sm == ECT_ESC_MAX_SM)
+    if (base->sm == ECT_ESC_MAX_SM || copied)
         return true;
     const uint8_t *from = ect_esc_newest_image(base->esc, base->sm);
     if (from)
@@ -323,7 +337,7 @@ static bool renew_time(maker_t *m, const ect_plan_sample_t *sample)
 }
 
 /* @return false: the plan must be made again */
-static bool renew(maker_t *m, const ect_plan_sample_t *sample)
+static bool renew(maker_t *m, ect_plan_sample_t *sample)
 {
     if (sample->step_count == 0 || sample->base_count > ECT_PLAN_BASES)
         return false;
@@ -349,6 +363,23 @@ static bool make(maker_t *m, ect_plan_sample_t *sample)
     return done;
 }
 
+/* @param same  the state of the line has not changed. @return whether there is a plan */
+static bool update(maker_t *m, ect_planner_t *planner, size_t place, bool same)
+{
+    ect_plan_sample_t *sample = &planner->samples[place];
+    m->plan = &planner->table->plans[place];
+    m->number = (uint8_t)place;
+    if (!same)
+        sample->step_count = 0;
+    if (renew(m, sample)) {
+        planner->renewed++;
+        return true;
+    }
+    const bool done = make(m, sample);
+    planner->made += done;
+    return done;
+}
+
 static bool same_steady(const ect_chain_steady_t *a, const ect_chain_steady_t *b)
 {
     return a->version == b->version && a->reach == b->reach && a->time_takers == b->time_takers &&
@@ -358,28 +389,29 @@ static bool same_steady(const ect_chain_steady_t *a, const ect_chain_steady_t *b
 
 unsigned int ect_planner_make(ect_planner_t *planner, ect_chain_t *chain)
 {
-    maker_t m = {.chain = chain};
-    unsigned int made = 0, renewed = 0;
+    maker_t m = {.chain = chain, .places = planner->places};
     ect_planner_void(planner);
     if (!ect_chain_steady(chain, &m.steady))
         return 0;
     const bool same = same_steady(&m.steady, &planner->steady);
     planner->steady = m.steady;
-    for (unsigned int i = 0; i < ECT_PLANS; i++) {
-        ect_plan_sample_t *sample = &planner->samples[i];
-        m.plan = &planner->table->plans[i];
-        if (sample->length == 0)
-            continue;
-        if (!same)
-            sample->step_count = 0;
-        if (renew(&m, sample))
-            renewed++;
-        else
-            made += make(&m, sample);
+    unsigned int plans = 0;
+    for (size_t word = 0; word < ect_bits_words(ECT_PLANS); word++) {
+        for (uint64_t left = planner->known[word]; left != 0;)
+            plans += update(&m, planner, ect_bits_take(word, &left), same);
     }
-    planner->made += made;
-    planner->renewed += renewed;
-    return made + renewed;
+    return plans;
+}
+
+void ect_planner_ran(ect_planner_t *planner, size_t position)
+{
+    const ect_plan_place_t at = planner->places[position];
+    ect_plan_sample_t *sample = &planner->samples[at.plan];
+    ect_plan_base_t *base = &sample->bases[at.base];
+    if (at.base < sample->base_count && base->position == position && sample->step_count != 0) {
+        base->copied = false;
+        base->copied = renew_base(base, &planner->table->plans[at.plan]);
+    }
 }
 
 const ect_plan_t *ect_plan_find(const ect_plan_table_t *table, const uint8_t *head)

@@ -41,8 +41,15 @@ typedef struct ect_plan_base {
     const ect_esc_t *esc;
     uint32_t routing; /**< ::ect_esc_routing */
     uint16_t image;   /**< place in the image of the plan */
-    uint8_t sm;       /**< SyncManager of the input image; ECT_ESC_MAX_SM: none */
+    uint16_t position;
+    uint8_t sm;  /**< SyncManager of the input image; ECT_ESC_MAX_SM: none */
+    bool copied; /**< the newest image is in the plan */
 } ect_plan_base_t;
+
+/** A base among those of all plans. */
+typedef struct ect_plan_place {
+    uint8_t plan, base;
+} ect_plan_place_t;
 
 /** A received frame, as a sample of its layout, and the bases of its plan. */
 typedef struct ect_plan_sample {
@@ -57,11 +64,14 @@ typedef struct ect_plan_sample {
 
 /** The plans of a chain, and samples of their frames; zeroed: no plan. */
 typedef struct ect_planner {
-    ect_plan_table_t *table; /**< memory of the plans, zeroed; set by the caller, outlives the planner */
-    bool outputs_changed;    /**< the outputs of a frame differ from those of the previous frame; reset by the caller */
-    uint64_t made, renewed;  /**< plans so far, for statistics */
+    ect_plan_table_t *table;  /**< memory of the plans, zeroed; set by the caller, outlives the planner */
+    ect_plan_place_t *places; /**< one for each slave, zeroed; set by the caller, as `table`; NULL: no
+                                   ::ect_planner_ran */
+    bool outputs_changed;   /**< the outputs of a frame differ from those of the previous frame; reset by the caller */
+    uint64_t made, renewed; /**< plans so far, for statistics */
     /* Private. */
-    ect_chain_steady_t steady; /* of all plans */
+    ect_chain_steady_t steady;       /* of all plans */
+    uint64_t known[ECT_PLANS / 64u]; /* one bit for each place: it has a sample */
     ect_plan_sample_t samples[ECT_PLANS];
 } ect_planner_t;
 
@@ -84,6 +94,13 @@ void ect_planner_void(ect_planner_t *planner);
  * tenth.
  */
 unsigned int ect_planner_make(ect_planner_t *planner, ect_chain_t *chain);
+
+/**
+ * Copies the newest input image of a slave that has just run into its plan, which ::ect_planner_make does otherwise,
+ * when the image may have left the processor's cache. The next call of ::ect_planner_make must follow before any other
+ * access to the slave's ESC. Plans are void.
+ */
+void ect_planner_ran(ect_planner_t *planner, size_t position);
 
 /** Finds the plan of a frame's layout. @param head  at least ECT_PLAN_HEAD bytes. @return NULL: none */
 const ect_plan_t *ect_plan_find(const ect_plan_table_t *table, const uint8_t *head);

@@ -451,7 +451,7 @@ static void devices_at_a_release(void **state)
     pass(r, ECT_END_IN, 1);
     (void)run_at(r, START_NS + 1);
     uint64_t first_ns = 0;
-    ect_chain_observe(r->w.chain, note_first_run, &first_ns);
+    ect_chain_observe(r->w.chain, ECT_CHAIN_CLIENTS, note_first_run, &first_ns);
     r->clock_step_ns = 10 * US;
     (void)run_at(r, START_NS + 1 * MS - r->clock_step_ns);
     expect_log(r, "<1");

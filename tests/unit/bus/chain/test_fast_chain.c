@@ -560,10 +560,11 @@ static void same_as_new_plans(rig_t *r)
     static ect_plan_table_t new_table;
     static ect_planner_t new;
     new.table = &new_table;
+    memcpy(new.known, r->planner.known, sizeof new.known);
     for (unsigned int i = 0; i < ECT_PLANS; i++) {
         const ect_plan_sample_t *sample = &r->planner.samples[i];
         new.samples[i].length = sample->length;
-        new.samples[i].step_count = 0;
+        new.samples[i].step_count = new_table.plans[i].step_count = 0;
         memcpy(new.samples[i].frame, sample->frame, sample->length);
     }
     (void)ect_planner_make(&new, r->fast);
@@ -673,9 +674,16 @@ static void pass_time(rig_t *r)
     r->now_ns += one_in(r, 100) ? 200 * MS : steps[below(r, sizeof steps / sizeof steps[0])];
 }
 
+static void slave_ran(void *planner, size_t position, uint64_t now_ns)
+{
+    (void)now_ns;
+    ect_planner_ran(planner, position);
+}
+
 static void open_rig(rig_t *r, uint32_t seed, bool plans)
 {
     static ect_twin_config_t twins[MOST];
+    static ect_plan_place_t places[MOST];
     const ect_device_t *const kinds[] = {&ect_eclink_map7, &ect_fzm1, &ect_eclink_map1,
                                          &testdev,         &terminal, &ect_eclink_multiarm};
     memset(r, 0, sizeof *r);
@@ -699,6 +707,10 @@ static void open_rig(rig_t *r, uint32_t seed, bool plans)
     r->slow = ect_chain_new(twins, r->count, r->now_ns);
     assert_non_null(r->fast);
     assert_non_null(r->slow);
+    memset(places, 0, sizeof places);
+    r->planner.places = places;
+    if (plans)
+        ect_chain_observe(r->fast, ECT_CHAIN_PLANS, slave_ran, &r->planner);
 }
 
 /* A frame of any kind; with plans mostly a frame of each cycle. */
@@ -1142,12 +1154,10 @@ typedef struct visits {
     size_t count, most;
 } visits_t;
 
-static bool note_visit(void *ctx, const ect_esc_t *esc)
+static bool note_visit(void *ctx, size_t position, const ect_esc_t *esc)
 {
     visits_t *visits = ctx;
-    size_t position = 0;
-    while (ect_chain_esc(visits->w->chain, position) != esc)
-        position++;
+    assert_ptr_equal(ect_chain_esc(visits->w->chain, position), esc);
     assert_in_range(visits->count, 0, 7);
     visits->positions[visits->count++] = position;
     return visits->count < visits->most;

@@ -684,7 +684,7 @@ static void observed(void **state)
     wire_open(&w, devices, 3);
     w.now_ns += 1000 * MS;
     wire_poll(&w);
-    ect_chain_observe(w.chain, note_run, &runs);
+    ect_chain_observe(w.chain, ECT_CHAIN_CLIENTS, note_run, &runs);
     (void)ect_chain_poll(w.chain, w.now_ns);
     assert_string_equal(runs.positions, "");
     ect_chain_wake(w.chain, 2);
@@ -693,7 +693,7 @@ static void observed(void **state)
     (void)ect_chain_poll(w.chain, w.now_ns);
     assert_string_equal(runs.positions, "02");
     assert_true(runs.now_ns == w.now_ns);
-    ect_chain_observe(w.chain, NULL, NULL);
+    ect_chain_observe(w.chain, ECT_CHAIN_CLIENTS, NULL, NULL);
     ect_chain_wake(w.chain, 1);
     (void)ect_chain_poll(w.chain, w.now_ns);
     assert_string_equal(runs.positions, "02");

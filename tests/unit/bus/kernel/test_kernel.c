@@ -198,8 +198,8 @@ static void same_as_the_chain(void **state)
             if (below(&r, 16) == 0)
                 change(&r);
         }
-        wire_close(&r.w);
         ect_kernel_close(r.kernel);
+        wire_close(&r.w);
         r.kernel = NULL;
     }
     print_message("%u replies in the kernel, %u frames left to the process\n", r.replied, r.left);
@@ -250,8 +250,8 @@ static void reacting_devices(void **state)
         least = replied < least ? replied : least;
     }
     assert_in_range(least, 0, 1);
-    wire_close(&r.w);
     ect_kernel_close(r.kernel);
+    wire_close(&r.w);
 }
 
 int main(int argc, char **argv)

@@ -50,7 +50,9 @@ static void build_cyclic(rig_t *r)
 /* @return whether the frame in the wire's buffer gets a plan */
 static bool gets_plan(rig_t *r)
 {
+    ect_planner_void(&r->planner);
     memset(r->planner.samples, 0, sizeof r->planner.samples);
+    memset(r->planner.known, 0, sizeof r->planner.known);
     ect_planner_see(&r->planner, r->w.frame, r->w.frame_length);
     return ect_planner_make(&r->planner, r->w.chain) == 1;
 }
@@ -605,6 +607,45 @@ static void same_as_made(rig_t *r, const char *title)
     }
 }
 
+/* The image of a slave that has run is in its plan before the plan is renewed. The other slave's image is copied then,
+ * as are all images of a plan that is made again. */
+static void image_of_a_run(void **state)
+{
+    enum { FIRST_IMAGE = 0, SECOND_IMAGE = 3 };
+    static const uint8_t first[3] = {0x11, 0x22, 0x33}, second[3] = {0x44, 0x55, 0x66};
+    ect_plan_place_t places[SLAVES] = {{0}};
+    static const struct {
+        void (*change)(rig_t *r);
+        bool renewed;
+    } rows[] = {{no_change, true}, {status_is_another, false}, {second_is_cut_off, false}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        static rig_t r;
+        open_rig(&r);
+        r.planner.places = places;
+        build_cyclic(&r);
+        assert_true(gets_plan(&r));
+        const ect_plan_t *plan = ect_plan_find(&table, r.w.frame);
+        ect_planner_void(&r.planner);
+        (void)ect_esc_pdi_write(ect_chain_esc(r.w.chain, 0), INPUTS, first, sizeof first);
+        (void)ect_esc_pdi_write(ect_chain_esc(r.w.chain, 1), INPUTS, second, sizeof second);
+        ect_planner_ran(&r.planner, 0);
+        assert_memory_equal(plan->image + FIRST_IMAGE, first, sizeof first);
+        assert_memory_not_equal(plan->image + SECOND_IMAGE, second, sizeof second);
+        rows[i].change(&r);
+        const uint64_t before = r.planner.renewed;
+        assert_int_equal(ect_planner_make(&r.planner, r.w.chain), 1);
+        assert_int_equal(r.planner.renewed > before, rows[i].renewed);
+        same_as_made(&r, "after a run");
+        ect_planner_void(&r.planner);
+        (void)ect_esc_pdi_write(ect_chain_esc(r.w.chain, 0), INPUTS, second, sizeof second);
+        assert_int_equal(ect_planner_make(&r.planner, r.w.chain), 1); /* copied without a further run */
+        same_as_made(&r, "without a run");
+        r.planner.places = NULL;
+        wire_close(&r.w);
+    }
+}
+
 static void no_plan(void **state)
 {
     static const struct {
@@ -923,6 +964,7 @@ int main(void)
         {"CF-002: a frame that has its reply takes effect without images, unless outputs are inputs of another slave",
          frames_with_a_reply, NULL, NULL, NULL},
         {"frames and changes of a chain without a plan", no_plan, NULL, NULL, NULL},
+        {"the image of a slave that has run is copied into its plan at once", image_of_a_run, NULL, NULL, NULL},
         {"plans that are renewed after a change equal plans that are made", renewed_plans, NULL, NULL, NULL},
         {"a thousand twins: a plan for each of 46 layouts, and new layouts when places are short", many_layouts, NULL,
          NULL, NULL},
