@@ -168,7 +168,7 @@ unsigned int ect_esc_fmmu_bytes(ect_esc_t *esc, uint32_t logical, uint8_t *data,
         if (first >= end)
             continue;
         ect_access_t access = {
-            .side = ECT_SIDE_ECAT, .write = writes, .unread = unread && !writes, .data = data + (first - logical)};
+            .side = ECT_SIDE_ECAT, .write = writes, .unread = unread, .data = data + (first - logical)};
         uint32_t physical = ect_load_le16(fmmu + ECT_FMMU_PHYSICAL) + (uint32_t)(first - start);
         if (ect_esc_access(esc, &access, (uint16_t)physical, (uint16_t)(end - first)))
             done |= writes ? WRITES : READS;

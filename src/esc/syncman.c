@@ -306,7 +306,7 @@ bool ect_esc_sm_access(ect_esc_t *esc, unsigned int n, const ect_access_t *acces
         return false; /* one of the three buffers is beyond the RAM */
     if (is_sequential(&sm, access))
         follow_sequence(sm.own, offset, length);
-    if (!access->unread)
+    if (!access->unread || access->write)
         ect_esc_copy(access, esc->memory + at, 0, length);
     if (offset + length == size)
         leave_buffer(&sm, access);

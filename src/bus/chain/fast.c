@@ -324,7 +324,7 @@ static unsigned int take_part(ect_fast_t *f, size_t i, uint8_t *d, unsigned int 
         ect_esc_begin_of_frame(c->esc, f->now_ns);
     }
     postpone_times(f, i);
-    unsigned int gain = ect_esc_datagram(c->esc, d, part);
+    unsigned int gain = ect_esc_datagram(c->esc, d, part | (f->unread && !f->passes_data ? ECT_PART_UNREAD : 0u));
     ect_fast_refresh(f, i);
     return gain;
 }
@@ -491,11 +491,10 @@ static unsigned int to_windows(ect_fast_t *f, uint8_t *d, unsigned int direction
     for (chosen_t c = choose(f, ect_load_le32(d + ECT_DATAGRAM_ADP), ect_datagram_length(d), direction); c.low < c.high;
          c.low++) {
         ECT_ASSERT(c.low < ect_bits_words(f->reach));
-        const unsigned int part = f->unread && !f->passes_data ? ECT_PART_UNREAD : 0;
         uint64_t left = f->chosen[c.low];
         f->chosen[c.low] = 0;
         while (left != 0)
-            gain += take_part(f, ect_bits_take(c.low, &left), d, part);
+            gain += take_part(f, ect_bits_take(c.low, &left), d, 0);
     }
     return gain;
 }
