@@ -6,8 +6,9 @@
 #include <string.h>
 
 #include "esc/internal.h"
+#include "esc/route.h"
 
-enum { READS = 1, WRITES = 2, PIECE = 64 };
+enum { PIECE = 64 };
 
 /* The overlap of one active FMMU with one datagram, in bits. */
 typedef struct window {
@@ -150,10 +151,11 @@ static bool pass_bits(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t 
 }
 
 /* Reads come first, as bits 0 to 7 of a set, then writes. */
-unsigned int ect_esc_fmmu_bytes(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool read, bool write,
-                                bool unread)
+unsigned int ect_esc_fmmu_bytes(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, unsigned int part)
 {
-    unsigned int set = (read ? esc->fmmu_reads : 0u) | (write ? esc->fmmu_writes : 0u) << ECT_ESC_MAX_FMMU;
+    unsigned int set = ((part & ECT_PART_READ) != 0 ? esc->fmmu_reads : 0u) |
+                       ((part & ECT_PART_WRITE) != 0 ? esc->fmmu_writes : 0u) << ECT_ESC_MAX_FMMU;
+    const bool unread = (part & ECT_PART_UNREAD) != 0;
     uint64_t frame_end = (uint64_t)logical + length;
     unsigned int done = 0;
     ECT_ASSERT(length <= ECT_ESC_MAX_FRAME && esc->fmmus_plain);
@@ -171,13 +173,14 @@ unsigned int ect_esc_fmmu_bytes(ect_esc_t *esc, uint32_t logical, uint8_t *data,
             .side = ECT_SIDE_ECAT, .write = writes, .unread = unread, .data = data + (first - logical)};
         uint32_t physical = ect_load_le16(fmmu + ECT_FMMU_PHYSICAL) + (uint32_t)(first - start);
         if (ect_esc_access(esc, &access, (uint16_t)physical, (uint16_t)(end - first)))
-            done |= writes ? WRITES : READS;
+            done |= writes ? ECT_PART_WRITE : ECT_PART_READ;
     }
     return done;
 }
 
-unsigned int ect_esc_fmmu_bits(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool read, bool write)
+unsigned int ect_esc_fmmu_bits(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, unsigned int part)
 {
+    const bool read = (part & ECT_PART_READ) != 0, write = (part & ECT_PART_WRITE) != 0;
     unsigned int done = 0;
     ECT_ASSERT(length <= ECT_ESC_MAX_FRAME);
     uint8_t *incoming = data;
@@ -186,8 +189,8 @@ unsigned int ect_esc_fmmu_bits(ect_esc_t *esc, uint32_t logical, uint8_t *data, 
         memcpy(incoming, data, length);
     }
     if (read && pass_bits(esc, logical, data, length, false))
-        done |= READS;
+        done |= ECT_PART_READ;
     if (write && pass_bits(esc, logical, incoming, length, true))
-        done |= WRITES;
+        done |= ECT_PART_WRITE;
     return done;
 }

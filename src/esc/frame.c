@@ -118,18 +118,18 @@ static unsigned int access_physical(ect_esc_t *esc, uint8_t *d, unsigned int par
     return any ? 1 : 0;
 }
 
-static unsigned int access_logical(ect_esc_t *esc, uint8_t *d, bool unread)
+/* @param unread  0, or ECT_PART_UNREAD */
+static unsigned int access_logical(ect_esc_t *esc, uint8_t *d, unsigned int unread)
 {
     uint8_t command = d[ECT_DATAGRAM_COMMAND];
     uint32_t logical = ect_load_le32(d + ECT_DATAGRAM_ADP);
     uint16_t length = ect_datagram_length(d);
-    bool reads = command != ECT_LWR;
-    bool writes = command != ECT_LRD;
-    unsigned int done = esc->fmmus_plain
-                            ? ect_esc_fmmu_bytes(esc, logical, d + ECT_DATAGRAM_DATA, length, reads, writes, unread)
-                            : ect_esc_fmmu_bits(esc, logical, d + ECT_DATAGRAM_DATA, length, reads, writes);
+    uint8_t *data = d + ECT_DATAGRAM_DATA;
+    unsigned int part = in_its_group(command - (unsigned int)ECT_LRD) | unread;
+    unsigned int done = esc->fmmus_plain ? ect_esc_fmmu_bytes(esc, logical, data, length, part)
+                                         : ect_esc_fmmu_bits(esc, logical, data, length, part);
     if (command == ECT_LRW)
-        return done; /* bit 0: +1 for the read, bit 1: +2 for the write */
+        return done; /* ECT_PART_READ: +1 for the read, ECT_PART_WRITE: +2 for the write */
     return done != 0 ? 1 : 0;
 }
 
@@ -147,7 +147,7 @@ static unsigned int execute(ect_esc_t *esc, uint8_t *d, unsigned int part)
         return 0;
     if (is_logical(d[ECT_DATAGRAM_COMMAND])) {
         bool refused = d[ECT_DATAGRAM_COMMAND] == ECT_LRW && (features & ECT_FEATURE_NO_LRW) != 0;
-        return refused ? 0 : access_logical(esc, d, (part & ECT_PART_UNREAD) != 0);
+        return refused ? 0 : access_logical(esc, d, part & ECT_PART_UNREAD);
     }
     bool refused = (part & both) == both && (features & ECT_FEATURE_NO_RW) != 0;
     return part == 0 || refused ? 0 : access_physical(esc, d, part);

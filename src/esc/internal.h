@@ -21,9 +21,9 @@
  *   protect.c    write protection, reset sequences
  *   registers.c  the registers, with their reset values, access rights and effects
  *   access.c     one access to the address space, from either side: registers or RAM
- *   fmmu.c       logical addresses
  *   esc.c        reset, time, the PDI side
  *   route.c      properties of a controller that affect passing frames
+ *   fmmu.c       logical addresses
  *   cyclic.c     the part of a controller in the exchange of process data, determined in advance
  *   frame.c      datagrams: addressing, working counter
  */
@@ -358,11 +358,11 @@ bool ect_esc_fmmu_accepts(const ect_esc_t *esc, uint16_t address, uint16_t lengt
 bool ect_esc_fmmu_write_register(ect_esc_t *esc, const ect_access_t *access, uint16_t address, uint16_t length);
 
 /* --- fmmu.c ----------------------------------------------------------------------------------------------------- */
-/* Bit 0 read succeeded, bit 1 write succeeded. */
-unsigned int ect_esc_fmmu_bits(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool read, bool write);
+/* @param part  ECT_PART_READ, ECT_PART_WRITE, ECT_PART_UNREAD. @return ECT_PART_READ and ECT_PART_WRITE that succeeded
+ */
+unsigned int ect_esc_fmmu_bits(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, unsigned int part);
 /* The same for FMMUs as most masters configure them (ect_esc_t::fmmus_plain). */
-unsigned int ect_esc_fmmu_bytes(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, bool read, bool write,
-                                bool unread);
+unsigned int ect_esc_fmmu_bytes(ect_esc_t *esc, uint32_t logical, uint8_t *data, uint16_t length, unsigned int part);
 static inline const uint8_t *ect_esc_fmmu_registers(const ect_esc_t *esc, unsigned int n)
 {
     return esc->memory + ECT_REG_FMMU + ECT_FMMU_SIZE * n;
