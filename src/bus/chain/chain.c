@@ -22,6 +22,7 @@ enum { REST_NS = 25000 };
 struct ect_chain {
     ect_cabling_t cabling;
     ect_twin_t *twins; /* as in the cabling */
+    void *block;       /* memory of the twins, the first of which begins at a line of the cache */
     bool links_due;    /* a plug may have been pulled, or a twin switched off, since the links were updated */
     bool delays_due;   /* a link or a loop may have changed since the delays were computed */
     ect_guard_t guard; /* of the next frame; NULL: none */
@@ -104,11 +105,13 @@ static bool make_lists(ect_chain_t *chain, size_t count)
     chain->deadlines = ect_deadlines_new(count);
     chain->ready = calloc(ect_bits_words(count), sizeof *chain->ready);
     chain->owing = calloc(ect_bits_words(count), sizeof *chain->owing);
-    chain->twins = chain->cabling.twins = aligned_alloc(ECT_TWIN_LINE, count * sizeof *chain->twins);
-    if (chain->twins)
-        memset(chain->twins, 0, count * sizeof *chain->twins);
+    chain->block = calloc(count + 1, sizeof *chain->twins);
     chain->cabling.count = count;
-    return chain->fast && chain->deadlines && chain->ready && chain->owing && chain->twins;
+    if (!chain->fast || !chain->deadlines || !chain->ready || !chain->owing || !chain->block)
+        return false;
+    void *line = (uint8_t *)chain->block + ECT_TWIN_LINE - (uintptr_t)chain->block % ECT_TWIN_LINE;
+    chain->twins = chain->cabling.twins = line;
+    return true;
 }
 
 static bool make_twins(ect_chain_t *chain, const ect_twin_config_t *twins, uint64_t now_ns)
@@ -188,7 +191,7 @@ void ect_chain_free(ect_chain_t *chain)
     free(chain->owing);
     free(chain->ram);
     free(chain->buffers);
-    free(chain->twins);
+    free(chain->block);
     free(chain);
 }
 

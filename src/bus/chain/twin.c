@@ -36,6 +36,7 @@ static size_t esc_size(const ect_twin_config_t *config)
     const ect_esc_personality_t *chip = ect_twin_chip(config);
     return chip ? ECT_ESC_MEMORY_SIZE(chip->ram_kb) : 0;
 }
+
 /* An odd number of lines puts the same register of many twins into different sets of the cache: sizes of ESCs are
  * multiples of 1 KB, which would leave that register a sixteenth of the sets or fewer. */
 size_t ect_twin_ram_size(const ect_twin_config_t *config)

@@ -97,8 +97,8 @@ unsigned int ect_planner_make(ect_planner_t *planner, ect_chain_t *chain);
 
 /**
  * Copies the newest input image of a slave that has just run into its plan, which ::ect_planner_make does otherwise,
- * when the image may have left the processor's cache. The next call of ::ect_planner_make must follow before any other
- * access to the slave's ESC. Plans are void.
+ * when the image may have left the processor's cache. Until the next call of ::ect_planner_make only a further run may
+ * access the slave's ESC, and is followed by this call. Plans are void.
  */
 void ect_planner_ran(ect_planner_t *planner, size_t position);
 
