@@ -44,7 +44,7 @@ static inline uint16_t eni_station(const ect_eni_slave_t *slave, size_t i)
 
 static inline uint32_t eni_bounded_timeout(uint32_t timeout_ms)
 {
-    return timeout_ms < ECT_ENI_MAX_TIMEOUT ? timeout_ms : ECT_ENI_MAX_TIMEOUT;
+    return timeout_ms < ECT_ENI_MAX_TIMEOUT ? timeout_ms : (uint32_t)ECT_ENI_MAX_TIMEOUT;
 }
 
 /** Reports a reply that differs from the expectation of line `line` of the file. */

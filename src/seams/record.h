@@ -56,7 +56,7 @@ static inline int ect_record_data_good(const ect_record_t *r)
     uint8_t piece[ECT_RECORD_PIECE];
     uint32_t crc = 0xFFFFFFFF;
     for (uint32_t at = 0; at < r->length; at += ECT_RECORD_PIECE) {
-        uint32_t size = r->length - at < ECT_RECORD_PIECE ? r->length - at : ECT_RECORD_PIECE;
+        uint32_t size = r->length - at < ECT_RECORD_PIECE ? r->length - at : (uint32_t)ECT_RECORD_PIECE;
         if (!ect_record_get(r, at, piece, size))
             return -1;
         crc = ect_crc32(crc, piece, size);
