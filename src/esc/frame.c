@@ -125,17 +125,12 @@ static unsigned int access_logical(ect_esc_t *esc, uint8_t *d, unsigned int unre
     uint32_t logical = ect_load_le32(d + ECT_DATAGRAM_ADP);
     uint16_t length = ect_datagram_length(d);
     uint8_t *data = d + ECT_DATAGRAM_DATA;
-    unsigned int part = in_its_group(command - (unsigned int)ECT_LRD) | unread;
+    unsigned int part = ect_command_direction(command) | unread;
     unsigned int done = esc->fmmus_plain ? ect_esc_fmmu_bytes(esc, logical, data, length, part)
                                          : ect_esc_fmmu_bits(esc, logical, data, length, part);
     if (command == ECT_LRW)
         return done; /* ECT_PART_READ: +1 for the read, ECT_PART_WRITE: +2 for the write */
     return done != 0 ? 1 : 0;
-}
-
-static bool is_logical(uint8_t command)
-{
-    return command >= ECT_LRD && command <= ECT_LRW;
 }
 
 static unsigned int execute(ect_esc_t *esc, uint8_t *d, unsigned int part)
@@ -145,7 +140,7 @@ static unsigned int execute(ect_esc_t *esc, uint8_t *d, unsigned int part)
     ECT_ASSERT(ect_datagram_length(d) <= ECT_ESC_MAX_FRAME);
     if (ect_datagram_length(d) == 0)
         return 0;
-    if (is_logical(d[ECT_DATAGRAM_COMMAND])) {
+    if (ect_command_direction(d[ECT_DATAGRAM_COMMAND]) != 0) {
         bool refused = d[ECT_DATAGRAM_COMMAND] == ECT_LRW && (features & ECT_FEATURE_NO_LRW) != 0;
         return refused ? 0 : access_logical(esc, d, part & ECT_PART_UNREAD);
     }

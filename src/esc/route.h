@@ -131,6 +131,21 @@ static inline bool ect_command_counts(uint8_t command)
            command == ECT_ARMW;
 }
 
+/** Parts of a command with a logical address: ECT_PART_READ, ECT_PART_WRITE or both; 0: the command has none. */
+static inline unsigned int ect_command_direction(uint8_t command)
+{
+    switch (command) {
+    case ECT_LRD:
+        return ECT_PART_READ;
+    case ECT_LWR:
+        return ECT_PART_WRITE;
+    case ECT_LRW:
+        return ECT_PART_READ | ECT_PART_WRITE;
+    default:
+        return 0;
+    }
+}
+
 /** Starts a frame at `now_ns`: once for each controller that takes part, before its first datagram. */
 void ect_esc_begin_of_frame(ect_esc_t *esc, uint64_t now_ns);
 

@@ -499,21 +499,6 @@ static unsigned int to_windows(ect_fast_t *f, uint8_t *d, unsigned int direction
     return gain;
 }
 
-/* @return the parts of a command with a logical address; 0: the command has none */
-static unsigned int direction_of(uint8_t command)
-{
-    switch (command) {
-    case ECT_LRD:
-        return ECT_PART_READ;
-    case ECT_LWR:
-        return ECT_PART_WRITE;
-    case ECT_LRW:
-        return ECT_PART_READ | ECT_PART_WRITE;
-    default:
-        return 0;
-    }
-}
-
 /* @return whether a controller in `set` takes part in a datagram with a logical address */
 static bool meets_logical(ect_fast_t *f, const uint8_t *d, unsigned int direction, const uint64_t *set)
 {
@@ -534,7 +519,7 @@ bool ect_fast_meets(ect_fast_t *fast, const uint8_t *frame, size_t length, const
     update_sums(fast);
     for (const uint8_t *d = frame + at; d; d = ect_datagram_after(d)) {
         const uint8_t command = d[ECT_DATAGRAM_COMMAND];
-        const unsigned int direction = direction_of(command);
+        const unsigned int direction = ect_command_direction(command);
         if (direction != 0 ? meets_logical(fast, d, direction, set) : command != ECT_BRD || !is_known_status(fast, d))
             return true;
     }
@@ -563,7 +548,7 @@ static unsigned int dispatch(ect_fast_t *f, uint8_t *d)
     case ECT_LRD:
     case ECT_LWR:
     case ECT_LRW:
-        return to_windows(f, d, direction_of(d[ECT_DATAGRAM_COMMAND]));
+        return to_windows(f, d, ect_command_direction(d[ECT_DATAGRAM_COMMAND]));
     case ECT_ARMW:
     case ECT_FRMW:
         return to_one_and_all(f, d);

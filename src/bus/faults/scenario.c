@@ -627,7 +627,7 @@ static bool has_process_data(uint8_t *frame, size_t length)
 {
     size_t at = ect_frame_datagrams(frame, length);
     for (uint8_t *d = at != 0 ? frame + at : NULL; d; d = ect_datagram_next(d)) {
-        if (d[ECT_DATAGRAM_COMMAND] >= ECT_LRD && d[ECT_DATAGRAM_COMMAND] <= ECT_LRW)
+        if (ect_command_direction(d[ECT_DATAGRAM_COMMAND]) != 0)
             return true;
     }
     return false;

@@ -39,20 +39,19 @@ static int store(const frame_t *frame, size_t at, const void *from, size_t lengt
 
 /* A plan in the making. */
 typedef struct maker {
+    ect_planner_t *planner;
     ect_chain_t *chain;
     ect_chain_steady_t steady;
     ect_plan_t *plan;
     ect_plan_sample_t *sample;
-    ect_plan_place_t *places; /* NULL: none */
-    uint8_t number;           /* of the plan */
-    const uint8_t *frame;     /* of the sample */
-    const ect_esc_t *clock;   /* the reference clock of all plans; NULL: none yet */
-    uint8_t command;          /* of the present datagram, */
-    uint32_t logical;         /* its address, */
-    uint16_t length;          /* the length of its data, */
-    uint16_t at;              /* and its offset */
-    uint32_t gain;            /* of its working counter */
-    uint32_t image;           /* bytes in use */
+    const uint8_t *frame;   /* of the sample */
+    const ect_esc_t *clock; /* the reference clock of all plans; NULL: none yet */
+    uint8_t command;        /* of the present datagram, */
+    uint32_t logical;       /* its address, */
+    uint16_t length;        /* the length of its data, */
+    uint16_t at;            /* and its offset */
+    uint32_t gain;          /* of its working counter */
+    uint32_t image;         /* bytes in use */
 } maker_t;
 
 static bool add_step(maker_t *m, ect_plan_step_t step)
@@ -73,8 +72,9 @@ static void add_base(maker_t *m, size_t position, const ect_esc_t *esc, unsigned
                                                     .image = (uint16_t)image,
                                                     .position = (uint16_t)position,
                                                     .sm = (uint8_t)sm};
-        if (m->places && sm != ECT_ESC_MAX_SM)
-            m->places[position] = (ect_plan_place_t){.plan = m->number, .base = (uint8_t)s->base_count};
+        if (m->planner->places && sm != ECT_ESC_MAX_SM)
+            m->planner->places[position] =
+                (ect_plan_place_t){.plan = (uint8_t)(s - m->planner->samples), .base = (uint8_t)s->base_count};
     }
     s->base_count++;
 }
@@ -105,9 +105,7 @@ static bool copy_pieces(void *ctx, size_t position, const ect_esc_t *esc)
 
 static bool plan_logical(maker_t *m)
 {
-    unsigned int direction =
-        (m->command != ECT_LWR ? ECT_PART_READ : 0u) | (m->command != ECT_LRD ? ECT_PART_WRITE : 0u);
-    return ect_chain_visit_mapped(m->chain, m->logical, m->length, direction, copy_pieces, m);
+    return ect_chain_visit_mapped(m->chain, m->logical, m->length, ect_command_direction(m->command), copy_pieces, m);
 }
 
 static bool plan_status(maker_t *m, uint16_t address)
@@ -254,7 +252,7 @@ static bool outputs_differ(const ect_plan_sample_t *sample, const uint8_t *frame
 {
     for (const uint8_t *d = frame + ECT_PLAN_FIRST; d; d = ect_datagram_after(d)) {
         const uint8_t *data = d + ECT_DATAGRAM_DATA;
-        bool writes = d[ECT_DATAGRAM_COMMAND] == ECT_LWR || d[ECT_DATAGRAM_COMMAND] == ECT_LRW;
+        bool writes = (ect_command_direction(d[ECT_DATAGRAM_COMMAND]) & ECT_PART_WRITE) != 0;
         if (writes && memcmp(data, in_sample(sample, frame, data), ect_datagram_length(d)) != 0)
             return true;
     }
@@ -305,14 +303,16 @@ void ect_planner_void(ect_planner_t *planner)
     }
 }
 
-/* Copies the newest image. @return whether the part of the ESC in the frame is unchanged */
-static bool renew_base(ect_plan_base_t *base, ect_plan_t *plan)
+/* @return whether the part of the ESC in the frame is unchanged, except the image */
+static bool is_unchanged(const ect_plan_base_t *base)
 {
-    const bool copied = base->copied;
-    base->copied = false;
-    if (ect_esc_routing(base->esc) != base->routing)
-        return false;
-    if (base->sm == ECT_ESC_MAX_SM || copied)
+    return ect_esc_routing(base->esc) == base->routing;
+}
+
+/* Copies the newest image. @return false: none yet */
+static bool copy_image(const ect_plan_base_t *base, ect_plan_t *plan)
+{
+    if (base->sm == ECT_ESC_MAX_SM)
         return true;
     const uint8_t *from = ect_esc_newest_image(base->esc, base->sm);
     if (from)
@@ -342,7 +342,10 @@ static bool renew(maker_t *m, ect_plan_sample_t *sample)
     if (sample->step_count == 0 || sample->base_count > ECT_PLAN_BASES)
         return false;
     for (unsigned int i = 0; i < sample->base_count; i++) {
-        if (!renew_base(&sample->bases[i], m->plan))
+        ect_plan_base_t *base = &sample->bases[i];
+        const bool copied = base->copied;
+        base->copied = false;
+        if (!is_unchanged(base) || (!copied && !copy_image(base, m->plan)))
             return false;
     }
     if (!renew_time(m, sample))
@@ -364,11 +367,11 @@ static bool make(maker_t *m, ect_plan_sample_t *sample)
 }
 
 /* @param same  the state of the line has not changed. @return whether there is a plan */
-static bool update(maker_t *m, ect_planner_t *planner, size_t place, bool same)
+static bool update(maker_t *m, size_t place, bool same)
 {
+    ect_planner_t *planner = m->planner;
     ect_plan_sample_t *sample = &planner->samples[place];
     m->plan = &planner->table->plans[place];
-    m->number = (uint8_t)place;
     if (!same)
         sample->step_count = 0;
     if (renew(m, sample)) {
@@ -389,7 +392,7 @@ static bool same_steady(const ect_chain_steady_t *a, const ect_chain_steady_t *b
 
 unsigned int ect_planner_make(ect_planner_t *planner, ect_chain_t *chain)
 {
-    maker_t m = {.chain = chain, .places = planner->places};
+    maker_t m = {.planner = planner, .chain = chain};
     ect_planner_void(planner);
     if (!ect_chain_steady(chain, &m.steady))
         return 0;
@@ -398,7 +401,7 @@ unsigned int ect_planner_make(ect_planner_t *planner, ect_chain_t *chain)
     unsigned int plans = 0;
     for (size_t word = 0; word < ect_bits_words(ECT_PLANS); word++) {
         for (uint64_t left = planner->known[word]; left != 0;)
-            plans += update(&m, planner, ect_bits_take(word, &left), same);
+            plans += update(&m, ect_bits_take(word, &left), same);
     }
     return plans;
 }
@@ -408,10 +411,8 @@ void ect_planner_ran(ect_planner_t *planner, size_t position)
     const ect_plan_place_t at = planner->places[position];
     ect_plan_sample_t *sample = &planner->samples[at.plan];
     ect_plan_base_t *base = &sample->bases[at.base];
-    if (at.base < sample->base_count && base->position == position && sample->step_count != 0) {
-        base->copied = false;
-        base->copied = renew_base(base, &planner->table->plans[at.plan]);
-    }
+    if (at.base < sample->base_count && base->position == position && sample->step_count != 0)
+        base->copied = is_unchanged(base) && copy_image(base, &planner->table->plans[at.plan]);
 }
 
 const ect_plan_t *ect_plan_find(const ect_plan_table_t *table, const uint8_t *head)

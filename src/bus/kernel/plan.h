@@ -39,11 +39,11 @@ enum { ECT_PLAN_BASES = 128 };
 /** An ESC that a plan is based on, with its input image in the plan. */
 typedef struct ect_plan_base {
     const ect_esc_t *esc;
-    uint32_t routing; /**< ::ect_esc_routing */
-    uint16_t image;   /**< place in the image of the plan */
-    uint16_t position;
-    uint8_t sm;  /**< SyncManager of the input image; ECT_ESC_MAX_SM: none */
-    bool copied; /**< the newest image is in the plan */
+    uint32_t routing;  /**< ::ect_esc_routing */
+    uint16_t image;    /**< place in the image of the plan */
+    uint16_t position; /**< of the ESC in the chain */
+    uint8_t sm;        /**< SyncManager of the input image; ECT_ESC_MAX_SM: none */
+    bool copied;       /**< the newest image is in the plan */
 } ect_plan_base_t;
 
 /** A base among those of all plans. */
