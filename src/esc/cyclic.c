@@ -15,6 +15,7 @@ typedef struct overlap {
 
 bool ect_esc_steady(const ect_esc_t *esc)
 {
+    /* With nothing due, the other two times are none; they are apart in memory. */
     return esc->per_frame == 0 && esc->sii_command == 0 &&
            (esc->next_ns == UINT64_MAX || (esc->loops_revert_ns == UINT64_MAX && esc->pdi_ns == UINT64_MAX));
 }

@@ -31,6 +31,9 @@ const ect_esc_personality_t *ect_twin_chip(const ect_twin_config_t *config)
     return ect_esc_personality(config->esc ? config->esc : config->device->esc);
 }
 
+_Static_assert(sizeof(void *) != 8 || offsetof(ect_twin_t, slave.config) % ECT_TWIN_LINE == 0,
+               "on 64 bits the configuration of the slave begins at a line");
+
 static size_t esc_size(const ect_twin_config_t *config)
 {
     const ect_esc_personality_t *chip = ect_twin_chip(config);

@@ -184,7 +184,8 @@ static void set_sms(rig_t *r, size_t i, bool process)
     }
 }
 
-/* Process data of all are adjacent, and sometimes overlap. */
+/* Process data of all are adjacent, and sometimes overlap. With plans, inputs of a slave sometimes become outputs of
+ * the next one. */
 static void set_fmmus(rig_t *r, size_t i)
 {
     const ect_device_t *device = device_of(r, i);
@@ -199,8 +200,7 @@ static void set_fmmus(rig_t *r, size_t i)
         bool bits = one_in(r, r->plans ? 60 : 6);
         uint32_t logical = r->plans && !one_in(r, 20) ? (uint32_t)(i * 300 + end) : (uint32_t)(i * 40 + below(r, 40));
         if (r->plans && i > 0 && device->sm[sm].type == ECT_SM_OUTPUTS && one_in(r, 6))
-            logical =
-                (uint32_t)((i - 1) * 300 + below(r, 100)); /* inputs of the previous slave become outputs of this one */
+            logical = (uint32_t)((i - 1) * 300 + below(r, 100));
         end = (uint16_t)(end + (shared ? 0 : bytes));
         ect_store_le32(fmmu, logical);
         ect_store_le16(fmmu + 4, bytes);

@@ -99,10 +99,10 @@ static void frames_with_a_reply(void **state)
         uint8_t outputs[3];
         bool has_inputs; /* the frame, afterwards */
     } rows[] = {{0x106, {4, 5, 6}, false}, {0x103, {7, 8, 9}, true}};
+    (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         static rig_t r;
         uint8_t reply[200], outputs[3], request[BYTES];
-        (void)state;
         open_rig(&r);
         wire_set_fmmu(&r.w, 1, FMMU_OUT, rows[i].logical, 3, 0, 7, OUTPUTS, 0, 2);
         (void)ect_esc_pdi_write(ect_chain_esc(r.w.chain, 0), INPUTS, inputs, sizeof inputs);
